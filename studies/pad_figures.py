@@ -18,12 +18,12 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.files import write_text
-from dummydesign.core.library import data_folder
+from dummydesign.core.user_library import data_folder
 from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
-from dummydesign.pad.elastic_force import elastic_curve
 from dummydesign.pad.force_law import ForceCurve
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.force_source import elastic_curve
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.tables.square import square_factor
 
 FOLDER = Path("docs") / "data"

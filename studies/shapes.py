@@ -23,14 +23,14 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.files import write_text
 from dummydesign.design.assessment.decision import MISFIT_N, ShapeComparison, force_at
 from dummydesign.design.request import RADIUS_MM, Request
-from dummydesign.design.scoring.presses import DEPTH_SHARE
+from dummydesign.design.scoring.press_simulation import DEPTH_SHARE
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.suggest import centring_tolerance, suggest
 from dummydesign.design.suggestion import CentringTolerance, Suggestion
 from dummydesign.geometry.dimensions import PUNCH_SIDE_MM
 from dummydesign.geometry.interface import CONDITIONS
 from dummydesign.geometry.shapes.slab import Slab
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 from studies.marked_page import MarkedPage
 
 TISSUES = ("forefinger", "palm", "thenar")

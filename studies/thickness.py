@@ -19,9 +19,9 @@ import numpy as np
 
 from dummydesign.core.files import write_text
 from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
+from dummydesign.pad.fe_force_law import FeForceLaw, SolvedSlab, law_of, solve_slab
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.solved_law import SolvedLaw, SolvedSlab, law_of, solve_slab
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.report.whatif import STATEMENT
 from studies.marked_page import MarkedPage, wrapped
 
@@ -104,14 +104,14 @@ class Curvature:
         return asdict(self)
 
 
-def curvature_at(law: SolvedLaw, base: str, thickness_mm: float, depth_mm: float) -> Curvature:
+def curvature_at(law: FeForceLaw, base: str, thickness_mm: float, depth_mm: float) -> Curvature:
     """Curvature of a solved slab at a depth.
 
     With F = E a x exp(p(x / h)) and u = x / h: n = 1 + u p'(u), dn / d ln x = u p'(u) + u^2 p''(u).
 
     Parameters
     ----------
-    law : SolvedLaw
+    law : FeForceLaw
         The solved slabs.
     base : str
         ``bonded`` or ``sliding``, for the row.
@@ -134,12 +134,12 @@ def curvature_at(law: SolvedLaw, base: str, thickness_mm: float, depth_mm: float
     return Curvature(base, thickness_mm, depth_mm, u, force, 1.0 + float(first), float(first + second))
 
 
-def depth_at_force(law: SolvedLaw, thickness_mm: float, force_N: float) -> float:
+def depth_at_force(law: FeForceLaw, thickness_mm: float, force_N: float) -> float:
     """Depth at which a solved slab of the study's modulus carries a force; infinite when out of reach. [mm]
 
     Parameters
     ----------
-    law : SolvedLaw
+    law : FeForceLaw
         The solved slabs.
     thickness_mm : float
         One of the solved thicknesses. [mm]
@@ -167,7 +167,7 @@ def study(slabs: list[SolvedSlab]) -> dict[str, dict[float, list[Curvature]]]:
     return curvatures
 
 
-def laws(slabs: list[SolvedSlab]) -> dict[str, SolvedLaw]:
+def laws(slabs: list[SolvedSlab]) -> dict[str, FeForceLaw]:
     """Force laws of the solved slabs by support: ``bonded``, ``sliding``, ``bonded, c2/mu 0.1`` .."""
     groups: dict[str, list[SolvedSlab]] = {}
     for slab in slabs:

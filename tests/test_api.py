@@ -95,7 +95,7 @@ def test_without_cad_both_name_the_same_next_command_and_keep_the_recipe(capsys,
     def broken(*_, **__):
         raise NoAnswerError("cad_unavailable", "libGL.so.1 is missing: apt install libgl1")
 
-    monkeypatch.setattr("dummydesign.mold.runner.make_mold", broken)
+    monkeypatch.setattr("dummydesign.mold.client.make_mold", broken)
     monkeypatch.chdir(tmp_path)
     with pytest.raises(NoAnswerError, match="dummydesign mold --thickness") as caught:
         dummydesign.suggest("palm", **PALM, verify=False, cad=True, out="a")

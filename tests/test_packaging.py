@@ -50,7 +50,7 @@ def evaluate(python, folder, *words):
 
 
 def test_the_installed_package_is_the_wheel_and_not_the_repository(installed, tmp_path):
-    code = "import dummydesign, dummydesign.core.library as l; print(dummydesign.__file__); print(l.data_folder())"
+    code = "import dummydesign, dummydesign.core.user_library as l; print(dummydesign.__file__); print(l.data_folder())"
     found = evaluate(installed, tmp_path, "-c", code)
     package, data = found.stdout.split()
     assert str(ROOT) not in package
@@ -82,7 +82,7 @@ def test_presets_tables_and_materials_travel_in_the_wheel(installed, tmp_path):
 def test_the_cache_of_an_installed_package_follows_its_sources_and_tables(installed, tmp_path):
     code = """
 from dummydesign.core import cache
-from dummydesign.core.library import data_folder
+from dummydesign.core.user_library import data_folder
 table = next((data_folder() / "materials" / "tables").glob("*.json"))
 source = max((path for path in cache.sources() if path.suffix == ".py"), key=lambda path: len(path.parts))
 assert "_data" in table.parts, table

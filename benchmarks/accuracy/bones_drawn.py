@@ -31,8 +31,8 @@ import dummydesign
 from benchmarks.rows import keep_row
 from dummydesign.core.errors import DummydesignError
 from dummydesign.mold.cad.kernel import cq, occ
+from dummydesign.mold.client import insert_bone
 from dummydesign.mold.model.spec import Placing
-from dummydesign.mold.runner import insert_bone
 
 MADE = ""
 

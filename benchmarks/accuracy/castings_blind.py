@@ -37,7 +37,7 @@ from dummydesign.design.assessment.pad_castings import verdict_of_design
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import Castings
-from dummydesign.design.scoring.presses import make_curves
+from dummydesign.design.scoring.press_simulation import make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.verdict import LEVELS, ranges_of
 from dummydesign.design.search.slabs import DesignCandidate, make_slabs
@@ -45,7 +45,7 @@ from dummydesign.design.suggest import design
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 from studies.marked_page import wrapped
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -30,8 +30,8 @@ from dummydesign.mold.pour.acceptance import gauge_points
 from dummydesign.mold.pour.crown import COMPARED_DEPTH, crown_shape
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.record import Measured, record_pad
-from dummydesign.pad.elastic_force import solve_points
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.force_source import solve_points
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.tables.shape import TabulatedShapeLaw
 
 PADS = (

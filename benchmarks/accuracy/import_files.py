@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from dummydesign.measurement.importing.contact import find_contact
-from dummydesign.measurement.importing.signs import find_presses
+from dummydesign.measurement.importing.sign_convention import find_presses
 from tests.support.import_rates import CONTACT_MM, CONTACT_SHARE, judge
 from tests.support.machine_files import machine_file
 from tests.support.machine_presses import recording

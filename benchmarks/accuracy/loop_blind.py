@@ -14,7 +14,7 @@ from pathlib import Path
 
 from benchmarks.accuracy.loop_blind_table import HEADS, data, table
 from benchmarks.accuracy.loop_campaigns import KINDS, kind_of, run_one
-from benchmarks.accuracy.loop_other_mind_page import section, write_functions
+from benchmarks.accuracy.loop_independent_generator_page import section, write_functions
 from benchmarks.rows import keep_row, read_rows, scratch
 from studies.marked_page import wrapped
 

@@ -22,14 +22,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.accuracy.loop_other_mind import floors
+from benchmarks.accuracy.loop_independent_generator import floors
 from benchmarks.rows import keep_row, read_rows, scratch
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
 from dummydesign.loop.calibration import calibration_of
 from dummydesign.loop.run import close_loop
 from dummydesign.measurement.campaign_file import read_campaign
-from tests.support import other_mind as generator
+from tests.support import independent_generator as generator
 
 USUAL = {**generator.SIZES, "sensor_square": generator.UNNAMED["sensor_square"]}
 NAMES = {"sensor_square": "sensor_curve"}
@@ -89,7 +89,7 @@ def run_one(number: int, turn: int, seed: int, folder: Path, rows: list[dict]) -
 
 
 def singles(rows: list[dict]) -> list[dict]:
-    """Campaigns with one effect among the rows of the study of another mind."""
+    """Campaigns with one effect among the rows of the study of the independent generator."""
     out = []
     for row in rows:
         if len(row["put"]) == 1 and row["put"][0][0] in USUAL:
@@ -259,7 +259,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1030000)
     parser.add_argument("--rounds", type=int, default=8)
     parser.add_argument("--rows", type=Path, default=Path("benchmarks/results/loop_detection.jsonl"))
-    parser.add_argument("--beside", type=Path, nargs="*", default=[], help="rows of loop_other_mind")
+    parser.add_argument("--beside", type=Path, nargs="*", default=[], help="rows of loop_independent_generator")
     parser.add_argument("--table", action="store_true")
     options = parser.parse_args()
 

@@ -1,8 +1,8 @@
 """Campaigns pressed with a fillet of 0.5 mm that they do not declare: is it named, and with what size?
 
 ``python -m benchmarks.accuracy.loop_punch_edge --seed N --campaigns N --rows FILE``. Force curves by GetFEM in the
-campaigns of tests.support.other_mind: round punch of 15.8 mm, slabs of 6, 10 and 16 mm. Every second one has another
-effect.
+campaigns of tests.support.independent_generator: round punch of 15.8 mm, slabs of 6, 10 and 16 mm. Every
+second one has another effect.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.accuracy.loop_other_mind import draw
+from benchmarks.accuracy.loop_independent_generator import draw
 from dummydesign.loop.calibration import calibration_of
 from dummydesign.loop.run import close_loop
 from dummydesign.loop.selection.cross_validation import effect_intervals
 from dummydesign.measurement.campaign_file import read_campaign
-from tests.support import other_mind as generator
+from tests.support import independent_generator as generator
 
 FILLET_MM = 0.5
 

@@ -107,7 +107,7 @@ def drawn(rng: np.random.Generator, for_fit: bool = False, overshoot: tuple[floa
 
 def landmarks(draws: int, seed: int, overshoot: tuple[float, float]) -> None:
     """Print how often depth, hold and steady force are right."""
-    from dummydesign.measurement.landmarks import summarise
+    from dummydesign.measurement.ramp_detection import summarise
 
     rng = np.random.default_rng(seed)
     right, wrong = {"depth": 0, "hold": 0, "steady force": 0}, []

@@ -33,8 +33,8 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.process import ONE_THREAD
-from dummydesign.pad.specimen import Pad
+from dummydesign.core.blas_threads import ONE_THREAD
+from dummydesign.pad.pad_under_punch import Pad
 
 RADIUS_MM = 7.9
 SLABS = {5.0: 0.3, 10.0: 0.3, 20.0: 0.2}
@@ -117,7 +117,7 @@ def ours_slab(ratio: float, extent: float, depth: np.ndarray, corner: float = CO
     from dummydesign.pad.fem.mixed_solid import Solid
     from dummydesign.pad.material.hyperelastic import Yeoh
     from dummydesign.pad.solve.continuation import follow
-    from dummydesign.pad.solve.equilibrium import Problem
+    from dummydesign.pad.solve.equilibrium import ContactProblem
 
     began = time.process_time()
     scale = min(ratio, 1.0)
@@ -133,7 +133,7 @@ def ours_slab(ratio: float, extent: float, depth: np.ndarray, corner: float = CO
     held = np.zeros(mesh.size, dtype=bool)
     held[2 * np.nonzero(meshes.on_axis(mesh))[0]] = True
     held[np.concatenate([2 * under, 2 * base, 2 * base + 1])] = True
-    problem = Problem(Solid(mesh, Yeoh(1.0)), held, 2 * under + 1, 2 * base + 1)
+    problem = ContactProblem(Solid(mesh, Yeoh(1.0)), held, 2 * under + 1, 2 * base + 1)
     path = follow(problem, depth, cell, 0.05 * scale, 1e-3 * scale)
     return {
         "force": path.force.tolist(),
@@ -150,14 +150,14 @@ def ours_puck() -> dict[str, Any]:
     from dummydesign.pad.axisymmetric.puck import UnitPuck, puck_problem
     from dummydesign.pad.material.hyperelastic import Yeoh
     from dummydesign.pad.solve.continuation import follow
-    from dummydesign.pad.solve.equilibrium import Problem
+    from dummydesign.pad.solve.equilibrium import ContactProblem
 
     began = time.process_time()
     full = puck_problem(UnitPuck(1.0, "bonded"), Yeoh(1.0), corner=PUCK_CORNER)
     mesh = full.solid.mesh
     held = np.ones(mesh.size, dtype=bool)
     held[full.pattern.free] = held[full.driven] = False
-    problem = Problem(full.solid, held, full.driven, full.base)
+    problem = ContactProblem(full.solid, held, full.driven, full.base)
     path = follow(problem, 0.5 * np.array(COMPRESSION), 0.02, 0.05, 1e-3)
     seconds = time.process_time() - began
     vertices = mesh.dofs.reshape(-1, 9, 2)[:, :4, 0] // 2

@@ -25,10 +25,10 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.process import ONE_THREAD
+from dummydesign.core.blas_threads import ONE_THREAD
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.fields import solve_fields
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 
 Array = np.ndarray
 RADIUS_MM, FILLET_MM, EXTENT_MM, YOUNG_MPA = 7.9, 0.5, 75.7, 0.03

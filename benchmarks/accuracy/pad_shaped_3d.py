@@ -20,7 +20,7 @@ from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.shaped_problem import solve_path
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.spatial.shaped_pad import Grid, Load, shaped_problem
+from dummydesign.pad.spatial.shaped_pad import GridFineness, Load, shaped_problem
 
 SHARES = np.array([0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5])
 SIDE_MM = 7.0
@@ -51,7 +51,7 @@ def force(shape: PadShape, thickness_mm: float, offset_mm: float, cells: int) ->
         0.5,
         float(SHARES[0]),
     )
-    problem = shaped_problem(load, Grid(cells))
+    problem = shaped_problem(load, GridFineness(cells))
     path = follow(problem, SHARES, 0.25 * SHARES[0], 0.05 * load.scale, SHARES[0] / 256.0)
     values = np.full(len(SHARES), np.nan)
     values[: len(path.force)] = load.multiplicity * path.force * h**2 / 3.0

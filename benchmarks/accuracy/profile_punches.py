@@ -16,7 +16,7 @@ import numpy as np
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.pad.axisymmetric.profile_punch import CELLS, profile, solve_profile
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 from tests.support.ball_punch import sphere
 
 SHARES = np.array([0.03, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5])

@@ -30,7 +30,7 @@ from scipy.signal import lfilter
 from benchmarks.rows import scratch, write_csv
 from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import HyperelasticLaw, Ogden, Yeoh
-from dummydesign.pad.specimen import Puck
+from dummydesign.pad.pad_under_punch import Puck
 from dummydesign.resin import load_resin
 from dummydesign.resin.puck_test.add_compression import Compressed, add_compression
 from dummydesign.resin.puck_test.plates import LUBRICATED, read_plates

@@ -16,10 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
-from dummydesign.measurement.landmarks import find_holds
+from dummydesign.measurement.ramp_detection import find_holds
 from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import Ogden
-from dummydesign.pad.specimen import Puck
+from dummydesign.pad.pad_under_punch import Puck
 from dummydesign.pad.tables.puck import table_for
 from dummydesign.resin.puck_test.loading_fit import reduce_press
 from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation

@@ -16,7 +16,7 @@ import numpy as np
 
 from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import Ogden
-from dummydesign.pad.specimen import Puck
+from dummydesign.pad.pad_under_punch import Puck
 from dummydesign.pad.tables.puck import SHAPE_STEP, grip, load_shapes, table_for, uniaxial
 
 COMPRESSION = np.array([0.02, 0.1, 0.2, 0.3, 0.4, 0.5])

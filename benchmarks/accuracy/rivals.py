@@ -35,9 +35,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.accuracy import loop_campaigns, loop_other_mind
+from benchmarks.accuracy import loop_campaigns, loop_independent_generator
 from benchmarks.rows import keep_row, read_rows, scratch
-from dummydesign.core.process import one_blas_thread
+from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.loop.calibration import Model, calibration_of
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects
@@ -52,7 +52,7 @@ from dummydesign.loop.run import close_loop
 from dummydesign.loop.selection.cross_validation import assess, effect_intervals
 from dummydesign.measurement.campaign import Campaign
 from dummydesign.measurement.campaign_file import read_campaign
-from tests.support import campaign_generator, other_mind
+from tests.support import campaign_generator, independent_generator
 
 ROWS = Path(__file__).resolve().parents[1] / "results" / "loop_rivals_2100000.jsonl"
 KINDS = ("one", "two", "one", "none")
@@ -322,13 +322,13 @@ def draw(number: int, seed: int) -> tuple[str, str, Put]:
     if kind == "none":
         return kind, maker, []
     if kind == "two":
-        put = loop_campaigns.draw(kind, 0, seed) if maker == "first" else loop_other_mind.draw(kind, 0, seed)
+        put = loop_campaigns.draw(kind, 0, seed) if maker == "first" else loop_independent_generator.draw(kind, 0, seed)
         return kind, maker, list(put)
-    sizes = campaign_generator.SIZES if maker == "first" else other_mind.SIZES
-    names = list(other_mind.SIZES)
+    sizes = campaign_generator.SIZES if maker == "first" else independent_generator.SIZES
+    names = list(independent_generator.SIZES)
     name = names[STRIDE * (block * KINDS.count("one") + KINDS[:place].count("one")) % len(names)]
     if name not in sizes:
-        maker, sizes = "other", other_mind.SIZES
+        maker, sizes = "other", independent_generator.SIZES
     return kind, maker, [(name, sizes[name] * float(np.random.default_rng([seed, 31]).uniform(*STRONGER)))]
 
 
@@ -339,8 +339,8 @@ def write(maker: str, put: Put, seed: int, folder: Path) -> tuple[float, float]:
         campaign_generator.write_campaign(folder / "b", *first, seed, held_out=True, more=more)
         truth = campaign_generator.write_campaign(folder / "a", *first, seed, more=more)
         return truth.floor_N, truth.young_kPa
-    other_mind.write_campaign(folder / "b", tuple(put), seed, held_out=True)
-    other = other_mind.write_campaign(folder / "a", tuple(put), seed)
+    independent_generator.write_campaign(folder / "b", tuple(put), seed, held_out=True)
+    other = independent_generator.write_campaign(folder / "a", tuple(put), seed)
     return other.floor_N, other.young_kPa
 
 

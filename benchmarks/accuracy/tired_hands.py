@@ -3,8 +3,8 @@
 ``python -m benchmarks.accuracy.tired_hands --seed N --campaigns N --rows FILE``; then the same with ``--table``.
 
 Faults are put into the sheet or the files of campaigns of two generators that share no code with the loop
-(``tests/support/campaign_generator.py`` and ``tests/support/other_mind.py``). Of ten campaigns five have a fault, and
-half of all have an effect that nobody declared, also such as are outside the vocabulary.
+(``tests/support/campaign_generator.py`` and ``tests/support/independent_generator.py``). Half of the campaigns have a
+fault, and half an effect that nobody declared, also such as are outside the vocabulary.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.accuracy.loop_other_mind import share
+from benchmarks.accuracy.loop_independent_generator import share
 from benchmarks.rows import keep_row, read_rows, scratch
 from dummydesign.core.errors import InputError
 from dummydesign.loop.data.trials import make_presses
@@ -28,7 +28,7 @@ from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.model.campaign_law import law_of, start_young_kPa, within_reach
 from dummydesign.loop.selection.doubts import doubts_of
 from dummydesign.measurement.campaign_file import read_campaign
-from tests.support import campaign_generator, other_mind
+from tests.support import campaign_generator, independent_generator
 
 FAULTS = ("pad", "exchanged", "thickness", "speed", "sensor", "zero", "whole_pad", "pads_of_a_day")
 """A press on another pad; two presses saved under each other's names; a thickness mistyped in one row; a press at
@@ -49,7 +49,7 @@ def effects_of(rng: np.random.Generator, mind: str, loaded: bool) -> tuple[tuple
     known, strange = (
         (campaign_generator.SIZES, campaign_generator.UNKNOWN)
         if mind == "first"
-        else (other_mind.SIZES, other_mind.UNNAMED)
+        else (independent_generator.SIZES, independent_generator.UNNAMED)
     )
     of = strange if rng.random() < 0.25 else known
     name = str(rng.choice(sorted(of)))
@@ -62,7 +62,7 @@ def write(folder: Path, mind: str, put: tuple[tuple[str, float], ...], seed: int
         first, *more = put or (("none", 0.0),)
         campaign_generator.write_campaign(folder, *first, seed, more=tuple(more), cutoff_hz=35.0 * filter_share)
     else:
-        other_mind.write_campaign(folder, put, seed, cutoff_hz=50.0 * filter_share)
+        independent_generator.write_campaign(folder, put, seed, cutoff_hz=50.0 * filter_share)
 
 
 def rows_of(folder: Path) -> list[dict[str, str]]:

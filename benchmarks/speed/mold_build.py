@@ -39,8 +39,8 @@ def timed(command: list[str]) -> tuple[float, float]:
 def child_memory_MB(preset: str, thickness_mm: float, shape: str) -> float:
     """Peak memory of the CAD child, as it reports itself."""
     from dummydesign.geometry.shape_registry import read_shape
+    from dummydesign.mold.client import make_mold
     from dummydesign.mold.model.preset import mould_spec
-    from dummydesign.mold.runner import make_mold
 
     with tempfile.TemporaryDirectory() as folder:
         made = read_shape(shape)

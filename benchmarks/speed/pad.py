@@ -22,7 +22,7 @@ from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
 from dummydesign.pad.force_law import PadCurve
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.tables.slab import load_table
 
 RADIUS_MM = PUNCH_RADIUS_MM

@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.process import one_blas_thread
-from dummydesign.pad.spatial.square_punch import Block, Cells, block_problem
+from dummydesign.core.blas_threads import one_blas_thread
+from dummydesign.pad.spatial.square_punch import CornerCells, SquareProblem, block_problem
 
 THICKNESSES_MM = (5.0, 10.0, 20.0)
 
@@ -39,7 +39,7 @@ def solvers(corner: float) -> None:
     from scipy.sparse import coo_matrix
     from scipy.sparse.linalg import splu
 
-    block, cells = Block((0.7, 0.7), (7.5, 6.0)), Cells(corner)
+    block, cells = SquareProblem((0.7, 0.7), (7.5, 6.0)), CornerCells(corner)
     problem = block_problem(block, cells)
     solid, free = problem.solid, problem.pattern.free
     state = solid.state(*problem.start())

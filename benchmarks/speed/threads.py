@@ -24,8 +24,8 @@ PREDICT = ["-m", "dummydesign", "predict", "--young", "25", "--thickness", "10",
 LIBRARY = """
 import json
 import numpy, scipy.linalg
-from dummydesign.pad.spatial.square_punch import Block, Cells, solve_ratios
-found = solve_ratios(Block((0.7, 0.7), (7.5, 6.0)), numpy.array([0.1]), Cells(0.14))
+from dummydesign.pad.spatial.square_punch import CornerCells, SquareProblem, solve_ratios
+found = solve_ratios(SquareProblem((0.7, 0.7), (7.5, 6.0)), numpy.array([0.1]), CornerCells(0.14))
 print(json.dumps({"ratio": found.ratio.tolist()}))
 """
 COMMANDS = {

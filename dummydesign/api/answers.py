@@ -230,7 +230,7 @@ def question(
     named : mapping, optional
         Files by what they are, such as those of weights and limits.
     """
-    from dummydesign.core.library import find
+    from dummydesign.core.user_library import find
 
     library = (
         ("materials/tissues", "tissue", tissue),

@@ -12,7 +12,7 @@ from dummydesign.api.answers import Result, question
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import check_units
-from dummydesign.core.process import quiet
+from dummydesign.core.progress import quiet
 
 if TYPE_CHECKING:
     from dummydesign.loop.planning import Expected
@@ -103,7 +103,7 @@ def _expected(
 ) -> tuple[tuple[Expected, ...], str, list[dict[str, str]], dict[str, Any] | None]:
     """Depth or force of each press, what the sheet says of it, warnings, and the material; nothing without a law."""
     from dummydesign.core.errors import NoAnswerError
-    from dummydesign.core.process import write_progress
+    from dummydesign.core.progress import write_progress
     from dummydesign.loop.planning import expected_presses, material_of
 
     what = "force" if plan[0].by_depth else "depth"

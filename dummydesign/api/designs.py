@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from dummydesign.core.outputs import Output
     from dummydesign.design.request import Request
-    from dummydesign.design.safety import Limits, SafetyView
+    from dummydesign.design.safety import SafetyView, UserLimits
     from dummydesign.design.suggestion import Suggestion
     from dummydesign.design.sweep.spec import Study
     from dummydesign.resin.model.resin import Resin
@@ -249,7 +249,7 @@ def _answer(
 
 
 def _on_people(
-    suggestion: Suggestion, drive: str | None, limits: Limits | None
+    suggestion: Suggestion, drive: str | None, limits: UserLimits | None
 ) -> tuple[dict[str, Any], tuple[Any, ...]]:
     """Carry the predicted presses over to people, where a drive was given: for the answer and for its report."""
     if drive is None:

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from dummydesign.core import cache
 from dummydesign.core.errors import DummydesignError
-from dummydesign.core.library import user_folder
 from dummydesign.core.serialise import Serialised
+from dummydesign.core.user_library import user_folder
 
 NEEDED = ("numpy", "scipy", "scikit-fem", "threadpoolctl")
 PARTS = (
@@ -41,7 +41,7 @@ print(cq.Workplane().box(30, 20, 10).val().Volume())
 
 
 @dataclass(frozen=True)
-class Check(Serialised):
+class HealthCheck(Serialised):
     """One thing looked at: ``status`` is ok, missing (optional) or failed; ``advice`` is what to type."""
 
     name: str
@@ -54,7 +54,7 @@ class Check(Serialised):
 class Health(Serialised):
     """All checks of a machine; ``ready`` when none failed."""
 
-    checks: tuple[Check, ...]
+    checks: tuple[HealthCheck, ...]
     ready: bool
     warnings: tuple[dict[str, str], ...] = field(default=())
 
@@ -72,43 +72,45 @@ def _version(package: str) -> str | None:
         return None
 
 
-def _versions() -> Iterator[Check]:
+def _versions() -> Iterator[HealthCheck]:
     from dummydesign._version import __version__
 
-    yield Check("dummydesign", "ok", __version__)
-    yield Check("python", "ok", f"{platform.python_version()}, {platform.system()} {platform.machine()}")
+    yield HealthCheck("dummydesign", "ok", __version__)
+    yield HealthCheck("python", "ok", f"{platform.python_version()}, {platform.system()} {platform.machine()}")
     versions = {name: _version(name) for name in NEEDED}
     lacking = [name for name, version in versions.items() if version is None]
     text = ", ".join(f"{name} {version}" for name, version in versions.items() if version)
-    yield Check("packages", "failed" if lacking else "ok", text, f"pip install {' '.join(lacking)}" if lacking else "")
+    yield HealthCheck(
+        "packages", "failed" if lacking else "ok", text, f"pip install {' '.join(lacking)}" if lacking else ""
+    )
 
 
-def _parts() -> Iterator[Check]:
+def _parts() -> Iterator[HealthCheck]:
     for name, packages, extra, purpose in PARTS:
         versions = {package: _version(package) for package in packages}
         lacking = [package for package, version in versions.items() if version is None]
         if lacking:
             wanted = f"'{extra}'" if extra else " ".join(lacking)
-            yield Check(name, "missing", f"no {', '.join(lacking)}", f"for {purpose}: pip install {wanted}")
+            yield HealthCheck(name, "missing", f"no {', '.join(lacking)}", f"for {purpose}: pip install {wanted}")
         else:
-            yield Check(name, "ok", ", ".join(f"{package} {version}" for package, version in versions.items()))
+            yield HealthCheck(name, "ok", ", ".join(f"{package} {version}" for package, version in versions.items()))
 
 
-def _folders() -> Iterator[Check]:
+def _folders() -> Iterator[HealthCheck]:
     yield _writable("this folder", Path.cwd(), "change to a folder of your own")
     yield _writable("own data", user_folder(), "set DUMMYDESIGN_HOME to a folder that you can write to")
     folder = cache.folder()
     if folder is None:
-        yield Check("cache", "missing", "off: every solve is made again", "unset DUMMYDESIGN_CACHE")
+        yield HealthCheck("cache", "missing", "off: every solve is made again", "unset DUMMYDESIGN_CACHE")
         return
     size = sum(path.stat().st_size for path in folder.rglob("*.json")) if folder.is_dir() else 0
     check = _writable("cache", folder, "set DUMMYDESIGN_CACHE to a folder that you can write to")
     # without a cache answers are the same, only later
     status = "missing" if check.status == "failed" else check.status
-    yield Check("cache", status, f"{check.value}, {size / 1e6:.1f} MB", check.advice)
+    yield HealthCheck("cache", status, f"{check.value}, {size / 1e6:.1f} MB", check.advice)
 
 
-def _writable(name: str, folder: Path, advice: str) -> Check:
+def _writable(name: str, folder: Path, advice: str) -> HealthCheck:
     """Whether a file can be made there, or in the nearest folder above that exists."""
     there = next((path for path in (folder, *folder.parents) if path.is_dir()), None)
     try:
@@ -117,28 +119,28 @@ def _writable(name: str, folder: Path, advice: str) -> Check:
         with tempfile.TemporaryFile(dir=there):
             pass
     except OSError as problem:
-        return Check(name, "failed", f"{folder}: {problem.strerror or problem}", advice)
-    return Check(name, "ok", f"{folder}, can be written to")
+        return HealthCheck(name, "failed", f"{folder}: {problem.strerror or problem}", advice)
+    return HealthCheck(name, "ok", f"{folder}, can be written to")
 
 
-def _solve() -> Check:
+def _solve() -> HealthCheck:
     """Solve a small slab by finite elements and compare it with its response table."""
     try:
+        from dummydesign.pad.pad_under_punch import Pad
         from dummydesign.pad.predict import predict_static
-        from dummydesign.pad.specimen import Pad
 
         begun = time.perf_counter()
         pad = Pad(10.0, 0.03, 7.9)
         forces = [float(predict_static(pad, [1.0], fidelity=name).force_N[0]) for name in ("axisymmetric", "table")]
     except (DummydesignError, ImportError, ArithmeticError, OSError) as problem:
-        return Check("solve", "failed", " ".join(str(problem).split()), "install the package again")
+        return HealthCheck("solve", "failed", " ".join(str(problem).split()), "install the package again")
     away = abs(forces[0] / forces[1] - 1.0)
     text = f"{forces[0]:.3f} N, {100 * away:.2f} % from the stored solution, {time.perf_counter() - begun:.1f} s"
     advice = "" if away <= SOLVE_LIMIT else "report it with the versions above"
-    return Check("solve", "ok" if away <= SOLVE_LIMIT else "failed", text, advice)
+    return HealthCheck("solve", "ok" if away <= SOLVE_LIMIT else "failed", text, advice)
 
 
-def _solid() -> Check:
+def _solid() -> HealthCheck:
     """Make a box with the CAD kernel in a process of its own, as a kernel that lacks a library may end the process."""
     advice = "Debian, Ubuntu: apt-get install libgl1 libx11-6; without moulds use --no-cad"
     begun = time.perf_counter()
@@ -148,12 +150,12 @@ def _solid() -> Check:
             words, capture_output=True, encoding="utf-8", errors="replace", timeout=SOLID_S, check=False
         )
     except (OSError, subprocess.TimeoutExpired) as problem:
-        return Check("solid", "missing", f"{type(problem).__name__}", advice)
+        return HealthCheck("solid", "missing", f"{type(problem).__name__}", advice)
     printed = done.stdout.split()
     if done.returncode or not printed:
         last = (done.stderr.strip().splitlines() or [f"status {done.returncode}"])[-1]
         value, _, remedy = last.partition(": pip install ")
-        return Check("solid", "missing", value, f"pip install {remedy}" if remedy else advice)
+        return HealthCheck("solid", "missing", value, f"pip install {remedy}" if remedy else advice)
     exact = abs(float(printed[-1]) / 6000.0 - 1.0) < 1e-9
     text = f"box of {float(printed[-1]):.1f} mm3, {time.perf_counter() - begun:.1f} s"
-    return Check("solid", "ok" if exact else "failed", text, "" if exact else "install cadquery again")
+    return HealthCheck("solid", "ok" if exact else "failed", text, "" if exact else "install cadquery again")

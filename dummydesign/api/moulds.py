@@ -106,8 +106,8 @@ def make_mould(
     >>> {check["verdict"] for check in made.to_dict()["checks"]}  # doctest: +SKIP
     {'pass'}
     """
+    from dummydesign.mold.batch import read_thicknesses
     from dummydesign.mold.files.drawing_sheet import PAPERS
-    from dummydesign.mold.job import read_thicknesses
     from dummydesign.mold.model.preset import mould_spec
     from dummydesign.mold.model.spec import read_kind
 
@@ -193,8 +193,8 @@ def _boned(
     solid: Path,
 ) -> MouldSpec:
     """The specification of a pad with a placed bone; what the pad itself cannot be is refused before CAD is loaded."""
+    from dummydesign.mold.client import insert_bone
     from dummydesign.mold.model.preset import mould_spec
-    from dummydesign.mold.runner import insert_bone
 
     mould_spec(thickness_mm, length_mm, width_mm, **settings)
     insert, dome = insert_bone(bone, placing, thickness_mm, length_mm, width_mm, solid)
@@ -211,7 +211,7 @@ def _make_one(
     bone_file: Path | None = None,
 ) -> Result:
     from dummydesign.core.outputs import new_folder
-    from dummydesign.mold.runner import make_mold
+    from dummydesign.mold.client import make_mold
 
     folder = Path(out) if out else Path(f"mould_{spec.tag}")
     inputs = {
@@ -255,8 +255,8 @@ def _make_pucks(
     puck: str, preset: str, resin: str | None, ratio: float, out: FilePath | None, replace: bool, paper: str
 ) -> Result:
     from dummydesign.core.outputs import new_folder
+    from dummydesign.mold.client import make_puck_rings
     from dummydesign.mold.puck.ring import PRINTED, puck_spec, read_pucks
-    from dummydesign.mold.runner import make_puck_rings
 
     rings = read_pucks(puck)
     # the default of pads is a silicone mould
@@ -296,7 +296,7 @@ def _make_job(
     replace: bool,
     paper: str,
 ) -> Result:
-    from dummydesign.mold.job import folder_name, job_inputs, make_job
+    from dummydesign.mold.batch import folder_name, job_inputs, make_job
 
     inputs = {**job_inputs(specs, castings), "paper": paper}
     name = folder_name(inputs["thickness_mm"], castings, specs[0].pad.prefix, specs[0].count)

@@ -17,8 +17,8 @@ from dummydesign.core.parsing import check_units, parts_of, read_allowed, read_n
 if TYPE_CHECKING:
     from dummydesign.measurement.motion import Motion
     from dummydesign.pad.material.relaxation import PronyTerm
+    from dummydesign.pad.pad_under_punch import Pad, Puck
     from dummydesign.pad.predict import MotionPrediction, StaticPrediction
-    from dummydesign.pad.specimen import Pad, Puck
     from dummydesign.tissue.model.tissue import Tissue
 
 
@@ -29,7 +29,7 @@ def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float],
     from dummydesign.geometry.punch import read_punch
     from dummydesign.geometry.shape_registry import read_shape
     from dummydesign.pad.material.hyperelastic import read_law
-    from dummydesign.pad.specimen import SLAB, Pad, Puck
+    from dummydesign.pad.pad_under_punch import SLAB, Pad, Puck
 
     # a value that nothing can solve is refused before a table or solver says that another one is needed
     Interface.parse(inputs["base"], "base", BASES)
@@ -114,9 +114,9 @@ def relaxation_warnings(made: Pad | Puck, moves: bool) -> list[dict[str, str]]:
 
 def pad_warnings(made: Pad | Puck, fidelity: str) -> list[dict[str, str]]:
     """Warn where a square or rectangle is taken as the circle of its area, or one of several crowns as if alone."""
-    from dummydesign.design.sites import pressed_alone
-    from dummydesign.pad.elastic_force import has_square_factor
-    from dummydesign.pad.specimen import Puck
+    from dummydesign.design.crown_array import pressed_alone
+    from dummydesign.pad.force_source import has_square_factor
+    from dummydesign.pad.pad_under_punch import Puck
 
     if isinstance(made, Puck):
         return []
@@ -406,10 +406,10 @@ def _in_units(name: str, value: Any) -> Any:
 def _against(made: Pad | Puck, inputs: dict[str, Any], young: dict[str, float]) -> tuple[dict[str, Any], Tissue]:
     """Verdict and presses of the pad against a tissue, and the tissue."""
     from dummydesign.design.pad_evaluator import verdict_of_pad
-    from dummydesign.design.scoring.presses import Sampling
+    from dummydesign.design.scoring.press_simulation import Sampling
     from dummydesign.design.suggestion import condition_rows
-    from dummydesign.pad.elastic_force import elastic_curve
-    from dummydesign.pad.specimen import Puck
+    from dummydesign.pad.force_source import elastic_curve
+    from dummydesign.pad.pad_under_punch import Puck
     from dummydesign.tissue.model.tissue_file import load_tissue
 
     if isinstance(made, Puck):
@@ -450,7 +450,7 @@ def _add_fields(
         files["fields"] = [str(file) for file in write_fields(fields, fspath(path))]
     if picture:
         from dummydesign.pad.field_files import write_picture
-        from dummydesign.pad.specimen import Pad
+        from dummydesign.pad.pad_under_punch import Pad
 
         assert isinstance(made, Pad)  # a puck was refused by the solve
         title = f"{made.geometry}, {made.thickness_mm:g} mm, {made.young_MPa * 1e3:.3g} kPa"

@@ -13,14 +13,14 @@ from dummydesign.api.answers import Fitted, Result, answer_folder, question
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import RATE, RATES_HZ, read_allowed
-from dummydesign.core.quantity import PAPER
+from dummydesign.core.quantity import NAGOYA_CITATION
 
 if TYPE_CHECKING:
     from dummydesign.core.manifest import Question
     from dummydesign.measurement.importing.decisions import Settings
     from dummydesign.measurement.trace import Trace
 
-LAW_SOURCE = f"{PAPER}, equations (4) to (6)"
+LAW_SOURCE = f"{NAGOYA_CITATION}, equations (4) to (6)"
 Traces = Iterable["FilePath | Trace"]
 Numbers = float | str | Iterable[float | str]
 

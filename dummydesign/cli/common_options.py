@@ -57,7 +57,7 @@ def add_own_actions(actions: Any, what: str) -> None:
 
 def run_own(options: argparse.Namespace, kind: str, what: str) -> dict[str, Any]:
     """Do the action and return plain values."""
-    from dummydesign.core.library import find, remove_own, rename_own
+    from dummydesign.core.user_library import find, remove_own, rename_own
 
     inputs: dict[str, Any] = {"action": options.action, "name": options.name}
     if options.action == "path":

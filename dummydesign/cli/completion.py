@@ -46,7 +46,7 @@ def next_words(typed: Sequence[str]) -> list[str]:
 
 def _values(command: str, action: argparse.Action) -> list[str]:
     """What an option or argument may be: its choices, named files, and the words that its help explains."""
-    from dummydesign.core.library import entries
+    from dummydesign.core.user_library import entries
 
     if action.choices is not None:
         return [str(choice) for choice in action.choices]

@@ -21,8 +21,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from dummydesign._version import __version__
 from dummydesign.cli.progress import loudness, say, timed
+from dummydesign.core.blas_threads import ONE_THREAD
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, quantity_name, unknown_name
-from dummydesign.core.process import COMMAND_LINE, ONE_THREAD, STOP
+from dummydesign.core.progress import COMMAND_LINE, STOP
 
 if TYPE_CHECKING:
     from dummydesign.project.folder import Project

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TextIO
 
-from dummydesign.core.process import VARIABLE, write_progress
+from dummydesign.core.progress import VARIABLE, write_progress
 
 Clock = Callable[[], float]
 loudness: ContextVar[str] = ContextVar("loudness", default="")

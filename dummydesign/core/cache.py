@@ -28,8 +28,8 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.library import data_folder
-from dummydesign.core.process import one_blas_thread
+from dummydesign.core.blas_threads import one_blas_thread
+from dummydesign.core.user_library import data_folder
 
 VARIABLE = "DUMMYDESIGN_CACHE"
 MOST_BYTES = 200_000_000

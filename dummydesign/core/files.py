@@ -89,7 +89,7 @@ def write_bytes(path: str | Path, content: bytes) -> Path:
     return final
 
 
-def take(path: Path, patience_s: float = 0.0) -> IO[str] | None:
+def acquire_lock(path: Path, patience_s: float = 0.0) -> IO[str] | None:
     """Lock a file, made when needed; None when another process holds it. Keep what is returned as long as it counts."""
     path.parent.mkdir(parents=True, exist_ok=True)
     until = time.monotonic() + patience_s
@@ -105,7 +105,7 @@ def take(path: Path, patience_s: float = 0.0) -> IO[str] | None:
         time.sleep(0.01)
 
 
-def held(path: Path) -> bool:
+def is_locked(path: Path) -> bool:
     """Whether another process holds the lock of a file."""
     if not path.exists():
         return False

@@ -15,7 +15,7 @@ from typing import Any
 from dummydesign._version import __version__
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import FilePath, read_json, write_text
-from dummydesign.core.process import COMMAND_LINE
+from dummydesign.core.progress import COMMAND_LINE
 
 SCHEMA = "dummydesign.manifest/1"
 NAME = "manifest.json"

@@ -18,7 +18,7 @@ from typing import Any
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import FilePath, output_folder, unwritable, write_text, writing
 from dummydesign.core.manifest import KEY, NAME, Earlier, Question, manifest_text, read_manifest, records_of
-from dummydesign.core.process import check_stop
+from dummydesign.core.progress import check_stop
 
 MARKS = (NAME, "report.html", "preview.html", "rows.csv", "study.json", "calibration.json", "compare.json")
 """Files by which a folder without a manifest is known as one that a command wrote."""

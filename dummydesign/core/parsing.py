@@ -42,7 +42,7 @@ NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*
 
 
 @dataclass(frozen=True)
-class Purpose:
+class QuantitySpec:
     """What a number is for."""
 
     quantity: str
@@ -50,29 +50,29 @@ class Purpose:
     usual: tuple[float, float]
 
 
-FORCE = Purpose("force in N", "N", (0.05, 1000.0))
-VELOCITY = Purpose("velocity in mm/s", "mm/s", (1.0, 5000.0))
-ROBOT_VELOCITY = Purpose("robot velocity in mm/s", "mm/s", (1.0, 10_000.0))
-HOLD = Purpose("hold in s", "s", (0.05, 3600.0))
-REST = Purpose("rest in s", "s", (0.0, math.inf))
-DECELERATION = Purpose("deceleration in mm/s2", "mm/s2", (100.0, 1e7))
-YOUNG = Purpose("Young's modulus in kPa", "kPa", (0.5, 5000.0))
+FORCE = QuantitySpec("force in N", "N", (0.05, 1000.0))
+VELOCITY = QuantitySpec("velocity in mm/s", "mm/s", (1.0, 5000.0))
+ROBOT_VELOCITY = QuantitySpec("robot velocity in mm/s", "mm/s", (1.0, 10_000.0))
+HOLD = QuantitySpec("hold in s", "s", (0.05, 3600.0))
+REST = QuantitySpec("rest in s", "s", (0.0, math.inf))
+DECELERATION = QuantitySpec("deceleration in mm/s2", "mm/s2", (100.0, 1e7))
+YOUNG = QuantitySpec("Young's modulus in kPa", "kPa", (0.5, 5000.0))
 YOUNG_KPA = 0.01, 1e6
 """Smallest and largest modulus that is allowed. [kPa]"""
-THICKNESS = Purpose("thickness in mm", "mm", (0.3, 300.0))
-MASS = Purpose("robot mass in kg", "kg", (0.02, 5000.0))
-BALANCE = Purpose("balance in g", "g", (0.0, 2.0))
-TOLERANCE = Purpose("thickness tolerance in mm", "mm", (0.0, 2.0))
-DEPTH = Purpose("depth in mm", "mm", (0.0, math.inf))
-THICKNESSES = Purpose("thickness in mm", "mm", (0.0, math.inf))
-LENGTH = Purpose("length in mm", "mm", (0.0, math.inf))
-WIDTH = Purpose("width in mm", "mm", (0.0, math.inf))
-RATE = Purpose("rate in Hz", "Hz", (0.0, 1e6))
+THICKNESS = QuantitySpec("thickness in mm", "mm", (0.3, 300.0))
+MASS = QuantitySpec("robot mass in kg", "kg", (0.02, 5000.0))
+BALANCE = QuantitySpec("balance in g", "g", (0.0, 2.0))
+TOLERANCE = QuantitySpec("thickness tolerance in mm", "mm", (0.0, 2.0))
+DEPTH = QuantitySpec("depth in mm", "mm", (0.0, math.inf))
+THICKNESSES = QuantitySpec("thickness in mm", "mm", (0.0, math.inf))
+LENGTH = QuantitySpec("length in mm", "mm", (0.0, math.inf))
+WIDTH = QuantitySpec("width in mm", "mm", (0.0, math.inf))
+RATE = QuantitySpec("rate in Hz", "Hz", (0.0, 1e6))
 RATES_HZ = (1.0, 100_000.0)
-EDGE = Purpose("edge radius in mm", "mm", (0.0, 50.0))
+EDGE = QuantitySpec("edge radius in mm", "mm", (0.0, 50.0))
 
 
-def read_number(value: float | str, purpose: Purpose) -> float:
+def read_number(value: float | str, purpose: QuantitySpec) -> float:
     """Read a number: bare in the unit of its purpose, or text with a unit.
 
     Examples
@@ -111,7 +111,7 @@ def read_count(value: int | str, quantity: str) -> int:
         raise InputError(message, "not_a_number", quantity_name(quantity), value) from None
 
 
-def _likely(number: float, purpose: Purpose) -> None:
+def _likely(number: float, purpose: QuantitySpec) -> None:
     """Refuse a bare number that another unit explains."""
     low, high = purpose.usual
     if not (math.isfinite(number) and number > 0.0) or low <= number <= high:
@@ -128,7 +128,7 @@ def _likely(number: float, purpose: Purpose) -> None:
             )
 
 
-def read_numbers(values: float | str | Iterable[float | str], purpose: Purpose) -> tuple[float, ...]:
+def read_numbers(values: float | str | Iterable[float | str], purpose: QuantitySpec) -> tuple[float, ...]:
     """Read several numbers: text with commas between, one, or a list; see :func:`read_number`."""
     return tuple(read_number(part, purpose) for part in parts_of(values))
 
@@ -143,7 +143,7 @@ def parts_of(values: float | str | Iterable[float | str]) -> list[float | str]:
         return [float(values)]  # type: ignore[arg-type]
 
 
-def read_allowed(value: float | str, purpose: Purpose, low: float, high: float) -> float:
+def read_allowed(value: float | str, purpose: QuantitySpec, low: float, high: float) -> float:
     """Read a number as :func:`read_number` does and refuse it outside a range."""
     number = read_number(value, purpose)
     if not low <= number <= high:
@@ -179,7 +179,7 @@ def parse_limits(text: str | tuple[float, float], quantity: str) -> tuple[float,
     return values[0], values[1]
 
 
-def parse_values(text: str, purpose: Purpose | str) -> list[float]:
+def parse_values(text: str, purpose: QuantitySpec | str) -> list[float]:
     """Read ``START:STOP:STEP`` with STOP included, or a list ``A,B,C``, as :func:`read_number` reads each; a quantity
     without a unit is given by its name.
 
@@ -204,14 +204,14 @@ def parse_values(text: str, purpose: Purpose | str) -> list[float]:
     return [round(start + index * step, digits) for index in range(count)]
 
 
-def _any_size(purpose: Purpose | str) -> Purpose | str:
+def _any_size(purpose: QuantitySpec | str) -> QuantitySpec | str:
     """The purpose of a number of any size; a name "in mm" has that unit, another none."""
     quantity = purpose if isinstance(purpose, str) else purpose.quantity
     unit = quantity.rpartition(" in ")[2]
-    return Purpose(quantity, unit, (0.0, math.inf)) if unit in UNITS else quantity
+    return QuantitySpec(quantity, unit, (0.0, math.inf)) if unit in UNITS else quantity
 
 
-def _number(part: str, text: str, purpose: Purpose | str, form: str) -> float:
+def _number(part: str, text: str, purpose: QuantitySpec | str, form: str) -> float:
     quantity = purpose if isinstance(purpose, str) else purpose.quantity
     try:
         value = float(part) if isinstance(purpose, str) else read_number(part, purpose)
@@ -227,7 +227,7 @@ def _number(part: str, text: str, purpose: Purpose | str, form: str) -> float:
     return value
 
 
-def read_values(values: float | str | Iterable[float | str], purpose: Purpose | str) -> tuple[float, ...]:
+def read_values(values: float | str | Iterable[float | str], purpose: QuantitySpec | str) -> tuple[float, ...]:
     """Read numbers however they are given: one, several, or text as on the command line; see :func:`parse_values`."""
     if isinstance(values, str):
         return tuple(parse_values(values, purpose))

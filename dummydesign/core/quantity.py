@@ -65,7 +65,7 @@ def _setting(key: str) -> Callable[[str], bool]:
     return lambda line: bool(first.match(line) or inside.search(_QUOTED.sub("", line).partition("#")[0]))
 
 
-PAPER = (
+NAGOYA_CITATION = (
     "Development of Dummy Based on Impedance Properties of Human Soft Tissue Using a Nonlinear Viscoelastic Model, "
     "IEEE Access (Nagoya University)"
 )

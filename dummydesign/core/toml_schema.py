@@ -9,15 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError, unknown_name
-from dummydesign.core.library import read_toml
 from dummydesign.core.quantity import FIELDS, KINDS, Quantity, has_line, line_of
+from dummydesign.core.user_library import read_toml
 
 REQUIRED: Any = object()
 """Default of a key that must be there."""
 
 
 @dataclass(frozen=True)
-class Table:
+class TomlTable:
     """A table of a file: ``name`` is its dotted name, ``keys`` are what its line is searched by."""
 
     data: dict[str, Any]
@@ -41,7 +41,7 @@ class Table:
         message = f"{self.where(key)}: {value}{words}"
         return InputError(message, code, self._dotted(key), self.data.get(key), allowed)
 
-    def only(self, keys: Iterable[str]) -> Table:
+    def only(self, keys: Iterable[str]) -> TomlTable:
         """Refuse keys that nothing reads; return the table."""
         known = list(keys)
         for key in self.data:
@@ -143,12 +143,12 @@ class Table:
             raise wrong("inconsistent", f"needs finite low <= value <= high, given {low}, {value}, {high}")
         return Quantity(value, low, high, str(entry["kind"]), str(entry["source"]))
 
-    def table(self, key: str, required: bool = True) -> Table:
+    def table(self, key: str, required: bool = True) -> TomlTable:
         """Return a table inside this one; an empty one where it may be left out."""
         data = self.get(key, dict, "a table", REQUIRED if required else {})
-        return Table(data, self.path, self.text, self._dotted(key), (*self.keys, f"[{self._dotted(key)}"))
+        return TomlTable(data, self.path, self.text, self._dotted(key), (*self.keys, f"[{self._dotted(key)}"))
 
-    def tables(self, key: str, required: bool = True) -> list[Table]:
+    def tables(self, key: str, required: bool = True) -> list[TomlTable]:
         """Return the tables of a list ``[[key]]``."""
         items = self.get(key, list, "a list of tables", REQUIRED if required else [])
         if not all(isinstance(one, dict) for one in items) or (required and not items):
@@ -159,13 +159,13 @@ class Table:
         # the lines before each table are left blank, so that line numbers stay
         texts = ["\n" * at + "\n".join(lines[at:end]) for at, end in zip(starts, [*starts[1:], len(lines)])]
         texts += [self.text] * (len(items) - len(texts))
-        return [Table(one, self.path, text, name, (head,)) for one, text in zip(items, texts)]
+        return [TomlTable(one, self.path, text, name, (head,)) for one, text in zip(items, texts)]
 
     def _dotted(self, key: str) -> str:
         return f"{self.name}.{key}" if self.name else key
 
 
-def read_table(path: Path, keys: Iterable[str] = (), schema: int | None = 1) -> Table:
+def read_table(path: Path, keys: Iterable[str] = (), schema: int | None = 1) -> TomlTable:
     """Read a TOML file as a table, refusing unknown keys (where keys are given) and another schema.
 
     Raises
@@ -174,7 +174,7 @@ def read_table(path: Path, keys: Iterable[str] = (), schema: int | None = 1) -> 
         With the file, and the line where there is one.
     """
     data, text = read_toml(path)
-    top = Table(data, path, text)
+    top = TomlTable(data, path, text)
     if schema is not None and data.get("schema") != schema:
         raise top.fault("schema", f"is not known; this version reads schema = {schema}", "unsupported", schema)
     if keys:

@@ -16,7 +16,7 @@ from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.measurement.campaign import with_edge
 from dummydesign.pad.tables.slab import load_compressibility
-from dummydesign.resin.model.resin import Arm, Point, RelaxationGivenModulus, Resin
+from dummydesign.resin.model.resin import Point, RelaxationGivenModulus, Resin, ResinArm
 
 if TYPE_CHECKING:
     from dummydesign.loop.calibration import Calibration
@@ -119,7 +119,7 @@ def with_calibration(
                 "press a ramp and a longer hold"
             )
             warnings = (*warnings, {"code": "calibration_relaxation", "message": message})
-        arms.append(Arm(_around(term.tau_s, 0.0, source), _around(term.beta, beta_spread, source)))
+        arms.append(ResinArm(_around(term.tau_s, 0.0, source), _around(term.beta, beta_spread, source)))
     resin = replace(
         updated,
         arms=tuple(arms),

@@ -40,7 +40,7 @@ LARGEST_FILE = 64_000_000
 
 
 @dataclass(frozen=True)
-class Comparison(Serialised):
+class DesignComparison(Serialised):
     """Designs in the order given, and in what their questions differ."""
 
     designs: tuple[dict[str, Any], ...]
@@ -49,7 +49,7 @@ class Comparison(Serialised):
     sources: tuple[str, ...]
 
 
-def compare_designs(folders: Iterable[FilePath]) -> Comparison:
+def compare_designs(folders: Iterable[FilePath]) -> DesignComparison:
     """Read the designs of two or more folders of ``suggest``."""
     paths = [Path(fspath(folder)) for folder in folders]
     if len(paths) < 2:
@@ -63,7 +63,7 @@ def compare_designs(folders: Iterable[FilePath]) -> Comparison:
     designs = tuple(_design(path, name, answer) for path, name, answer in zip(paths, _names(paths), answers))
     sources = dict.fromkeys(text for answer in answers for text in answer["sources"])
     differences = _differences(answers)
-    return Comparison(designs, differences, _warnings(designs, differences, answers), tuple(sources))
+    return DesignComparison(designs, differences, _warnings(designs, differences, answers), tuple(sources))
 
 
 def read_design(folder: Path) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from dummydesign.design.assessment.budget import (
     usable_limits,
 )
 from dummydesign.design.assessment.curves import CurveMatch, PressCurve, match_of_presses
-from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.targets import DRAWN, press_subjects
 from dummydesign.design.scoring.verdict import Ranges, Readings

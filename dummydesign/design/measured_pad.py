@@ -16,9 +16,9 @@ from dummydesign.design.measured_match import budget_of_traces
 from dummydesign.design.request import face_of
 from dummydesign.design.safety import tissue_press
 from dummydesign.design.scoring.castings import COUNT
-from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.verdict import LEVELS, Ranges, Readings, Verdict, verdict
-from dummydesign.design.test_setup import check_edge, check_numbers, tissue_warnings
+from dummydesign.design.test_conditions import check_edge, check_numbers, tissue_warnings
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.interface import CONDITIONS, Interface
 from dummydesign.geometry.punch import read_punch

@@ -56,7 +56,7 @@ class Step(Serialised):
 
 
 @dataclass(frozen=True)
-class Path(Serialised):
+class PadPath(Serialised):
     """A way to a pad that can be used: steps, printing and calendar hours, and the castings that are usable then."""
 
     name: str
@@ -137,7 +137,7 @@ def _safety_words(given: Mapping[str, Any]) -> str:
     return words
 
 
-def paths_of(answer: Suggestion) -> list[Path]:
+def paths_of(answer: Suggestion) -> list[PadPath]:
     """The puck first and then the pad, beside the pad at once: what each takes and how many castings are usable."""
     from dummydesign.mold.puck.plan import ring_cost
 
@@ -149,7 +149,7 @@ def paths_of(answer: Suggestion) -> list[Path]:
     if kept:
         printing = 0.0
     # the pad's mould is printed while the puck cures, and is the same for every batch
-    first = Path(
+    first = PadPath(
         "puck first",
         None if printing is None else ring.printing_h + printing,
         None if printing is None else max(ring.printing_h + wait + PRESSING_H, printing) + wait,
@@ -163,7 +163,7 @@ def paths_of(answer: Suggestion) -> list[Path]:
         f"{100.0 * after:.0f} % usable",
     )
     hours = "" if not printing else f"{printing:.0f} h, "
-    at_once = Path(
+    at_once = PadPath(
         "pad at once",
         printing,
         None if printing is None else printing + wait,

@@ -84,7 +84,7 @@ LARGEST_ERROR = 2.0
 """Largest error of weighing [g] and of the thickness [mm]."""
 
 
-def _read_error(given: float | str, purpose: parsing.Purpose) -> float:
+def _read_error(given: float | str, purpose: parsing.QuantitySpec) -> float:
     number = read_number(given, purpose)
     if not 0.0 <= number <= LARGEST_ERROR:
         raise out_of_range(purpose.quantity, number, 0, LARGEST_ERROR)

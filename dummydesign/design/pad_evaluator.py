@@ -13,7 +13,7 @@ from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.assessment.pad_castings import PadCastings, limits_that_bind, verdict_of_design
 from dummydesign.design.scoring.castings import COUNT, RESIN, Castings, Tolerances
 from dummydesign.design.scoring.outlook import Match
-from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs, make_curves
+from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, Sampling, SlabCurves, make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import Targets, make_targets
 from dummydesign.design.scoring.verdict import Readings, Verdict, ranges_of, verdict
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dummydesign.design.problem import Problem
-    from dummydesign.pad.specimen import Pad
+    from dummydesign.pad.pad_under_punch import Pad
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -57,9 +57,9 @@ def verdict_of_pad(
     depth = np.linspace(0.0, limit, SAMPLES)
     area = np.asarray(curve.force(depth), float) / pad.young_MPa
     area[0] = 0.0
-    curves = Curves(np.array([thickness]), np.array([limit]), area[None])
+    curves = SlabCurves(np.array([thickness]), np.array([limit]), area[None])
     tau, beta = tuple(term.tau_s for term in pad.prony), np.array([[term.beta for term in pad.prony]])
-    slabs = Slabs(curves, np.array([0]), np.array([pad.young_MPa]), tau, beta)
+    slabs = PadBatch(curves, np.array([0]), np.array([pad.young_MPa]), tau, beta)
     evaluation = evaluate(slabs, targets, sampling, exact=True)
     candidate = DesignCandidate(thickness, 0.0, 0, evaluation)
     reached = candidate.depth_mm[np.isfinite(candidate.depth_mm)]
@@ -68,7 +68,7 @@ def verdict_of_pad(
     bound = [f"depth over thickness (at most {limit / thickness:.2f})"] if missing else []
 
     def readings(moduli: NDArray, strengths: NDArray) -> Readings:
-        every = Slabs(curves, np.zeros(len(moduli), int), moduli, tau, strengths)
+        every = PadBatch(curves, np.zeros(len(moduli), int), moduli, tau, strengths)
         return readings_along(every, targets, targets.protocol.steady_grid_N, sampling.coarse)
 
     if resin is None:
@@ -148,7 +148,7 @@ class PadEvaluator:
 
     def evaluate(self, shape: PadShape, thickness_mm: float, ratio: float) -> EvaluatedPad:
         """Press one pad; refuse one that cannot be made (InputError) or that no table holds (NotTabulated)."""
-        from dummydesign.design.test_setup import refused_kinds, why_solved
+        from dummydesign.design.test_conditions import refused_kinds, why_solved
 
         request, space, punch = self.problem.request, self.problem.space, self.problem.punch
         if refused := refused_kinds(request, punch).get(shape.name):
@@ -170,7 +170,7 @@ class PadEvaluator:
     def with_castings(self, pad: EvaluatedPad, shape: PadShape) -> Verdict:
         """Judge a pad with what its castings may turn out as; the same verdict as that of ``suggest``."""
         from dummydesign.design.search.shape_search import MANY_BATCHES, outlook_for
-        from dummydesign.design.test_setup import beyond_people
+        from dummydesign.design.test_conditions import beyond_people
 
         problem, space, thickness = self.problem, self.problem.space, pad.candidate.thickness_mm
         match = Match(float(np.log(space.resin.young_MPa(pad.candidate.ratio))), 0.0)

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.design.request import Protocol
-from dummydesign.design.scoring.presses import Slabs, make_curves, press_to_depth, steady_depth
-from dummydesign.design.test_setup import pad_of_request
+from dummydesign.design.scoring.press_simulation import PadBatch, make_curves, press_to_depth, steady_depth
+from dummydesign.design.test_conditions import pad_of_request
 from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shapes.slab import Slab
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from dummydesign.design.scoring.targets import Targets
     from dummydesign.design.search.slabs import DesignCandidate
     from dummydesign.design.suggestion import Suggestion
-    from dummydesign.pad.specimen import Pad
+    from dummydesign.pad.pad_under_punch import Pad
 
 
 def ratio_error(answer: Suggestion) -> float:
@@ -69,7 +69,7 @@ def reactions(answer: Suggestion, law: ForceLaw) -> list[Reaction]:
     moduli = [young, young, young, *resin.young_MPa(mixed), 1e-3 * modulus.low, 1e-3 * modulus.high, young, young]
     strengths = np.concatenate([beta[[0, 0, 0, 1, 2, 0, 0]], beta[0] * np.array(ends)])
     slab, gel = np.array([0, 1, 2, 0, 0, 0, 0, 0, 0]), answer.targets.limits.gel_compression
-    slabs = Slabs(make_curves(law, [thickness, *thin], radius, gel), slab, np.array(moduli), resin.tau_s, strengths)
+    slabs = PadBatch(make_curves(law, [thickness, *thin], radius, gel), slab, np.array(moduli), resin.tau_s, strengths)
     protocol, sampling = answer.targets.protocol, answer.targets.sampling.coarse
     speeds = protocol.slow_mm_s, protocol.fast_mm_s
     slow, fast = (steady_depth(slabs, protocol.needed_N, speed, sampling) for speed in speeds)

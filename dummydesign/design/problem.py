@@ -14,12 +14,12 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import read_json
 from dummydesign.design.request import ANSWER, Request
 from dummydesign.design.scoring.castings import Castings, Tolerances
-from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.settings import crown_making, puck_error, settings_files
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search.shape_search import kinds_of
 from dummydesign.design.search.slabs import Correct, SearchSpace, thickness_steps
-from dummydesign.design.test_setup import check_calibrated, check_test, own_slab_law, standard_press, tabulated
+from dummydesign.design.test_conditions import check_calibrated, check_test, own_slab_law, standard_press, tabulated
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, THICKNESS_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import Punch, read_punch

@@ -85,7 +85,7 @@ class Protocol:
         return f"{low:g} to {high:g} N" if high > low else f"{low:g} N"
 
 
-PAPER = Protocol()
+NAGOYA_PROTOCOL = Protocol()
 """5, 10 and 15 N at 10 and 250 mm/s."""
 
 

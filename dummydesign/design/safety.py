@@ -14,7 +14,7 @@ from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.core.toml_schema import read_table
-from dummydesign.design.scoring.presses import Sampling, Slabs, press_to_depth
+from dummydesign.design.scoring.press_simulation import PadBatch, Sampling, press_to_depth
 from dummydesign.design.scoring.targets import press_subjects
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.tissue.model.measured_curves import MeasuredPerson
@@ -58,7 +58,9 @@ def _of_press(time_s: NDArray, displacement_mm: NDArray, force_N: NDArray, stop_
     return SafetyContact(displacement_mm[:, -1], energy, force_N.max(axis=-1), late, stop_s)
 
 
-def pad_press(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampling: Sampling | None = None) -> SafetyContact:
+def pad_press(
+    slabs: PadBatch, depth_mm: NDArray, velocity_mm_s: float, sampling: Sampling | None = None
+) -> SafetyContact:
     """Ramp and hold on pads, each to its own depth (NaN for out of reach); see :class:`SafetyContact`."""
     sampling = sampling or Sampling()
     press = press_to_depth(slabs, depth_mm, velocity_mm_s, sampling)
@@ -72,7 +74,7 @@ def tissue_press(band: ForceRange, law: str = "ode", sampling: Sampling | None =
 
 
 @dataclass(frozen=True)
-class Body:
+class ImpactBody:
     """Bodies of one kind with relaxing arms, for a mass that runs into them.
 
     Each arm obeys q' = gain(x) x' - decay(x) q.
@@ -84,7 +86,7 @@ class Body:
     rates: Callable[[NDArray], tuple[NDArray, NDArray]]
 
 
-def pad_body(slabs: Slabs) -> Body:
+def pad_body(slabs: PadBatch) -> ImpactBody:
     """Pads: elastic curve with Prony arms, q' = A'(x) x' - q / tau, F = E (A(x) + sum beta q)."""
     tau = np.array(slabs.tau_s)
 
@@ -97,10 +99,10 @@ def pad_body(slabs: Slabs) -> Body:
         slope = slabs.curves.slope_at(slabs.slab, x[:, None])
         return np.broadcast_to(slope, (len(x), len(tau))), np.broadcast_to(1.0 / tau, (len(x), len(tau)))
 
-    return Body(len(slabs.slab), len(tau), force, rates)
+    return ImpactBody(len(slabs.slab), len(tau), force, rates)
 
 
-def tissue_body(subjects: Sequence[Parameters], velocity_mm_s: float) -> Body:
+def tissue_body(subjects: Sequence[Parameters], velocity_mm_s: float) -> ImpactBody:
     """Subjects by the arms of their law, q' = gain x' - decay q, and F = gamma1 x^3 + sum gamma x^2 q."""
     from dummydesign.tissue.model.laws import law_named
     from dummydesign.tissue.model.maxwell_law import stack
@@ -115,10 +117,10 @@ def tissue_body(subjects: Sequence[Parameters], velocity_mm_s: float) -> Body:
     def rates(x: NDArray) -> tuple[NDArray, NDArray]:
         return form.stretch_rates(x, gamma / dampers)
 
-    return Body(len(gamma1), gamma.shape[-1], force, rates)
+    return ImpactBody(len(gamma1), gamma.shape[-1], force, rates)
 
 
-def impact(body: Body, mass_kg: float, velocity_mm_s: float, longest_mm: float = LONGEST_MM) -> SafetyContact:
+def impact(body: ImpactBody, mass_kg: float, velocity_mm_s: float, longest_mm: float = LONGEST_MM) -> SafetyContact:
     """A free mass runs into bodies that rest on a rigid support, until it stops.
 
     m x'' = -F, x(0) = 0, x'(0) = v, by the midpoint rule with the arms' decay integrated exactly, so that a
@@ -147,7 +149,7 @@ def _check_impact(mass_kg: float, velocity_mm_s: float) -> None:
             raise out_of_range(name, value, "above 0", "any finite value")
 
 
-def _elastic_stop_s(body: Body, mass: float, velocity: float, longest: float) -> NDArray:
+def _elastic_stop_s(body: ImpactBody, mass: float, velocity: float, longest: float) -> NDArray:
     """About when a mass stops if nothing relaxes: twice the way that takes its energy, at full speed. [s]"""
     depth = longest * np.geomspace(1e-7, 1.0, 240)
     rest = np.zeros((body.count, body.arms))
@@ -157,7 +159,7 @@ def _elastic_stop_s(body: Body, mass: float, velocity: float, longest: float) ->
     return 2.0 * np.where(enough.any(axis=0), depth[np.argmax(enough, axis=0)], longest) / velocity
 
 
-def _run(body: Body, mass: float, velocity: float, step: NDArray, longest: float) -> SafetyContact:
+def _run(body: ImpactBody, mass: float, velocity: float, step: NDArray, longest: float) -> SafetyContact:
     """Run until every mass has stopped; the stop itself is where the speed passes zero within a step."""
     x, v, q = np.zeros(body.count), np.full(body.count, velocity), np.zeros((body.count, body.arms))
     time, peak, energy = np.zeros(body.count), np.zeros(body.count), np.zeros(body.count)
@@ -250,7 +252,7 @@ def _stopped(depth_mm: NDArray, force_N: NDArray, energy_mJ: float) -> tuple[flo
 
 
 @dataclass(frozen=True)
-class Limits(Serialised):
+class UserLimits(Serialised):
     """A user's limits at one site, each with source: force [N] and pressure [N/cm2], and the transient factor."""
 
     name: str
@@ -259,14 +261,14 @@ class Limits(Serialised):
     transient_factor: Quantity
 
 
-def read_limits(path: str | Path) -> Limits:
+def read_limits(path: str | Path) -> UserLimits:
     """Read a limits file: ``name`` and the three numbers, each with value, low, high, kind, source."""
     names = ("force_N", "pressure_N_per_cm2", "transient_factor")
     table = read_table(Path(path), ("schema", "name", *names), schema=None)
-    return Limits(str(table.data.get("name", Path(path).stem)), *(table.quantity(name) for name in names))
+    return UserLimits(str(table.data.get("name", Path(path).stem)), *(table.quantity(name) for name in names))
 
 
-def against_limits(contact: SafetyContact, area_mm2: float, limits: Limits) -> list[dict[str, Any]]:
+def against_limits(contact: SafetyContact, area_mm2: float, limits: UserLimits) -> list[dict[str, Any]]:
     """Compare contacts with limits: one row a criterion, with the largest value over the bodies.
 
     Pressure is the mean over the punch, F / A.
@@ -328,7 +330,7 @@ def safety_view(
     answer: Suggestion,
     robot_mass_kg: float | None = None,
     robot_velocity_mm_s: float = 250.0,
-    limits: Limits | None = None,
+    limits: UserLimits | None = None,
 ) -> SafetyView:
     """Work out the safety view of a suggestion."""
     sampling = answer.targets.sampling
@@ -381,7 +383,7 @@ def safety_view(
     return SafetyView(tuple(presses), tuple(rows), words, held, source, text, tuple(warned))
 
 
-def _bottoming(slabs: Slabs, mass_kg: float, velocity_mm_s: float) -> dict[str, str]:
+def _bottoming(slabs: PadBatch, mass_kg: float, velocity_mm_s: float) -> dict[str, str]:
     """Text for a pad that does not stop a mass within its depth."""
     limit, thickness = float(slabs.curves.limit_mm[slabs.slab[0]]), float(slabs.thickness_mm[0])
     depth = np.linspace(0.0, limit, 200)

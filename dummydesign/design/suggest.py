@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.core.process import one_blas_thread
 from dummydesign.design.assessment.budget import budget_of_castings
 from dummydesign.design.assessment.curves import match_of_design
 from dummydesign.design.assessment.decision import compare_kinds, explain
@@ -17,10 +17,10 @@ from dummydesign.design.assessment.pad_castings import PadCastings, pour_yield, 
 from dummydesign.design.assessment.value_of_information import measure_first
 from dummydesign.design.assessment.warnings import count_unmeasured, design_warnings
 from dummydesign.design.problem import Problem, read_problem, recipe_and_batch
-from dummydesign.design.request import PAPER, Progress, Request, quiet
+from dummydesign.design.request import NAGOYA_PROTOCOL, Progress, Request, quiet
 from dummydesign.design.scoring.castings import Castings
 from dummydesign.design.scoring.people import people_warnings
-from dummydesign.design.scoring.presses import make_curves
+from dummydesign.design.scoring.press_simulation import make_curves
 from dummydesign.design.scoring.verdict import LEVELS, deviations, good_share, ranges_of, shares_of
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.search.shape_search import (
@@ -33,7 +33,7 @@ from dummydesign.design.search.shape_search import (
 )
 from dummydesign.design.search.slabs import ALTERNATIVES, DesignCandidate, SearchResult, search, with_parameters
 from dummydesign.design.suggestion import CentringTolerance, RecommendedDesign, Suggestion, Verification
-from dummydesign.design.test_setup import beyond_people, own_warnings, pad_of_request, refused_kinds
+from dummydesign.design.test_conditions import beyond_people, own_warnings, pad_of_request, refused_kinds
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shapes.slab import Slab
@@ -42,10 +42,10 @@ from dummydesign.pad.tables.square import circle_of
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from dummydesign.design.crown_array import Sites
     from dummydesign.design.search.fe_candidates import ElementsLaw
-    from dummydesign.design.sites import Sites
     from dummydesign.pad.axisymmetric.shaped_problem import Touch
-    from dummydesign.pad.specimen import Pad
+    from dummydesign.pad.pad_under_punch import Pad
 
 CALIBRATED = "designed with a calibration: the correction is based on the campaign, the table on finite elements"
 
@@ -104,7 +104,7 @@ def solve(problem: Problem, outcome: SearchOutcome, progress: Progress = quiet) 
     )
     sites = None
     if request.sites is not None:
-        from dummydesign.design.sites import lay_out_sites
+        from dummydesign.design.crown_array import lay_out_sites
 
         progress("neighbouring sites")
         sites = lay_out_sites(chosen.shape, best, space, problem.punch, request.sites)
@@ -192,7 +192,7 @@ def of_shape(law: ElementsLaw, young_MPa: float, radius_mm: float) -> Verificati
 
 def verify_design(pad: Pad, depth_mm: ArrayLike, table_force_N: ArrayLike) -> Verification:
     """Solve the elastic curve of one slab, without the table, and compare the two."""
-    from dummydesign.pad.elastic_force import solve_points
+    from dummydesign.pad.force_source import solve_points
 
     order = np.argsort(np.asarray(depth_mm, float))
     depth, table = (np.asarray(values, float)[order] for values in (depth_mm, table_force_N))
@@ -214,12 +214,12 @@ def centring_tolerance(
     shape: PadShape,
     radius_mm: float,
     half_side_mm: float,
-    forces_N: tuple[float, ...] = (1.0, *PAPER.forces_N),
+    forces_N: tuple[float, ...] = (1.0, *NAGOYA_PROTOCOL.forces_N),
     extent_mm: float = PAD_EXTENT_MM,
     touch: Touch | None = None,
 ) -> CentringTolerance | None:
     """Solve the contact of a round crowned pad; None for flat tops, shapes that are not round, or a failed solve."""
-    from dummydesign.pad.specimen import Pad
+    from dummydesign.pad.pad_under_punch import Pad
 
     if shape.flat_top or not shape.axisymmetric:
         return None

@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from dummydesign.design.assessment.curves import CurveMatch
     from dummydesign.design.assessment.decision import Choice
     from dummydesign.design.assessment.value_of_information import MeasureFirst
+    from dummydesign.design.crown_array import Sites
     from dummydesign.design.problem import Problem
     from dummydesign.design.safety import SafetyView
     from dummydesign.design.search.slabs import DesignCandidate, SearchResult
-    from dummydesign.design.sites import Sites
     from dummydesign.geometry.punch import Punch
     from dummydesign.pad.force_law import ForceLaw
     from dummydesign.resin.model.resin import Resin
@@ -282,12 +282,12 @@ def _low_force(candidate: DesignCandidate, targets: Targets) -> list[dict[str, A
 
 def make_mould(answer: Suggestion, folder: Path) -> dict[str, Any]:
     """Make the mould of the recommended pad into a folder; return it with its files, warnings and sources."""
-    from dummydesign.mold import runner
+    from dummydesign.mold import client
 
     best = answer.best
     try:
         spec = answer.problem.mould(best, answer.shape)
-        return runner.make_mold(spec, folder).to_dict() | {"sources": list(spec.sources)}
+        return client.make_mold(spec, folder).to_dict() | {"sources": list(spec.sources)}
     except NoAnswerError as problem:
         step = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {answer.request.resin}"
         step += f" --ratio {best.ratio:g} --shape {answer.shape}"

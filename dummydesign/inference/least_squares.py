@@ -175,7 +175,7 @@ FARTHEST = 12.0  # how far from the optimum an end of an interval is searched, i
 
 
 @dataclass(frozen=True)
-class Interval:
+class ProfileInterval:
     """A profile interval; an end that is not found is None and ``reason`` says why."""
 
     low: float | None
@@ -184,7 +184,7 @@ class Interval:
     reason: str
 
 
-def profile_interval(model: Model, best: Solution, index: int, low: NDArray, high: NDArray) -> Interval:
+def profile_interval(model: Model, best: Solution, index: int, low: NDArray, high: NDArray) -> ProfileInterval:
     """95 % interval of one parameter: where the best cost with it held is 3.84 above the minimum.
 
     An end that is not reached inside the box, or within :data:`FARTHEST`, is None: the data do not
@@ -223,7 +223,7 @@ def profile_interval(model: Model, best: Solution, index: int, low: NDArray, hig
         if end is None:
             reasons.append("below" if side < 0 else "above")
     reason = f"not identifiable: the data set no bound {' or '.join(reasons)}" if reasons else ""
-    return Interval(ends[0], ends[1], at_bound, reason)
+    return ProfileInterval(ends[0], ends[1], at_bound, reason)
 
 
 def _profile_end(

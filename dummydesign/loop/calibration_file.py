@@ -16,7 +16,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
 from dummydesign.loop.calibration import PADS, Calibration, Model, Posterior
-from dummydesign.loop.data.pad_factors import USUAL
+from dummydesign.loop.data.pad_modulus_factors import USUAL
 from dummydesign.loop.effects.learned import Learned, SmoothChange, followed_by
 from dummydesign.loop.effects.registry import known_effects
 from dummydesign.loop.model.forward_model import (

@@ -29,7 +29,7 @@ condition lie apart at most."""
 
 
 @dataclass(frozen=True)
-class Option:
+class PossiblePress:
     """A press that could be made: pad, speed, depth, whether it unloads, and its circumstances.
 
     ``known`` says whether the pad is one of the campaign.
@@ -75,7 +75,7 @@ class NextMeasurement:
     separates: tuple[str, ...]
     expected_gain: float
     alternatives: tuple[tuple[str, float], ...]
-    options: tuple[Option, ...] = ()
+    options: tuple[PossiblePress, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return all in words and numbers."""
@@ -87,7 +87,7 @@ class NextMeasurement:
         }
 
 
-def options(presses: Presses, law: object) -> list[Option]:
+def options(presses: Presses, law: object) -> list[PossiblePress]:
     """A short list of feasible presses: known and new pads, speeds, depths, unloading, and circumstances."""
     geometry = {trial.pad: trial.geometry for trial in presses.trials}
     pads = [(geometry[pad], pad[1], True) for pad in presses.pads]
@@ -102,7 +102,7 @@ def options(presses: Presses, law: object) -> list[Option]:
     age = float(np.nanmax(history.age_days)) if np.any(np.isfinite(history.age_days)) else None
     plain = ("", 3600.0, warm, age)
     out = [
-        Option(float(h), float(v), share, True, *plain, shape, known)
+        PossiblePress(float(h), float(v), share, True, *plain, shape, known)
         for shape, h, known in pads
         for v in speeds
         for share in (0.1, 0.3, 0.45)
@@ -111,11 +111,11 @@ def options(presses: Presses, law: object) -> list[Option]:
     for number in dict.fromkeys((0, pressed // 2)):
         shape, h, _ = pads[number]
         press = (float(h), float(speeds[-1]), 0.3, True)
-        out.append(Option(*press, "10 s after a press to the same depth", 10.0, warm, age, shape, True))
+        out.append(PossiblePress(*press, "10 s after a press to the same depth", 10.0, warm, age, shape, True))
         if warm is not None:
-            out.append(Option(*press, "at 10 K more", 3600.0, warm + 10.0, age, shape, True))
+            out.append(PossiblePress(*press, "at 10 K more", 3600.0, warm + 10.0, age, shape, True))
         if age is not None:
-            out.append(Option(*press, f"at {3 * age:.0f} days", 3600.0, warm, 3 * age, shape, True))
+            out.append(PossiblePress(*press, f"at {3 * age:.0f} days", 3600.0, warm, 3 * age, shape, True))
     return out
 
 
@@ -134,7 +134,7 @@ def planned_trace(name: str, velocity_mm_s: float, depth_mm: float, hold_s: floa
     return Trace(name, time, x, np.zeros_like(time))
 
 
-def planned_presses(presses: Presses, lowpass: Lowpass | None, chosen: list[Option]) -> Presses:
+def planned_presses(presses: Presses, lowpass: Lowpass | None, chosen: list[PossiblePress]) -> Presses:
     """Presses of the options, each as if it were the next after the campaign."""
     trials = []
     for number, option in enumerate(chosen):
@@ -168,7 +168,7 @@ def planned_presses(presses: Presses, lowpass: Lowpass | None, chosen: list[Opti
     return replace(made, history=history)
 
 
-def still_new(presses: Presses, chosen: list[Option], planned: Presses, position_mm: float) -> NDArray:
+def still_new(presses: Presses, chosen: list[PossiblePress], planned: Presses, position_mm: float) -> NDArray:
     """Bins (T, B) of planned presses that the campaign does not hold already.
 
     A press under usual circumstances that was made :data:`MADE` times or more, at a depth within :data:`SAME_DEPTH` or

@@ -12,32 +12,33 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import write_text
-from dummydesign.core.library import toml_text, toml_value
-from dummydesign.core.process import Progress, one_blas_thread, quiet
+from dummydesign.core.progress import Progress, quiet
 from dummydesign.core.serialise import Serialised
+from dummydesign.core.user_library import toml_text, toml_value
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.inference.noise import Noise
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects
 from dummydesign.loop.fitting.fit import fit_at, start_vector
-from dummydesign.loop.fitting.noise import Sizes
+from dummydesign.loop.fitting.noise import NoiseSizes
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.fitting.screening import change_by, project, starts_of
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 from dummydesign.loop.model.campaign_law import pad_of, start_young_kPa, tabulated_law
 from dummydesign.loop.model.effect import SetupLaw
 from dummydesign.loop.model.forward_model import simulate
-from dummydesign.loop.next_measurement import HOLD_S, Option, options, planned_presses, planned_trace
+from dummydesign.loop.next_measurement import HOLD_S, PossiblePress, options, planned_presses, planned_trace
 from dummydesign.loop.result import LoopResult
 from dummydesign.measurement.campaign import Campaign, Trial
 from dummydesign.measurement.campaign_plan import Planned
 from dummydesign.measurement.motion import Motion, ramp_and_hold
-from dummydesign.pad.elastic_force import elastic_curve
 from dummydesign.pad.force_law import ForceCurve
+from dummydesign.pad.force_source import elastic_curve
+from dummydesign.pad.pad_under_punch import Pad, Puck
 from dummydesign.pad.predict import depth_for_steady_force, motion_on_curve
-from dummydesign.pad.specimen import Pad, Puck
 
 if TYPE_CHECKING:
     from dummydesign.pad.material.relaxation import PronyTerm
@@ -181,7 +182,7 @@ class PlannedPress:
     """One press to make."""
 
     file: str
-    option: Option
+    option: PossiblePress
     repeat: int
     sequence: int
     target_force_N: float
@@ -205,7 +206,7 @@ def plan_of(result: LoopResult, repeats: int = REPEATS) -> tuple[PlannedPress, .
     return tuple(out)
 
 
-def _of_new_pads(presses: Presses, law: SetupLaw) -> list[Option]:
+def _of_new_pads(presses: Presses, law: SetupLaw) -> list[PossiblePress]:
     """Deep presses of pads that were not pressed yet, slow and fast; of the known ones where no others are in reach."""
     plain = [one for one in options(presses, law) if not one.circumstance and one.depth_share == DEEP]
     speeds = {min(one.velocity_mm_s for one in plain), max(one.velocity_mm_s for one in plain)}
@@ -328,7 +329,7 @@ def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, 
     trials = planned_trials(plan, law, young_MPa, np.random.default_rng(seed))
     presses = make_presses(replace(campaign, trials=trials))
     problem = CampaignProblem(presses, law)
-    usual = Sizes(NOISE, *(prior[0] for prior in law.error_priors))
+    usual = NoiseSizes(NOISE, *(prior[0] for prior in law.error_priors))
     vector = start_vector(problem, young_MPa)
     fit = fit_at(problem, vector, problem.predict(vector), usual)
     projection = project(fit)

@@ -31,7 +31,7 @@ the next campaign presses newly cast pads, whose strengths scatter from pour to 
 
 
 @dataclass(frozen=True)
-class Joined(Serialised):
+class PooledFit(Serialised):
     """How a prior met the data."""
 
     used: bool
@@ -67,7 +67,7 @@ def with_prior_effects(fit: CampaignFit, prior: Calibration) -> CampaignFit:
     return fit_with_noise(problem.plus(*(one.effect for one in more)), vector, fit.sizes, 2, 8)
 
 
-def join(fit: CampaignFit, prior: Calibration, lack_ratio: float | None = None) -> tuple[CampaignFit, Joined]:
+def join(fit: CampaignFit, prior: Calibration, lack_ratio: float | None = None) -> tuple[CampaignFit, PooledFit]:
     """Join a prior to a fit, or leave the fit as it is where the two contradict each other.
 
     With H taking the vector to the shared parameters: gain K = C H' (H C H' + P)^-1, vector + K (m - H vector),
@@ -95,7 +95,7 @@ def join(fit: CampaignFit, prior: Calibration, lack_ratio: float | None = None) 
         order = np.argsort(-np.abs(away / spread))
         named = [k for k in order if abs(away[k]) > NAMED_Z * spread[k]] or [order[0]]
         words = tuple(_conflict(names[k], known.mean[take][k], here[k], abs(away[k] / spread[k])) for k in named)
-        return fit, Joined(False, distance, p, words, names)
+        return fit, PooledFit(False, distance, p, words, names)
     gain = np.linalg.solve(together, turn @ covariance).T
     low, high = fit.problem.bounds()
     vector = np.clip(fit.vector + gain @ away, low, high)
@@ -104,7 +104,7 @@ def join(fit: CampaignFit, prior: Calibration, lack_ratio: float | None = None) 
     residual = np.where(fit.problem.presses.used, fit.problem.presses.force_N - forces, 0.0)
     both = 0.5 * (left + left.T)
     joined = replace(fit, vector=vector, covariance=both, forces=forces, residual=residual, joined=True)
-    return joined, Joined(True, distance, p, (), names)
+    return joined, PooledFit(True, distance, p, (), names)
 
 
 def _shared(fit: CampaignFit, known: tuple[str, ...]) -> list[tuple[int, str, float, float]]:

@@ -12,42 +12,42 @@ from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.next_measurement import NextMeasurement
 from dummydesign.loop.pad_scatter import pad_scatter
-from dummydesign.loop.prior import Joined
+from dummydesign.loop.prior import PooledFit
 from dummydesign.loop.selection.cross_validation import AssessedModel, effect_intervals, lack_of_fit
 from dummydesign.loop.selection.doubts import Doubt
-from dummydesign.loop.selection.learn_effect import Learnt
-from dummydesign.loop.selection.residuals import Seen
+from dummydesign.loop.selection.nonparametric_effect import NonparametricEffect
+from dummydesign.loop.selection.residuals import ResidualDiagnostics
 from dummydesign.loop.selection.search import Selection
 from dummydesign.loop.selection.verdict import AcceptedEffect, Remainder, gain_threshold
 from dummydesign.measurement.campaign import Campaign
 
 
 @dataclass(frozen=True)
-class Explained:
+class EffectModel:
     """A model that explains a campaign, with what it leaves; ``base_kept`` says why it is the base, no better fit."""
 
     selection: Selection
     after: AssessedModel
     effects: tuple[AcceptedEffect, ...]
-    learnt: Learnt | None
+    learnt: NonparametricEffect | None
     verdict: str
     remainder: Remainder
-    seen: Seen
+    seen: ResidualDiagnostics
     base_kept: str
 
 
 @dataclass(frozen=True)
-class LoopResult(Explained):
+class LoopResult(EffectModel):
     """All that the loop found; ``seen_before`` is what the base leaves."""
 
     campaign: Campaign
     presses: Presses
     base: AssessedModel
-    seen_before: Seen
+    seen_before: ResidualDiagnostics
     next: NextMeasurement | None
     untested: dict[str, str]
     warnings: tuple[dict[str, str], ...]
-    joined: Joined | None
+    joined: PooledFit | None
     doubts: tuple[Doubt, ...] = ()
 
 

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.blas_threads import one_blas_thread
+from dummydesign.core.cpu_limit import budget_spent, processor_budget
 from dummydesign.core.errors import InputError
-from dummydesign.core.process import Progress, budget_spent, one_blas_thread, processor_budget, quiet
+from dummydesign.core.progress import Progress, quiet
 from dummydesign.loop.calibration import Calibration
-from dummydesign.loop.data.pad_factors import with_pad_factors
+from dummydesign.loop.data.pad_modulus_factors import with_pad_factors
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects, refuse_unsound
 from dummydesign.loop.fitting.candidates import EffectCandidate
@@ -23,13 +25,13 @@ from dummydesign.loop.model.effect import Effect, SetupLaw
 from dummydesign.loop.model.forward_model import readings
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.pad_scatter import known_pads
-from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
-from dummydesign.loop.result import Explained, LoopResult, named
-from dummydesign.loop.selection.base_kept import left_out_errors, predicts_worse
+from dummydesign.loop.prior import PooledFit, check_prior, join, with_prior_effects
+from dummydesign.loop.result import EffectModel, LoopResult, named
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.doubts import doubt_warnings, doubts_of, without_doubted
-from dummydesign.loop.selection.learn_effect import can_be_learned, learn, learned_alone, learned_first
-from dummydesign.loop.selection.residuals import Seen, examine
+from dummydesign.loop.selection.holdout_test import left_out_errors, predicts_worse
+from dummydesign.loop.selection.nonparametric_effect import can_be_learned, learn, learned_alone, learned_first
+from dummydesign.loop.selection.residuals import ResidualDiagnostics, diagnose
 from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, names_of, rank, search
 from dummydesign.loop.selection.verdict import AcceptedEffect, at_bound, needed, remainder
 from dummydesign.measurement.campaign import Campaign
@@ -135,7 +137,7 @@ def close_loop(
         campaign, presses, first = without_doubted(campaign, presses, first, doubts)
         base = assess(first)
         available, untested = _available(presses, law)
-        seen = examine(base.fit)
+        seen = diagnose(base.fit)
         explained = _explain(base, seen, available, progress)
     answer = _against_base(base, seen, explained, progress)
     plain, learnt = answer.after.fit, answer.learnt
@@ -171,14 +173,16 @@ def close_loop(
     )
 
 
-def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], progress: Progress) -> Explained:
+def _explain(
+    base: AssessedModel, seen: ResidualDiagnostics, available: tuple[Effect, ...], progress: Progress
+) -> EffectModel:
     """Named effects and a learned function, whichever explain the campaign best; ``seen`` is what the base leaves."""
     ranked = rank(base, available, progress)
     alone = learned_alone(base, seen, ranked[1], progress)
     selection = search(base, available, progress, ranked) if alone is None else Selection(alone.after, (), *ranked)
     after, effects, learnt = selection.after, selection.effects, None if alone is None else alone.learnt
     progress("remainder")
-    seen_after = seen if after is base else examine(after.fit)
+    seen_after = seen if after is base else diagnose(after.fit)
     left = remainder(base, after, seen_after)
     verdict = "unexplained" if left.reasons or alone else "effect" if effects else "none"
     if left.reasons and not budget_spent():
@@ -190,13 +194,15 @@ def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], pro
             learnt = learn(after.fit, among)
             after = after if learnt is None else assess(learnt.fit)
     if learnt is not None:
-        seen_after = examine(after.fit)
+        seen_after = diagnose(after.fit)
         still = remainder(base, after, seen_after)
         left = replace(still, reasons=(learnt.text, *still.reasons))
-    return Explained(selection, after, effects, learnt, verdict, left, seen_after, "")
+    return EffectModel(selection, after, effects, learnt, verdict, left, seen_after, "")
 
 
-def _against_base(base: AssessedModel, seen: Seen, answer: Explained, progress: Progress) -> Explained:
+def _against_base(
+    base: AssessedModel, seen: ResidualDiagnostics, answer: EffectModel, progress: Progress
+) -> EffectModel:
     """The answer, or the base model where it predicts left-out presses better."""
     if answer.after is base:
         return answer
@@ -215,7 +221,7 @@ def _against_base(base: AssessedModel, seen: Seen, answer: Explained, progress: 
         "model is kept"
     )
     verdict = "unexplained" if left.reasons else "none"
-    return Explained(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept)
+    return EffectModel(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept)
 
 
 def _available(presses: Presses, law: SetupLaw) -> tuple[tuple[Effect, ...], dict[str, str]]:
@@ -258,7 +264,7 @@ def _better_alone(selection: Selection, after: AssessedModel) -> Iterator[dict[s
 
 
 def _warnings(
-    campaign: Campaign, presses: Presses, beyond: str, stopped: str, answer: Explained, joined: Joined | None
+    campaign: Campaign, presses: Presses, beyond: str, stopped: str, answer: EffectModel, joined: PooledFit | None
 ) -> Iterator[dict[str, str]]:
     """What a reader must know: what a fit does not see comes first."""
     if stopped:

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError, errors_within, unknown_name
-from dummydesign.core.library import toml_table
-from dummydesign.core.toml_schema import Table
+from dummydesign.core.toml_schema import TomlTable
+from dummydesign.core.user_library import toml_table
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
 from dummydesign.geometry.pad_shape import PadShape
@@ -19,8 +19,8 @@ from dummydesign.geometry.punch import ball_profile, read_profile
 from dummydesign.geometry.shape_registry import read_shape, shape_kinds
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec, Trial, check_edge, held_force
-from dummydesign.measurement.landmarks import ramp_of
 from dummydesign.measurement.pad_record import Records, pad_with_record, trial_with_record
+from dummydesign.measurement.ramp_detection import ramp_of
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import read_trace
 
@@ -47,11 +47,11 @@ PUNCH_KEYS = {"punch", "side_mm", "diameter_mm", "contact", "edge_radius_mm"}
 _TRIAL_KEYS = {"file", "repeat", "sequence", "shape", "unload", "record", *TRIAL_NUMBERS}
 
 
-def read_campaign_toml(folder: Path) -> Table:
+def read_campaign_toml(folder: Path) -> TomlTable:
     """Read the campaign file of a folder, unchecked."""
     try:
         text = (folder / FILE).read_text(encoding="utf-8-sig")
-        return Table(tomllib.loads(text), folder / FILE, text)
+        return TomlTable(tomllib.loads(text), folder / FILE, text)
     except FileNotFoundError:
         message = f"campaign folder '{folder}' has no {FILE}; 'dummydesign campaign new' makes one"
         raise InputError(message, "file_not_found", "campaign") from None
@@ -62,7 +62,7 @@ def read_campaign_toml(folder: Path) -> Table:
         raise InputError(f"{FILE}: not valid TOML: {problem}", "malformed", "campaign") from None
 
 
-def trial_tables(top: Table) -> list[Table]:
+def trial_tables(top: TomlTable) -> list[TomlTable]:
     """Return the table of each trial of a campaign file."""
     trials = top.data.get("trial")
     if not isinstance(trials, list) or not trials or not all(isinstance(trial, dict) for trial in trials):
@@ -146,7 +146,7 @@ PAD_KEYS = (
 READ_AS_KEYS = ("thickness_mm", "velocity_mm_s", *OWN_KEYS, "confirmed")
 
 
-def read_otherwise(top: Table, tables: list[Table]) -> tuple[list[Table], list[dict[str, str]]]:
+def read_otherwise(top: TomlTable, tables: list[TomlTable]) -> tuple[list[TomlTable], list[dict[str, str]]]:
     """The trials as the tables ``[[read_as]]`` read them, and a warning that says so of each table."""
     by_file = {str(table.data.get("file")): table for table in tables}
     given = top.tables("read_as") if "read_as" in top.data else []
@@ -201,7 +201,7 @@ def geometry_of(text: str, where: str) -> PadShape:
         return read_shape(text)
 
 
-def _read_pad(table: Table) -> PadSpec:
+def _read_pad(table: TomlTable) -> PadSpec:
     young = table.number("young_kPa_nominal", None, low=0.5, high=5000.0)
     resin = table.data.get("resin")
     if young is None and resin is None:
@@ -218,14 +218,14 @@ def _read_pad(table: Table) -> PadSpec:
     return PadSpec(young, None if resin is None else str(resin), ratio, shape, length, width, diameter, base, geometry)
 
 
-def _read_interface(table: Table, key: str, known: tuple[str, ...]) -> str:
+def _read_interface(table: TomlTable, key: str, known: tuple[str, ...]) -> str:
     value = str(table.data.get(key, "bonded"))
     if value not in known and not Interface.names_friction(value):
         raise unknown_name(key, value, known, quantity=f"{table.name}.{key}").within(table.where(key))
     return value
 
 
-def _read_punch(table: Table, folder: Path) -> PunchSpec:
+def _read_punch(table: TomlTable, folder: Path) -> PunchSpec:
     shape = str(table.data.get("shape", "square"))
     if shape not in PUNCHES:
         raise unknown_name("shape", shape, PUNCHES, quantity="punch.shape").within(table.where("shape"))
@@ -241,7 +241,7 @@ def _read_punch(table: Table, folder: Path) -> PunchSpec:
     return PunchSpec(shape, side, diameter, contact, profile, edge)
 
 
-def _read_sensor(table: Table) -> tuple[Lowpass | None, float]:
+def _read_sensor(table: TomlTable) -> tuple[Lowpass | None, float]:
     cutoff = table.number("lowpass_hz", None, low=0.1, high=1e5)
     resolution = table.number("force_resolution_N", 0.0, low=0.0, high=10.0)
     if cutoff is None:
@@ -256,7 +256,7 @@ def _read_sensor(table: Table) -> tuple[Lowpass | None, float]:
 
 
 def _read_trial(
-    table: Table, number: int, folder: Path, pad: PadSpec, punch: PunchSpec, lowpass: Lowpass | None
+    table: TomlTable, number: int, folder: Path, pad: PadSpec, punch: PunchSpec, lowpass: Lowpass | None
 ) -> Trial:
     unknown = sorted(set(table.data) - _TRIAL_KEYS - set(OWN_KEYS) - {"confirmed"})
     if of_punch := [key for key in unknown if key in PUNCH_KEYS]:
@@ -286,7 +286,7 @@ def _read_trial(
     return trial
 
 
-def _check_against_declared(trial: Trial, table: Table) -> None:
+def _check_against_declared(trial: Trial, table: TomlTable) -> None:
     """Refuse magnitudes that can only be another unit, seen against the thickness, speed and force in its table."""
     trace, ramp = trial.trace, ramp_of(trial.trace)
     deepest = float(trace.displacement_mm.max())
@@ -322,7 +322,7 @@ def _check_against_declared(trial: Trial, table: Table) -> None:
         )
 
 
-def _trial_geometry(table: Table, pad: PadSpec, punch: PunchSpec) -> PadShape:
+def _trial_geometry(table: TomlTable, pad: PadSpec, punch: PunchSpec) -> PadShape:
     """The shape of a trial's pad, its own or that of [pad], fitting its thickness."""
     where, geometry = table.where("shape"), pad.geometry
     if "shape" in table:
@@ -339,7 +339,7 @@ def _trial_geometry(table: Table, pad: PadSpec, punch: PunchSpec) -> PadShape:
     return geometry
 
 
-def _read_file_name(table: Table, folder: Path) -> str:
+def _read_file_name(table: TomlTable, folder: Path) -> str:
     """Read ``file``, a plain file name inside the campaign folder."""
     name = table.data.get("file")
     if not isinstance(name, str) or not name.strip():
@@ -361,7 +361,7 @@ def no_ratio(ratio: float | None) -> tuple[dict[str, str], ...]:
     return ({"code": "no_ratio", "message": message},)
 
 
-def _check_set(trials: Sequence[Trial], tables: Sequence[Table]) -> list[dict[str, str]]:
+def _check_set(trials: Sequence[Trial], tables: Sequence[TomlTable]) -> list[dict[str, str]]:
     """Refuse files and sequence numbers that are used twice; return what is missing for some tests."""
     for key in ("file", "sequence"):
         seen: dict[Any, int] = {}

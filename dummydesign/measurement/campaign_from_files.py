@@ -14,7 +14,7 @@ from typing import Any
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import write_bytes
 from dummydesign.measurement.campaign_file import FILE, TRIAL_NUMBERS, TRIAL_REQUIRED, read_campaign_toml, trial_tables
-from dummydesign.measurement.landmarks import approach_velocity, ramp_of
+from dummydesign.measurement.ramp_detection import approach_velocity, ramp_of
 from dummydesign.measurement.trace import read_trace
 
 KEYS = (

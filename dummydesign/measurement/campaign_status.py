@@ -11,7 +11,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.measurement.campaign import held_force
 from dummydesign.measurement.campaign_file import FILE, read_campaign, read_campaign_toml, trial_tables
 from dummydesign.measurement.importing.press_checks import copies_among, doubts_of
-from dummydesign.measurement.landmarks import approach_velocity, ramp_of
+from dummydesign.measurement.ramp_detection import approach_velocity, ramp_of
 from dummydesign.measurement.trace import Trace, read_trace
 
 FORCE_SHARE, SPEED_SHARE, HOLD_SHARE, DEPTH_SHARE = 0.3, 0.2, 0.8, 0.2

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError, errors_within
-from dummydesign.core.toml_schema import Table
+from dummydesign.core.toml_schema import TomlTable
 
 SCHEMA = "dummydesign.pad/1"
 STEM = "record"
@@ -150,7 +150,7 @@ NEAR = 0.1
 """A thickness that is declared beside a record is as designed or as measured to this share, else of another pad."""
 
 
-def pad_with_record(table: Table, record: PadRecord) -> Table:
+def pad_with_record(table: TomlTable, record: PadRecord) -> TomlTable:
     """Fill the table of a campaign's pad with what it leaves out, from the record."""
     puck, data = record.shape == "puck", table.data
     known: dict[str, Any] = {"shape": "cylinder" if puck else record.shape}
@@ -166,7 +166,7 @@ def pad_with_record(table: Table, record: PadRecord) -> Table:
     return replace(table, data={**data, **known})
 
 
-def trial_with_record(table: Table, record: PadRecord) -> Table:
+def trial_with_record(table: TomlTable, record: PadRecord) -> TomlTable:
     """Fill the table of a trial with thickness and its error as the record has them."""
     given, where = table.data.get("thickness_mm"), table.where("record")
     near = [record.thickness_mm, record.design_thickness_mm]
@@ -206,7 +206,7 @@ class Records:
         self.folder = folder
         self.read: dict[Path, PadRecord] = {}
 
-    def of(self, table: Table) -> PadRecord | None:
+    def of(self, table: TomlTable) -> PadRecord | None:
         """Return the record that a table names with ``record``; None when it names none."""
         name = table.data.get("record")
         if name is None:

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.library import data_folder, read_toml
+from dummydesign.core.user_library import data_folder, read_toml
 
 UNITS = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6},

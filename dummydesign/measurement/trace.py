@@ -167,7 +167,7 @@ def _number(cell: str | None, name: str, where: str) -> float:
 
 def check_one_press(trace: Trace, advice: str = "") -> None:
     """Refuse several presses in one trace, which would be read as one long hold; ``advice`` ends the message."""
-    from dummydesign.measurement.importing.signs import find_presses
+    from dummydesign.measurement.importing.sign_convention import find_presses
 
     force = trace.force_N - np.median(trace.force_N[:3])
     try:

@@ -32,9 +32,9 @@ from dummydesign.pad.contact.axisymmetric import FlatPunch, ProfilePunch
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import POINTS, cell_nodes
 from dummydesign.pad.fem.mixed_solid import Solid
-from dummydesign.pad.solve.continuation import Path, VisitedState, follow, state_between
-from dummydesign.pad.solve.equilibrium import Problem, Solution
-from dummydesign.pad.specimen import SLAB, Pad, Puck
+from dummydesign.pad.pad_under_punch import SLAB, Pad, Puck
+from dummydesign.pad.solve.continuation import ForcePath, VisitedState, follow, state_between
+from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium
 
 Array = np.ndarray
 
@@ -105,7 +105,7 @@ def face_tractions(nodes: Array, u: Array, force: Array, sides: Array) -> dict[s
     return {"node": node, "pressure": pressure, "shear": shear, "down": -pull[1]}
 
 
-def recovered(solid: Solid, solution: Solution, factor: Array) -> tuple[Array, Array]:
+def recovered(solid: Solid, solution: Equilibrium, factor: Array) -> tuple[Array, Array]:
     """Cauchy stress (n, 4) and principal stretches (n, 3) at the nodes of an equilibrium."""
     both = to_nodes(solid, POINTS, np.concatenate(cauchy(solid, solution.u, solution.p, factor), axis=-1))
     return both[:, :4], both[:, 4:]
@@ -117,7 +117,7 @@ STATES = ("free", "sticks", "slips")
 
 
 @dataclass(frozen=True)
-class Face:
+class PressedFace:
     """The tested face of a pressed pad, from the axis outwards."""
 
     node: Array
@@ -141,7 +141,7 @@ class Pressed:
     cells: Array
     cauchy_MPa: Array
     stretch: Array
-    face: Face
+    face: PressedFace
     punch_mm: Array
 
     @property
@@ -197,7 +197,7 @@ class Pressed:
 NEAR = 0.1
 
 
-Keep = Callable[[Problem, Solution, float], None]
+Keep = Callable[[ContactProblem, Equilibrium, float], None]
 
 
 def _follow_under_fillet(
@@ -210,7 +210,9 @@ def _follow_under_fillet(
         wanted, path = depths[done:], _with_lattice(depths)
         problem, follow = _slipping(case, cells)
 
-        def visit(depth: float, solution: Solution, problem: Problem = problem, wanted: Array = wanted) -> None:
+        def visit(
+            depth: float, solution: Equilibrium, problem: ContactProblem = problem, wanted: Array = wanted
+        ) -> None:
             if np.isclose(wanted, depth, rtol=1e-9, atol=0.0).any():
                 keep(problem, solution, depth)
 
@@ -225,7 +227,7 @@ def _follow_under_fillet(
     return stop, notes
 
 
-def _slipping(case: Case, cells: int) -> tuple[Problem, Callable[..., Path]]:
+def _slipping(case: Case, cells: int) -> tuple[ContactProblem, Callable[..., ForcePath]]:
     """The problem of a face with or without friction, and what follows it."""
     if not Interface.parse(case.condition, "condition", FACES).friction:
         mesh = filleted.SlidingMesh(case, cells)
@@ -253,7 +255,7 @@ SLIP_SHARE = 0.95
 class Setup:
     """A problem of finite elements in thicknesses and shear moduli, and how its path is followed or was already."""
 
-    problem: Problem
+    problem: ContactProblem
     first_step: float
     largest_step: float
     smallest_step: float
@@ -276,7 +278,7 @@ def solve_fields(
     depths, shear = relative_depths(depth_mm, pad.thickness_mm), pad.shear_MPa
     fields: list[Pressed] = []
 
-    def keep(problem: Problem, solution: Solution, depth: float) -> None:
+    def keep(problem: ContactProblem, solution: Equilibrium, depth: float) -> None:
         fields.append(_pressed(problem, solution, depth, pad, shear))
 
     stop, notes = _follow(pad, depths, coarse, keep)
@@ -322,7 +324,7 @@ def _follow(pad: Pad, depths: Array, coarse: bool, keep: Keep) -> tuple[str | No
     setup = _setup(pad, case, depths, coarse)
     if setup.visited:
         solutions = [state_between(setup.problem, setup.visited, depth) for depth in depths]
-        reached = [one for one in solutions if isinstance(one, Solution)]
+        reached = [one for one in solutions if isinstance(one, Equilibrium)]
         if len(reached) == len(depths):
             for depth, solution in zip(depths, reached):
                 keep(setup.problem, solution, depth)
@@ -330,7 +332,7 @@ def _follow(pad: Pad, depths: Array, coarse: bool, keep: Keep) -> tuple[str | No
         setup = _setup(pad, case, depths, coarse)
     watch = None if pad.geometry.flat_top else FoldWatch(RoundFace(setup.problem, pad.thickness_mm))
 
-    def visit(depth: float, solution: Solution) -> str | None:
+    def visit(depth: float, solution: Equilibrium) -> str | None:
         if watch is not None and (folded := watch.check(depth, solution.u)):
             return folded
         keep(setup.problem, solution, depth)
@@ -372,7 +374,7 @@ def _setup(pad: Pad, case: Case, depths: Array, coarse: bool) -> Setup:
     return Setup(made, RIM * scale, 0.05 * scale, 0.005 * scale)
 
 
-def _pressed(problem: Problem, solution: Solution, depth: float, pad: Pad, shear: float) -> Pressed:
+def _pressed(problem: ContactProblem, solution: Equilibrium, depth: float, pad: Pad, shear: float) -> Pressed:
     """The fields of one equilibrium in mm and MPa."""
     solid, h = problem.solid, pad.thickness_mm
     mesh = solid.mesh
@@ -400,7 +402,7 @@ def _pressed(problem: Problem, solution: Solution, depth: float, pad: Pad, shear
     )
 
 
-def _face(problem: Problem, solution: Solution, depth: float, pad: Pad, shear: float) -> Face:
+def _face(problem: ContactProblem, solution: Equilibrium, depth: float, pad: Pad, shear: float) -> PressedFace:
     """The tested face, by the mesh's nodes."""
     solid, h = problem.solid, pad.thickness_mm
     sides = face_sides(problem)
@@ -420,10 +422,10 @@ def _face(problem: Problem, solution: Solution, depth: float, pad: Pad, shear: f
     if not pad.edge_radius_mm and at_edge and isinstance(punch, FlatPunch):
         reach = punch.radius  # the fillet stands for a sharp edge, which is reached
     height, rest = position[1] - float(solid.mesh.nodes[1].min()), solid.mesh.nodes[0, node]
-    return Face(node, position[0] * h, height * h, rest * h, pressure * shear, drag * shear, state, reach * h)
+    return PressedFace(node, position[0] * h, height * h, rest * h, pressure * shear, drag * shear, state, reach * h)
 
 
-def face_sides(problem: Problem) -> Array:
+def face_sides(problem: ContactProblem) -> Array:
     """Sides of the tested face: those of one cell only that lie neither on the axis, the base nor the rim."""
     mesh = problem.solid.mesh
     node = meshes.cell_nodes(mesh)
@@ -439,7 +441,7 @@ def face_sides(problem: Problem) -> Array:
     return three[once & ~elsewhere & (length > 1e-12)]
 
 
-def _outline(problem: Problem, depth: float, radius: float) -> Array:
+def _outline(problem: ContactProblem, depth: float, radius: float) -> Array:
     """Lower outline of the punch from the axis out, then up."""
     punch: Any = problem.punch
     if hasattr(punch, "height"):

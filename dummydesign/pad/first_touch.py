@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dummydesign.geometry.interface import BASES, Interface
-from dummydesign.pad.specimen import SLAB, Pad, Puck
+from dummydesign.pad.pad_under_punch import SLAB, Pad, Puck
 
 Array = np.ndarray
 

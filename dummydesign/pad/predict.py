@@ -29,19 +29,19 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core import library as json_table
+from dummydesign.core import user_library as json_table
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.core.parsing import positive
-from dummydesign.core.process import reporting_depths
+from dummydesign.core.progress import reporting_depths
 from dummydesign.core.serialise import Serialised
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.measurement.motion import Motion, ramp_and_hold
-from dummydesign.pad.elastic_force import elastic_curve
 from dummydesign.pad.force_law import ForceCurve, ForceLaw
+from dummydesign.pad.force_source import elastic_curve
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
-from dummydesign.pad.specimen import SLAB, Pad, Puck
+from dummydesign.pad.pad_under_punch import SLAB, Pad, Puck
 
 Array = np.ndarray
 

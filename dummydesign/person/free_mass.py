@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from dummydesign.core.library import data_folder
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.toml_schema import read_table
+from dummydesign.core.user_library import data_folder
 from dummydesign.design.safety import SafetyView
-from dummydesign.person.known_range import FAR, NEAR, limits_of_subjects, short_number
+from dummydesign.person.validity_range import FAR, NEAR, limits_of_subjects, short_number
 from dummydesign.tissue.model.tissue import Tissue
 
 EXTRAPOLATED, UNUSABLE = "extrapolated beyond the presses on people", "far beyond the presses on people: do not use"

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dummydesign.design.safety import QUASI_STATIC_AFTER_S
 from dummydesign.person.people import People
-from dummydesign.person.ringing import GAP_S, Arm
+from dummydesign.person.ringing import GAP_S, RobotArm
 from dummydesign.person.smoothing import interpolation
 
 TOLERANCE = 2e-5
@@ -35,7 +35,7 @@ LATE_POINTS = 25
 
 
 @dataclass(frozen=True)
-class Response:
+class PersonResponse:
     """What persons bear: curves of shape (p, n) over ``time_s`` (n,) or (p, n), and numbers, shape (p,).
 
     ``energy_mJ`` is the work done on the person from contact to the largest depth;
@@ -53,7 +53,9 @@ class Response:
     stop_s: NDArray | float = np.inf
 
     @classmethod
-    def of_curves(cls, time_s: NDArray, depth: NDArray, force: NDArray, steady: NDArray, energy: NDArray) -> Response:
+    def of_curves(
+        cls, time_s: NDArray, depth: NDArray, force: NDArray, steady: NDArray, energy: NDArray
+    ) -> PersonResponse:
         """Take peak, depth and held force from curves (p, n)."""
         held = held_after(time_s, force)
         return cls(time_s, depth, force, force.max(axis=-1), steady, depth.max(axis=-1), energy, held)
@@ -87,7 +89,7 @@ def follow_force(
     late_s: float = np.inf,
     substeps: int = SUBSTEPS,
     tolerance: float = SOLVED,
-) -> Response:
+) -> PersonResponse:
     """Press so that each person bears a force that is given over time, F(x, q) = F(t).
 
     Each step solves for the depth at its end, by Newton's method inside a bracket; the arms are exact for the even
@@ -122,7 +124,7 @@ def follow_force(
             x = new
             taken, deepest = np.where(x > deepest, energy, taken), np.maximum(x, deepest)
         steps.append(x)
-    return Response.of_curves(time_s, np.stack(steps, axis=-1), wanted, late_mean(time_s, wanted, late_s), taken)
+    return PersonResponse.of_curves(time_s, np.stack(steps, axis=-1), wanted, late_mean(time_s, wanted, late_s), taken)
 
 
 def _depth_for(people: People, x: NDArray, q: NDArray, step: float, goal: NDArray, tolerance: float) -> NDArray:
@@ -149,7 +151,7 @@ def _depth_for(people: People, x: NDArray, q: NDArray, step: float, goal: NDArra
 
 def run_robot(
     people: People,
-    arm: Arm,
+    arm: RobotArm,
     given: Input,
     end_s: float,
     velocity_mm_s: NDArray,
@@ -162,7 +164,7 @@ def run_robot(
     tolerance: float = TOLERANCE,
     mean_from_s: float = np.inf,
     lost_mm_s: NDArray | float = 0.0,
-) -> Response:
+) -> PersonResponse:
     """Integrate M u'' = F_p(t) - D u' - K u - F(x_p(t) + u, q) of all persons, by Newmark's rules.
 
     u is the difference of the path on a person to the path x_p on the pad, where the force was F_p. The command
@@ -272,7 +274,7 @@ def run_robot(
         step = max(grown, step) if error < 1.0 and taken < step else grown
     depth_curve, force_curve = (np.stack(rows, axis=-1) for rows in (depths, forces))
     steady = late / (time - late_s) if time > late_s else np.full(count, np.nan)
-    return Response(np.array(times), depth_curve, force_curve, peak, steady, deepest, energy, longer, stop)
+    return PersonResponse(np.array(times), depth_curve, force_curve, peak, steady, deepest, energy, longer, stop)
 
 
 def _solve(

@@ -9,7 +9,7 @@ from dummydesign.core.serialise import Serialised
 from dummydesign.design.safety import N_PER_CM2
 
 if TYPE_CHECKING:
-    from dummydesign.design.safety import Limits
+    from dummydesign.design.safety import UserLimits
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class LimitRow(Serialised):
 
 
 @dataclass(frozen=True)
-class Load:
+class ContactLoad:
     """One kind of contact: force on the pad, 95 % ends on one more person, lower 95 % ends of the subjects. [N]"""
 
     kind: str
@@ -60,7 +60,7 @@ def decide(high: float | None, subjects_low: tuple[float, ...], limit: float, ex
 
 
 def against_guarded_limits(
-    loads: list[Load], limits: Limits, area_mm2: float, extrapolated: bool
+    loads: list[ContactLoad], limits: UserLimits, area_mm2: float, extrapolated: bool
 ) -> tuple[LimitRow, ...]:
     """Compare loads with limits of force and of mean pressure, quasi-static and transient.
 

@@ -12,19 +12,19 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.serialise import to_plain
 from dummydesign.design.safety import N_PER_CM2
-from dummydesign.design.scoring.presses import press_to_depth
+from dummydesign.design.scoring.press_simulation import press_to_depth
 from dummydesign.measurement.importing.press_checks import copies_among, doubts_of
 from dummydesign.measurement.trace import Trace
-from dummydesign.person.drives.drive import Drive
-from dummydesign.person.integrate import FOUR, Response, held_after
-from dummydesign.person.known_range import Beyond, beyond_range
-from dummydesign.person.limits import LimitRow, Load, against_guarded_limits
+from dummydesign.person.drive_diagnostics import TraceSigns, signs_of
+from dummydesign.person.drives.drive import RobotDrive
+from dummydesign.person.integrate import FOUR, PersonResponse, held_after
+from dummydesign.person.limits import ContactLoad, LimitRow, against_guarded_limits
 from dummydesign.person.people import People, draw_another, draw_subject
 from dummydesign.person.press import Press, read_press
-from dummydesign.person.signs import TraceSigns, signs_of
+from dummydesign.person.validity_range import Beyond, beyond_range
 
 if TYPE_CHECKING:
-    from dummydesign.design.safety import Limits
+    from dummydesign.design.safety import UserLimits
     from dummydesign.design.suggestion import Suggestion
     from dummydesign.measurement.sensor import Lowpass
     from dummydesign.measurement.trace import Trace
@@ -47,7 +47,7 @@ class PersonPress:
     """
 
     press: Press
-    response: Response
+    response: PersonResponse
     pad: dict[str, float | None]
     subjects: tuple[dict[str, Any], ...]
     band: dict[str, Interval]
@@ -91,7 +91,7 @@ class OnPerson:
     """All presses with the drive, the tissue and what was asked."""
 
     presses: tuple[PersonPress, ...]
-    drive: Drive
+    drive: RobotDrive
     tissue: Tissue
     area_mm2: float
     warnings: tuple[dict[str, str], ...]
@@ -100,9 +100,9 @@ class OnPerson:
 def on_person(
     traces: Sequence[Trace],
     tissue: Tissue,
-    drive: Drive,
+    drive: RobotDrive,
     *,
-    limits: Limits | None = None,
+    limits: UserLimits | None = None,
     lowpass: Lowpass | None = None,
     area_mm2: float = 196.0,
     progress: Callable[[str], None] | None = None,
@@ -146,7 +146,7 @@ def on_person(
 
 
 def _press_people(
-    press: Press, tissue: Tissue, drive: Drive, limits: Limits | None, area_mm2: float, doubt: str
+    press: Press, tissue: Tissue, drive: RobotDrive, limits: UserLimits | None, area_mm2: float, doubt: str
 ) -> PersonPress:
     """Press subjects and draws, and judge."""
     names, rng = [one.name for one in tissue.subjects], np.random.default_rng(SEED)
@@ -201,7 +201,9 @@ def _press_people(
     )
 
 
-def _loads(press: Press, response: Response, another: dict[str, NDArray], own: dict[str, NDArray]) -> list[Load]:
+def _loads(
+    press: Press, response: PersonResponse, another: dict[str, NDArray], own: dict[str, NDArray]
+) -> list[ContactLoad]:
     """Transient and quasi-static forces."""
     loads = []
     pads = {"transient": float(press.peak_N), "quasi-static": float(held_after(press.time_s, press.force_N[None])[0])}
@@ -209,11 +211,11 @@ def _loads(press: Press, response: Response, another: dict[str, NDArray], own: d
         low, high = _ends(another[name])
         ends = [_ends(row)[0] for row in own[name]] if own else [_number(value) for value in values]
         known = tuple(end for end in ends if end is not None)
-        loads.append(Load(kind, _number(pads[kind]) if known or high is not None else None, low, high, known))
+        loads.append(ContactLoad(kind, _number(pads[kind]) if known or high is not None else None, low, high, known))
     return loads
 
 
-def _of_few(response: Response) -> dict[str, NDArray]:
+def _of_few(response: PersonResponse) -> dict[str, NDArray]:
     """Quantiles of one more person where people are curves: Student's prediction in logarithms, as two values."""
     from scipy.stats import t
 
@@ -249,7 +251,7 @@ def _number(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _of_presses(pressed: Sequence[PersonPress], drive: Drive, tissue: Tissue) -> list[dict[str, str]]:
+def _of_presses(pressed: Sequence[PersonPress], drive: RobotDrive, tissue: Tissue) -> list[dict[str, str]]:
     """What the reader must know: a drive that does not fit, a range that is left, people who were not measured."""
     rows: list[tuple[str, str]] = []
     rows += [
@@ -284,7 +286,7 @@ KEPT = "beyond_range"
 """Warning that is of the presses; what the motion of a measured file shows does not apply to one that is assumed."""
 
 
-def design_on_people(answer: Suggestion, drive: Drive, limits: Limits | None = None) -> OnPerson:
+def design_on_people(answer: Suggestion, drive: RobotDrive, limits: UserLimits | None = None) -> OnPerson:
     """Carry the predicted presses of the recommended pad over to the subjects; one press a condition in reach."""
     pressed = on_person(predicted_traces(answer), answer.tissue, drive, limits=limits, area_mm2=answer.punch.area_mm2)
     kept = tuple(one for one in pressed.warnings if one["code"] == KEPT)

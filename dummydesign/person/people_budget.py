@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dummydesign.core.quantity import HALF_WIDTH
-from dummydesign.design.assessment.budget import Budget, Component, Reading, decide
+from dummydesign.design.assessment.budget import Budget, Reading, UncertaintyComponent, decide
 
 if TYPE_CHECKING:
     from dummydesign.person.limits import LimitRow
@@ -72,11 +72,11 @@ def _of_check(press: PersonPress, row: LimitRow, value: float, spread: float) ->
     return Budget(reading, _components(press, OF_KIND[kind], spread), requirement, decision, doubt=doubt)
 
 
-def _components(press: PersonPress, quantity: str, spread: float) -> tuple[Component, ...]:
+def _components(press: PersonPress, quantity: str, spread: float) -> tuple[UncertaintyComponent, ...]:
     """Parts whose root sum of squares is the spread of one more person."""
     own = [middle_and_spread((one["interval_95"] or {}).get(quantity)) for one in press.subjects]
     known = [one[1] for one in own if one is not None]
     if not known:
-        return Component(OWN, None), Component(DIFFER, 100.0 * spread)
+        return UncertaintyComponent(OWN, None), UncertaintyComponent(DIFFER, 100.0 * spread)
     mean = min(float(np.sqrt(np.mean(np.square(known)))), spread)
-    return Component(OWN, 100.0 * mean), Component(DIFFER, 100.0 * math.sqrt(spread**2 - mean**2))
+    return UncertaintyComponent(OWN, 100.0 * mean), UncertaintyComponent(DIFFER, 100.0 * math.sqrt(spread**2 - mean**2))

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.importing.signs import noise_of
-from dummydesign.measurement.landmarks import approach_velocity, ramp_of
+from dummydesign.measurement.importing.sign_convention import noise_of
 from dummydesign.measurement.motion import LATE, Ramp, work_to_deepest_mJ
+from dummydesign.measurement.ramp_detection import approach_velocity, ramp_of
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
-from dummydesign.person.ringing import Arm, growing_nodes, real_bends, smoothed_ringing, still_rings
+from dummydesign.person.ringing import RobotArm, growing_nodes, real_bends, smoothed_ringing, still_rings
 from dummydesign.person.smoothing import SmoothCurve, smooth_curve
 from dummydesign.tissue.fitting.reduction import rounded_velocity
 
@@ -139,7 +139,7 @@ class Press:
         return replace(self, x_mm=x - shift, force_N=force, steady_N=steady, contact_mm_s=speed)
 
 
-def read_press(trace: Trace, lowpass: Lowpass | None = None, arm: Arm | None = None) -> Press:
+def read_press(trace: Trace, lowpass: Lowpass | None = None, arm: RobotArm | None = None) -> Press:
     """Find the press in a trace and smooth it; a declared filter of the force is undone.
 
     With an arm, its ringing is followed closely for some time and averaged over afterwards.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.measurement.importing.signs import noise_of
+from dummydesign.measurement.importing.sign_convention import noise_of
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.person.smoothing import SmoothCurve, smooth_curve
 
@@ -33,7 +33,7 @@ ORDER, WHITE = 6, 924.0
 
 
 @dataclass(frozen=True)
-class Arm:
+class RobotArm:
     """An arm of finite stiffness: K [N/mm], M [kg], damping ratio of the arm alone."""
 
     stiffness_N_per_mm: float
@@ -86,7 +86,13 @@ def real_bends(nodes_s: NDArray) -> NDArray:
 
 
 def smoothed_ringing(
-    since_s: NDArray, x: NDArray, force: NDArray, nodes_s: NDArray, stop_s: float, arm: Arm, lowpass: Lowpass | None
+    since_s: NDArray,
+    x: NDArray,
+    force: NDArray,
+    nodes_s: NDArray,
+    stop_s: float,
+    arm: RobotArm,
+    lowpass: Lowpass | None,
 ) -> tuple[SmoothCurve, SmoothCurve, NDArray, float]:
     """Smooth path and force; the nodes and the time from which on they are means over the ringing.
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import write_text, writing
-from dummydesign.core.library import read_toml, toml_text
+from dummydesign.core.user_library import read_toml, toml_text
 
 FILE = "project.toml"
 SCHEMA = 1

@@ -14,7 +14,7 @@ from dummydesign.report.plot import Plot, steady_plot
 from dummydesign.report.plot_layers import Band, Layer, Line
 
 if TYPE_CHECKING:
-    from dummydesign.design.comparison import Comparison
+    from dummydesign.design.comparison import DesignComparison
 
 Row = tuple[str, list[str]]
 TERMS = {
@@ -27,7 +27,7 @@ TERMS = {
 """Score terms in the order of the answer's weights."""
 
 
-def write_designs_report(folder: Path, comparison: Comparison) -> dict[str, str]:
+def write_designs_report(folder: Path, comparison: DesignComparison) -> dict[str, str]:
     """Write the report of a comparison of designs; see :func:`dummydesign.report.page.write_report`."""
     designs = comparison.designs
     head = ["", *(one["name"] for one in designs)]

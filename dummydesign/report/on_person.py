@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from dummydesign.core.files import csv_text, write_text
 from dummydesign.core.interpolation import uniform_times
-from dummydesign.core.library import data_folder
-from dummydesign.person.known_range import subject_words
+from dummydesign.core.user_library import data_folder
 from dummydesign.person.on_person import OnPerson, PersonPress
+from dummydesign.person.validity_range import subject_words
 from dummydesign.report import on_person_facts as facts
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.on_person_facts import number_text, span_text

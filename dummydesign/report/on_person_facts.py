@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from dummydesign.person.known_range import FAR, short_number, subject_words
+from dummydesign.person.validity_range import FAR, short_number, subject_words
 
 FIVE = (
     ("peak_N", "peak force", "N"),

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from dummydesign._version import __version__
 from dummydesign.core.files import csv_text, write_bytes, write_text
-from dummydesign.core.library import data_folder, read_toml
 from dummydesign.core.serialise import parameter_rows
+from dummydesign.core.user_library import data_folder, read_toml
 from dummydesign.mold.files.solid_view import stack, view_html
 from dummydesign.report.front_page import PAPER_MM, FrontPage, lay_out
 from dummydesign.report.plot import COLUMNS, Plot

@@ -7,12 +7,12 @@ from typing import Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import output_folder
-from dummydesign.core.library import make_room, user_folder
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.serialise import Serialised
+from dummydesign.core.user_library import make_room, user_folder
 from dummydesign.resin.model.hardness import SHORE_00, SHORE_A, hardness_law
 from dummydesign.resin.model.modulus_laws import LAWS
-from dummydesign.resin.model.resin import Arm, Liquid, Resin, save_resin
+from dummydesign.resin.model.resin import Liquid, Resin, ResinArm, save_resin
 from dummydesign.resin.model.resin_file import DEFAULT, KIND, load_resin
 from dummydesign.resin.update.modulus import base_numbers, base_title
 
@@ -109,7 +109,7 @@ def _moved(base: Resin, young: Quantity) -> Resin:
     arms, ratio_ref = base.prior_relaxation or (base.arms, base.relaxation_ratio_ref)
     taken = f"taken from resin {base.name}, not of this product"
     kept = tuple(
-        Arm(
+        ResinArm(
             arm.tau_s,
             Quantity(
                 arm.beta.value,
@@ -153,7 +153,7 @@ def _fixed(young: Quantity) -> Resin:
         low, high = min(one.low, other.low), max(one.high, other.high)
         return Quantity((one.value * other.value) ** 0.5, low, high, "assumed", source)
 
-    arms = tuple(Arm(two.tau_s, between(one.beta, two.beta)) for one, two in zip(least.arms, most.arms))
+    arms = tuple(ResinArm(two.tau_s, between(one.beta, two.beta)) for one, two in zip(least.arms, most.arms))
     properties = {
         key: between(least.properties[key], one) for key, one in most.properties.items() if key in least.properties
     }

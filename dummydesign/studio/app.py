@@ -25,13 +25,13 @@ from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.core.files import take, writing
+from dummydesign.core.files import acquire_lock, writing
 from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.studio import figures, file_transfer
 from dummydesign.studio.access import FRAME_POLICY, VIEW, Guard, same_secret
 from dummydesign.studio.pages import campaign, cast, design, learn, measured, mould, overview, pucks, tissue
-from dummydesign.studio.parts import Body, lay_out
+from dummydesign.studio.widgets import Body, lay_out
 
 PAGES: dict[str, tuple[str, Body]] = {
     "/": ("Overview", overview.show_status),
@@ -186,7 +186,7 @@ def run_studio(folder: str | Path, port: int | None, browser: bool, say: Callabl
         with writing("folder", root, "folder"):
             root.mkdir(parents=True, exist_ok=True)
             _refuse_links(home)
-            lock = take(home / "lock")
+            lock = acquire_lock(home / "lock")
             if lock is None:
                 raise _open_elsewhere(root, browser)
             opened.enter_context(lock)

@@ -13,7 +13,7 @@ from typing import IO
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_bytes, writing
-from dummydesign.core.library import DEVICE
+from dummydesign.core.user_library import DEVICE
 
 MEANINGFUL = frozenset({"project.toml", "campaign.toml", "manifest.json", "calibration.json", "study.json"})
 """A folder with one of these is taken for a project, a campaign or a result."""

@@ -19,9 +19,9 @@ from dummydesign.measurement.campaign_from_files import COLUMNS, named_values, r
 from dummydesign.measurement.campaign_status import differences_from_plan
 from dummydesign.measurement.trace import read_trace
 from dummydesign.studio.file_transfer import check_press, inside, plain_name, save_upload
-from dummydesign.studio.made import Mould, moulds, shape_key
-from dummydesign.studio.project_files import Deleted, delete, replace_file
+from dummydesign.studio.project_index import Mould, moulds, shape_key
 from dummydesign.studio.state import State
+from dummydesign.studio.trash import Deleted, delete, replace_file
 
 HELD = "unassigned"
 """Folder in that of a campaign, for files that have no planned name."""

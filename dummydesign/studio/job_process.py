@@ -16,8 +16,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from dummydesign.core.files import take, write_text
-from dummydesign.core.process import VARIABLE
+from dummydesign.core.files import acquire_lock, write_text
+from dummydesign.core.progress import VARIABLE
 
 COMMAND, ANSWER, ERRORS, PROGRESS, STATUS = "command.json", "answer.json", "errors.txt", "progress.txt", "status.json"
 LOCK, PID, STOP, CHILD, AWAKE = "lock", "pid", "stop", "child", "awake"
@@ -36,10 +36,10 @@ def answer_name(number: int, of: int) -> str:
 
 def main(folder: Path, handed_on: int | None = None) -> int:
     """Run the command of a folder, after those that come first, and write how it ended; return its exit status."""
-    lock = take(folder / LOCK, PATIENCE_S) if handed_on is None else open(handed_on, "a", encoding="utf-8")
+    lock = acquire_lock(folder / LOCK, PATIENCE_S) if handed_on is None else open(handed_on, "a", encoding="utf-8")
     if lock is None:
         return 2
-    awake = take(folder / AWAKE, PATIENCE_S)
+    awake = acquire_lock(folder / AWAKE, PATIENCE_S)
     asked = json.loads((folder / COMMAND).read_text(encoding="utf-8"))
     write_text(folder / PID, str(os.getpid()))
     signals: list[int] = []

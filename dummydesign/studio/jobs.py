@@ -21,10 +21,10 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import held, read_json, take, unwritable, write_text
-from dummydesign.core.library import find
+from dummydesign.core.files import acquire_lock, is_locked, read_json, unwritable, write_text
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
+from dummydesign.core.user_library import find
 from dummydesign.studio import job_process as runner
 from dummydesign.studio.file_transfer import new_folder
 
@@ -235,7 +235,7 @@ def _spawn(root: Path, folder: Path) -> None:
     path = os.pathsep.join(filter(None, (str(Path(__file__).resolve().parents[2]), os.environ.get("PYTHONPATH"))))
     _CHILDREN[:] = [child for child in _CHILDREN if child.poll() is None]
     words = [sys.executable, "-m", "dummydesign.studio.job_process", str(folder)]
-    lock = None if os.name == "nt" else take(folder / runner.LOCK, runner.PATIENCE_S)
+    lock = None if os.name == "nt" else acquire_lock(folder / runner.LOCK, runner.PATIENCE_S)
     if lock is not None:
         # held from the first moment on, however long a busy machine takes to start the process
         detached["pass_fds"] = (lock.fileno(),)
@@ -273,7 +273,7 @@ def read_job(folder: Path) -> Job:
 
 def _state(folder: Path, started: float) -> tuple[str, float]:
     if not (folder / runner.STATUS).exists():
-        if held(folder / runner.LOCK):
+        if is_locked(folder / runner.LOCK):
             return "running", time.time() - started
         # it may have ended between the two looks
         if not (folder / runner.STATUS).exists():
@@ -314,15 +314,15 @@ def is_last(root: Path, job: Job, made: Callable[[Job], str]) -> bool:
 
 def stop(job: Job) -> None:
     """Ask a running command to end and to clear up; by a file, which also one that is only starting finds."""
-    if not held(job.folder / runner.LOCK):
+    if not is_locked(job.folder / runner.LOCK):
         return
     # a command without its runner, which was killed, reads no file
-    number = runner.PID if held(job.folder / runner.AWAKE) else runner.CHILD
+    number = runner.PID if is_locked(job.folder / runner.AWAKE) else runner.CHILD
     with suppress(OSError):  # a full disk
         (job.folder / runner.STOP).touch()
         if number == runner.PID:
             return
     with suppress(FileNotFoundError, ProcessLookupError, ValueError):
         process = int((job.folder / number).read_text(encoding="utf-8"))
-        if held(job.folder / runner.LOCK) and not (job.folder / runner.STATUS).exists():
+        if is_locked(job.folder / runner.LOCK) and not (job.folder / runner.STATUS).exists():
             os.kill(process, signal.SIGTERM)

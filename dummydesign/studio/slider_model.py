@@ -13,10 +13,10 @@ import numpy as np
 from nicegui import events, ui
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.library import find
+from dummydesign.core.user_library import find
 from dummydesign.design.pad_evaluator import NotTabulated, PadEvaluator
 from dummydesign.design.request import Request
-from dummydesign.design.test_setup import table_alone, why_solved
+from dummydesign.design.test_conditions import table_alone, why_solved
 from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import PROFILE, read_punch

@@ -16,7 +16,7 @@ from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.project.folder import Project
 from dummydesign.project.status import STANDARD_RESIN, ProjectFile, ProjectStatus, finished_manifest, things_in
-from dummydesign.studio import choices, file_transfer
+from dummydesign.studio import file_transfer, select_options
 
 PAD_FIELDS = ("shape", "thickness_mm", "ratio")
 QUESTION_FIELDS = ("tissue", "aim", "resin", "calibration", "punch")
@@ -100,12 +100,12 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
         base |= design_state(project.root, given["design"])
     elif newest and "shape" not in given:
         base |= design_state(project.root, newest[-1])
-    known = choices.tissues(project.root)
+    known = select_options.tissues(project.root)
     for one in fields(State):
         if one.name in given and one.name != "missing":
             base[one.name] = _number(given[one.name], base.get(one.name, one.default), one.type == "float")
     base["tissue"] = base["tissue"] or next(iter(known))
-    campaigns = list(choices.campaigns(project.root))
+    campaigns = list(select_options.campaigns(project.root))
     base["campaign"] = base.get("campaign") or next(reversed(campaigns), "")
     state = State(**base)
     # where the address changes what the design was made for, the pad is no longer that design
@@ -194,7 +194,7 @@ def _missing(
     there = (
         ("tissue", state.tissue, known, "Choose another, or bring its file back."),
         ("calibration", state.calibration, [""], "Choose another, or none."),
-        ("resin", state.resin, choices.resins(), "Choose another."),
+        ("resin", state.resin, select_options.resins(), "Choose another."),
         ("campaign", state.campaign, ["", *campaigns], "Choose another."),
         ("design", given.get("design", ""), ["", *designs], "The pad comes from the address."),
     )
@@ -204,7 +204,7 @@ def _missing(
         if name not in names and not (root / name).is_file()
     )
     try:
-        if not problems and state.aim not in choices.aims(absolute(root, state.tissue)):
+        if not problems and state.aim not in select_options.aims(absolute(root, state.tissue)):
             return (f"The tissue '{state.tissue}' has no aim '{state.aim}'. Choose another aim.",)
     except InputError as problem:
         return (str(problem),)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 from dummydesign.geometry.interface import BASES
 from dummydesign.measurement.trace import Trace

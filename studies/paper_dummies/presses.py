@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.scoring.presses import Curves, Slabs, make_curves, press_to_depth, steady_depth
+from dummydesign.design.scoring.press_simulation import PadBatch, SlabCurves, make_curves, press_to_depth, steady_depth
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
 from dummydesign.measurement.motion import contact_velocity
 from dummydesign.measurement.trace import Trace
+from dummydesign.pad.fe_force_law import SolvedSlab, law_of
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.material.relaxation import PronyTerm
-from dummydesign.pad.solved_law import SolvedSlab, law_of
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.tables.square import punch_law
 from studies.paper_dummies.dummies import (
     APPROACH_S,
@@ -94,7 +94,7 @@ def press_dummy(
     tissue = load_tissue(site)
     taus, betas = tuple(term.tau_s for term in prony), np.array([[term.beta for term in prony]])
     curves = make_curves(law, thickness, RADIUS_MM, MAX_DEPTH_OVER_THICKNESS)
-    slabs = Slabs(curves, np.array([0]), np.array([young_MPa]), taus, betas)
+    slabs = PadBatch(curves, np.array([0]), np.array([young_MPa]), taus, betas)
     depth = steady_depth(slabs, STEADY_GRID_N, VELOCITIES_MM_S[0], SAMPLING)[0]
     deepest = press_to_depth(slabs, curves.limit_mm, VELOCITIES_MM_S[0], SAMPLING)
     reach = float(deepest.force_N[0, -1])
@@ -110,7 +110,7 @@ def press_dummy(
     return Dummy(name, thickness, tissue, reach, depth, presses, parameters, rmse, arm_weights(curves, young_MPa))
 
 
-def arm_weights(curves: Curves, young_MPa: float, force_N: float = 10.0) -> dict[float, NDArray]:
+def arm_weights(curves: SlabCurves, young_MPa: float, force_N: float = 10.0) -> dict[float, NDArray]:
     """Largest extra force of single arms of strength 1 over the relaxed force, by speed; shape of ``ARM_TAU_S``.
 
     A dummy whose weights are all smaller than another's has the smaller peak with any single arm. In a sum of
@@ -133,7 +133,7 @@ def arm_weights(curves: Curves, young_MPa: float, force_N: float = 10.0) -> dict
     """
     count = len(ARM_TAU_S)
     none, each = np.zeros(count, int), np.full(count, young_MPa)
-    slabs = Slabs(curves, none, each, tuple(ARM_TAU_S), np.eye(count))
+    slabs = PadBatch(curves, none, each, tuple(ARM_TAU_S), np.eye(count))
     depth = curves.depth_at(none, np.full(count, force_N / young_MPa))
     if not np.isfinite(depth).all():
         return {}
@@ -166,7 +166,7 @@ def fit_presses(presses: dict[tuple[float, float], PressFigures], law: str) -> t
     return parameters, float(trace_residuals([(problem, optimum)])["rmse_N"])
 
 
-def _press(slabs: Slabs, depth_mm: float, force_N: float, velocity_mm_s: float, tissue: Tissue) -> PressFigures:
+def _press(slabs: PadBatch, depth_mm: float, force_N: float, velocity_mm_s: float, tissue: Tissue) -> PressFigures:
     press = press_to_depth(slabs, np.array([depth_mm]), velocity_mm_s, SAMPLING)
     time, force, stop = press.time_s[0], press.force_N[0], float(press.stop_s[0])
     band = tissue.force_range(force_N, velocity_mm_s, SAMPLING.hold_s, SAMPLING.deceleration_mm_s2)

@@ -15,7 +15,7 @@ import argparse
 from pathlib import Path
 
 from dummydesign.core.files import write_text
-from dummydesign.pad.solved_law import SolvedSlab, solve_slab
+from dummydesign.pad.fe_force_law import SolvedSlab, solve_slab
 from studies.marked_page import MarkedPage
 from studies.paper_dummies.presses import steady_scan, stiffening_cases, study
 from studies.paper_dummies.tables import data_files, page_tables

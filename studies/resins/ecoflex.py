@@ -22,7 +22,7 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
-from dummydesign.core.library import data_folder
+from dummydesign.core.user_library import data_folder
 from dummydesign.inference.least_squares import CHI_SQUARE_95
 from dummydesign.pad.tables.puck import DIAMETER_MM, HEIGHT_MM, load_puck_table
 from dummydesign.resin.puck_test.loading_fit import LoadingCurve, PuckFit, fit_pucks
@@ -169,7 +169,7 @@ def _number(quantity: dict[str, Any]) -> str:
 
 def _resin_text(family: str, law: FamilyLaw, largest: float) -> str:
     """Text of the resin file of one family; what is not measured comes from ``ecoflex-liquid.toml``."""
-    from dummydesign.core.library import read_toml
+    from dummydesign.core.user_library import read_toml
 
     liquid, _ = read_toml(measured_folder() / "ecoflex-liquid.toml")
     own, common = liquid[family], liquid["common"]

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves, press_to_depth, steady_depth
+from dummydesign.design.scoring.press_simulation import PadBatch, Sampling, make_curves, press_to_depth, steady_depth
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS, PUNCH_RADIUS_MM
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.tables.square import square_law
@@ -80,7 +80,7 @@ def infer(law: ForceLaw | None = None, draws: int = DRAWS, seed: int = SEED) -> 
     parts, peaks = {}, {}
     for name, tissue, thickness in DUMMIES:
         curves = make_curves(law, [thickness], RADIUS_MM, MAX_DEPTH_OVER_THICKNESS)
-        slabs = Slabs(curves, np.zeros(draws, int), young, TAU_S, beta)
+        slabs = PadBatch(curves, np.zeros(draws, int), young, TAU_S, beta)
         for velocity in VELOCITIES_MM_S:
             peak = _peaks(slabs, velocity)
             key = f"dummy {name} at {velocity:g} mm/s"
@@ -104,7 +104,7 @@ def infer(law: ForceLaw | None = None, draws: int = DRAWS, seed: int = SEED) -> 
     )
 
 
-def _peaks(slabs: Slabs, velocity_mm_s: float) -> NDArray:
+def _peaks(slabs: PadBatch, velocity_mm_s: float) -> NDArray:
     """Peak of each draw at 10 N steady; NaN where the depth limit is met first."""
     sampling = Sampling(24, 12, 12)
     depth = steady_depth(slabs, STEADY_N, velocity_mm_s, sampling)

@@ -6,9 +6,9 @@ import argparse
 
 import numpy as np
 
-from dummydesign.core.library import data_folder
+from dummydesign.core.user_library import data_folder
 from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.tables.slab import NAME
 from studies.tables.common import Build, write_table
 

@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.core.library import data_folder
+from dummydesign.core.user_library import data_folder
 from dummydesign.geometry.dimensions import EXTENT_OVER_RADIUS, MAX_DEPTH_OVER_THICKNESS
 from dummydesign.pad.axisymmetric.case import LATTICE
 from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.tables.filleted import FILLETS, between_fillets
 from studies.tables.common import Build, write_table
 from studies.tables.slab import RATIO_RANGE, nodes

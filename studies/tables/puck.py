@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.core.library import table_path
+from dummydesign.core.user_library import table_path
 from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import Ogden
-from dummydesign.pad.specimen import Puck
+from dummydesign.pad.pad_under_punch import Puck
 from dummydesign.pad.tables.puck import (
     COMMAND,
     DIAMETER_MM,

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.files import write_text
-from dummydesign.core.library import data_folder
+from dummydesign.core.user_library import data_folder
 from dummydesign.geometry.interface import BASES
 from dummydesign.measurement.motion import DECELERATION_MM_S2, ramp_and_hold
 from dummydesign.pad.axisymmetric.case import Case

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.library import data_folder
+from dummydesign.core.user_library import data_folder
 from dummydesign.geometry.dimensions import EXTENT_OVER_RADIUS
 from dummydesign.pad.axisymmetric.shaped_pad import EDGE_ERROR, LEAST_ERROR
 from dummydesign.pad.tables.response_surface import Response

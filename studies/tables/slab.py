@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.library import data_folder
+from dummydesign.core.user_library import data_folder
 from dummydesign.geometry.dimensions import EXTENT_OVER_RADIUS
 from dummydesign.pad.axisymmetric.case import Case, first_stiffness
 from dummydesign.pad.axisymmetric.sharp_edge import Limit, Samples, fit_limit, solve_rims

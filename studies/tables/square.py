@@ -19,8 +19,15 @@ from pathlib import Path
 
 import numpy as np
 
-from dummydesign.core.library import data_folder
-from dummydesign.pad.spatial.square_punch import Block, Cells, Ratios, depth_of_corner, solve_ratios, useful_depths
+from dummydesign.core.user_library import data_folder
+from dummydesign.pad.spatial.square_punch import (
+    CornerCells,
+    Ratios,
+    SquareProblem,
+    depth_of_corner,
+    solve_ratios,
+    useful_depths,
+)
 from dummydesign.pad.tables.square import SIDE_OVER_RADIUS, combined_depth
 from studies.tables.common import Build, write_table
 from studies.tables.slab import nodes
@@ -50,15 +57,15 @@ class Task:
     rim: float = 0.0
 
 
-def square_block(ratio: float, base: str) -> Block:
+def square_block(ratio: float, base: str) -> SquareProblem:
     """The square punch of a / h = ``ratio``, a the radius of equal area, on a slab that scales with it."""
     side = ratio * SIDE_OVER_RADIUS
-    return Block((side, side), (EXTENT_OVER_SIDE[0] * side, EXTENT_OVER_SIDE[1] * side), base)
+    return SquareProblem((side, side), (EXTENT_OVER_SIDE[0] * side, EXTENT_OVER_SIDE[1] * side), base)
 
 
 def solve_one(task: Task) -> Ratios:
     """Solve one a / h to the depth at which a cell folds or the last one wanted; the finest only at first touch."""
-    block, cells = square_block(task.ratio, task.base), Cells(task.corner)
+    block, cells = square_block(task.ratio, task.base), CornerCells(task.corner)
     if task.rim:
         depths = np.arange(RIMMED_STEP, RIMMED_END + 1e-9, RIMMED_STEP)
         depths = depths[combined_depth(depths, task.ratio) <= DEPTH_END]

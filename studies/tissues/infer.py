@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.files import output_folder, write_text
-from dummydesign.core.library import data_folder
-from dummydesign.core.quantity import HAND_STIFFNESS, PAPER
+from dummydesign.core.quantity import HAND_STIFFNESS, NAGOYA_CITATION
+from dummydesign.core.user_library import data_folder
 from dummydesign.tissue.model.posterior import LAW, draws_csv, subject_of, typical_subjects
 from dummydesign.tissue.model.tissue import Tissue
 from dummydesign.tissue.model.tissue_file import tissue_toml
@@ -41,7 +41,7 @@ SCATTER = (0.1, 0.4)
 
 TITLES = {"palm": "centre of the palm", "thenar": "thenar eminence", "forefinger": "forefinger pad"}
 SOURCES = (
-    f"{PAPER}; statements in words only, its numbers stand in figures",
+    f"{NAGOYA_CITATION}; statements in words only, its numbers stand in figures",
     "Spartacus et al. 2021, PLOS ONE 16:e0261008 (peak ratio of the palm)",
     "Pawluk and Howe 1999, J Biomech Eng 121:178, doi 10.1115/1.2835100 (relaxation times of the fingerpad)",
     "Sensors 2017, 17:1190 (force rises with speed)",

@@ -6,7 +6,7 @@ the sample, because words may be misread and figures may deceive: see :data:`BRO
 
 References
 ----------
-"The paper" is :data:`dummydesign.core.quantity.PAPER`.
+"The paper" is :data:`dummydesign.core.quantity.NAGOYA_CITATION`.
 """
 
 from __future__ import annotations

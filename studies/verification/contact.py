@@ -8,9 +8,9 @@ import numpy as np
 
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
-from dummydesign.pad.elastic_force import solve_points
 from dummydesign.pad.fields import solve_fields
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.force_source import solve_points
+from dummydesign.pad.pad_under_punch import Pad
 from studies.verification.check import Check
 from studies.verification.edges import PRESSURE
 

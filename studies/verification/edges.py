@@ -12,8 +12,8 @@ from dummydesign.pad.axisymmetric.case import Case, first_stiffness
 from dummydesign.pad.axisymmetric.filleted import filleted_problem, solve_under_fillet
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 from dummydesign.pad.fields import solve_fields
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import load_table
 from studies.verification.check import Check
 

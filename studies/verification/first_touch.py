@@ -18,8 +18,8 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.geometry.shapes.slab import Slab
-from dummydesign.pad.elastic_force import elastic_curve
-from dummydesign.pad.specimen import Pad, Puck
+from dummydesign.pad.force_source import elastic_curve
+from dummydesign.pad.pad_under_punch import Pad, Puck
 from studies.verification.check import Check
 
 GROUP = "First touch, six decades of depth"

@@ -13,8 +13,8 @@ from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
-from dummydesign.pad.elastic_force import solve_points
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.force_source import solve_points
+from dummydesign.pad.pad_under_punch import Pad
 from studies.verification.check import Check
 
 GROUP = "Shaped pads"

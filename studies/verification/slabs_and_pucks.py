@@ -17,10 +17,10 @@ from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import HyperelasticLaw, Ogden, Yeoh
 from dummydesign.pad.material.relaxation import PronyTerm, Viscoelastic, relaxed_force
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.solve.equilibrium import RESIDUAL_TOLERANCE, Solution, newton_search
+from dummydesign.pad.solve.equilibrium import RESIDUAL_TOLERANCE, Equilibrium, newton_search
 from dummydesign.pad.solve.sparse import Pattern
-from dummydesign.pad.specimen import Pad
 from studies.verification import contact, edges, first_touch
 from studies.verification.check import Check
 from studies.verification.shapes import cap_on_layer, slab_limits
@@ -186,7 +186,7 @@ def newton() -> Iterator[Check]:
     problem = puck_problem(UnitPuck(1.0, "bonded"), Ogden([0.4], [5.0]), corner=0.05)
     start = (0.1 * part for part in problem.direction())
     found = newton_search(problem, *start, 0.1, RESIDUAL_TOLERANCE, without_ties=False, most_held=1)
-    assert isinstance(found, Solution)
+    assert isinstance(found, Equilibrium)
     last = [residual for residual in found.residuals if residual > 1e-13]
     rates = [np.log(c / b) / np.log(b / a) for a, b, c in zip(last, last[1:], last[2:])]
     yield Check(

@@ -9,7 +9,7 @@ import pytest
 
 from dummydesign.cli.completion import BETWEEN, WORDS, next_words
 from dummydesign.cli.entry import COMMANDS, parser_of, run
-from dummydesign.core.library import entries
+from dummydesign.core.user_library import entries
 from dummydesign.geometry.shape_registry import shape_names
 
 

@@ -16,7 +16,7 @@ from dummydesign import cli
 from dummydesign.cli import entry
 from dummydesign.cli.entry import help_texts, meanings_of, parser_of
 from dummydesign.cli.progress import Count, Steps, Watch, loudness
-from dummydesign.core.process import VARIABLE, write_progress
+from dummydesign.core.progress import VARIABLE, write_progress
 
 
 def below(parser, name):

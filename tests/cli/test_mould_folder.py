@@ -4,7 +4,7 @@ import pytest
 
 from dummydesign.cli.commands import mold
 from dummydesign.cli.entry import parser_of
-from dummydesign.mold.job import folder_name
+from dummydesign.mold.batch import folder_name
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import read_kind
 

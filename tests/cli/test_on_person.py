@@ -191,7 +191,7 @@ def test_where_people_get_the_pad_s_force_the_answer_is_their_depth(here, capsys
 
 
 def test_one_value_is_printed_once_and_a_multiple_as_a_multiple():
-    from dummydesign.person.known_range import short_number, subject_words
+    from dummydesign.person.validity_range import short_number, subject_words
     from dummydesign.report.on_person_facts import span_text
 
     assert span_text([8.4141, 8.4149]) == "8.41" and span_text([8.41, 8.43]) == "8.41 to 8.43"

@@ -3,7 +3,7 @@
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.parsing import FORCE, UNITS, VELOCITY, YOUNG, Purpose, read_number, read_numbers, read_size
+from dummydesign.core.parsing import FORCE, UNITS, VELOCITY, YOUNG, QuantitySpec, read_number, read_numbers, read_size
 from tests.support.refusal import raises_code
 
 
@@ -27,7 +27,7 @@ def test_a_number_with_a_unit_means_what_it_says(text, purpose, value):
 @pytest.mark.parametrize("unit", sorted(UNITS))
 def test_every_unit_reads_back_its_own_size(unit):
     for name, size in UNITS[unit].items():
-        assert read_number(f"3{name}", Purpose("x", unit, (0.0, 1e9))) == pytest.approx(3.0 * size)
+        assert read_number(f"3{name}", QuantitySpec("x", unit, (0.0, 1e9))) == pytest.approx(3.0 * size)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import held, take, write_bytes
+from dummydesign.core.files import acquire_lock, is_locked, write_bytes
 from tests.support.refusal import raises_code
 
 
@@ -67,14 +67,14 @@ def test_a_name_as_long_as_the_disk_allows_is_written(tmp_path):
 
 def test_a_lock_is_held_until_it_is_let_go_and_patience_waits_for_it(tmp_path):
     place = tmp_path / "new" / "lock"
-    assert not held(place)
-    mine = take(place)
-    assert mine is not None and held(place)
+    assert not is_locked(place)
+    mine = acquire_lock(place)
+    assert mine is not None and is_locked(place)
     begun = time.monotonic()
-    assert take(place) is None
-    assert take(place, 0.05) is None and time.monotonic() - begun > 0.04
+    assert acquire_lock(place) is None
+    assert acquire_lock(place, 0.05) is None and time.monotonic() - begun > 0.04
     threading.Timer(0.05, mine.close).start()
-    later = take(place, 60.0)
+    later = acquire_lock(place, 60.0)
     assert later is not None
     later.close()
-    assert not held(place)
+    assert not is_locked(place)

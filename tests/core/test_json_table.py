@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from dummydesign.core import library as json_table
+from dummydesign.core import user_library as json_table
 from dummydesign.pad import predict as separability
 from dummydesign.pad.tables import filleted, puck, shape, slab, square
 from dummydesign.pad.tables import slab as compressibility

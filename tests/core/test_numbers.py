@@ -13,7 +13,7 @@ from dummydesign.core.parsing import (
     THICKNESS,
     UNITS,
     VELOCITY,
-    Purpose,
+    QuantitySpec,
     columns_in,
     parse_limits,
     parse_values,
@@ -28,7 +28,7 @@ from dummydesign.core.parsing import (
 from dummydesign.core.quantity import HALF_WIDTH, KINDS, Quantity, has_line, line_of, value_at
 from tests.support.refusal import raises_code
 
-PURPOSES = {name: value for name, value in vars(parsing).items() if isinstance(value, Purpose)}
+PURPOSES = {name: value for name, value in vars(parsing).items() if isinstance(value, QuantitySpec)}
 
 
 @pytest.mark.parametrize("name", sorted(PURPOSES))

@@ -12,7 +12,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from dummydesign.core import library
+from dummydesign.core import user_library
 from dummydesign.core.errors import InputError
 
 ROOT = Path(__file__).parents[2]
@@ -69,31 +69,31 @@ def test_output_of_other_programs_is_never_read_by_the_code_page():
 @pytest.mark.parametrize("name", ["con", "NUL", "com1", "aux.2", "lpt9"])
 def test_a_name_of_a_device_is_refused_on_every_system(name):
     with pytest.raises(InputError) as caught:
-        library.check_name("resin", name)
+        user_library.check_name("resin", name)
     assert caught.value.code == "bad_name"
 
 
 @pytest.mark.parametrize("name", ["console", "com", "nul-1", "auxiliary.2", "com12"])
 def test_a_name_that_only_begins_as_a_device_is_fine(name):
-    library.check_name("resin", name)
+    user_library.check_name("resin", name)
 
 
 def test_a_file_is_taken_as_one_with_either_slash(monkeypatch):
-    monkeypatch.setattr(library, "os", SimpleNamespace(sep="\\", altsep="/", environ=os.environ))
+    monkeypatch.setattr(user_library, "os", SimpleNamespace(sep="\\", altsep="/", environ=os.environ))
     for name in ("mine/soft", "mine\\soft", "soft.toml"):
         with pytest.raises(InputError) as caught:
-            library.find("materials/resins", "resin", name)
+            user_library.find("materials/resins", "resin", name)
         assert caught.value.code == "file_not_found"
 
 
 def test_places_in_a_project_have_forward_slashes_and_another_drive_is_outside(monkeypatch):
     pytest.importorskip("nicegui")
-    from dummydesign.studio import project_files
+    from dummydesign.studio import trash
 
-    monkeypatch.setattr(project_files, "os", SimpleNamespace(sep="\\", path=ntpath))
+    monkeypatch.setattr(trash, "os", SimpleNamespace(sep="\\", path=ntpath))
     root = PureWindowsPath("C:/lab/project")
-    assert str(project_files._path_in(root, "measured\\import-1\\a.csv")) == "measured/import-1/a.csv"
-    assert project_files._path_in(root, "D:\\a.csv") is None
+    assert str(trash._path_in(root, "measured\\import-1\\a.csv")) == "measured/import-1/a.csv"
+    assert trash._path_in(root, "D:\\a.csv") is None
 
 
 def test_a_script_whose_workers_would_run_it_again_gets_the_line_that_it_lacks(tmp_path):
@@ -117,6 +117,6 @@ def test_the_user_s_folder_is_the_platform_s_where_none_is_named(monkeypatch, tm
     }
     for platform, place in places.items():
         monkeypatch.setattr("sys.platform", platform)
-        assert library.user_folder() == place / "dummydesign"
+        assert user_library.user_folder() == place / "dummydesign"
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / "own"))
-    assert library.user_folder() == tmp_path / "own"
+    assert user_library.user_folder() == tmp_path / "own"

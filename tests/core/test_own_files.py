@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from dummydesign.cli.entry import run
-from dummydesign.core.library import data_folder, user_folder
+from dummydesign.core.user_library import data_folder, user_folder
 from dummydesign.resin import load_resin
 from dummydesign.tissue.model.tissue_file import load_tissue
 from tests.support.refusal import raises_code

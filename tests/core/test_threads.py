@@ -14,7 +14,7 @@ import pytest
 import scipy.linalg  # noqa: F401
 from threadpoolctl import ThreadpoolController, threadpool_limits
 
-from dummydesign.core.process import ONE_THREAD, one_blas_thread
+from dummydesign.core.blas_threads import ONE_THREAD, one_blas_thread
 from dummydesign.design.suggest import design
 from dummydesign.loop.run import close_loop, replay
 from dummydesign.tissue.fitting.fit import fit_traces
@@ -35,12 +35,12 @@ SOLVE = (
     COUNT
     + """
 import numpy
-from dummydesign.core.process import reporting_depths
-from dummydesign.pad.spatial.square_punch import Block, Cells, solve_ratios
+from dummydesign.core.progress import reporting_depths
+from dummydesign.pad.spatial.square_punch import CornerCells, SquareProblem, solve_ratios
 
 seen, before = [], threads()
 with reporting_depths(lambda _: seen.append(threads())):
-    found = solve_ratios(Block((0.7, 0.7), (3.0, 3.0)), [0.05, 0.1], Cells(0.2))
+    found = solve_ratios(SquareProblem((0.7, 0.7), (3.0, 3.0)), [0.05, 0.1], CornerCells(0.2))
 forces = [number.hex() for name in vars(found) for number in numpy.ravel(vars(found)[name]) if name != "solver"
           and isinstance(number, float)]
 print(json.dumps({"before": before, "seen": seen, "after": threads(), "forces": forces}))

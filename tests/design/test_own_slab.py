@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
-from dummydesign.pad.solved_law import OwnSlabLaw, Solved, near_rim, own_slab_law, solve_over_table
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.fe_force_law import SlabLawForTest, Solved, near_rim, own_slab_law, solve_over_table
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.tables.slab import load_table
 
 RADIUS = 7.9
@@ -19,7 +19,7 @@ def test_between_solved_thicknesses_a_factor_that_is_a_power_law_is_exact():
     share = np.geomspace(0.03, 0.6, 6)
     solved = tuple(Solved(h, share, 0.3 * np.log(h) + 0.1 * np.log(share), np.full(6, 0.01)) for h in (4.0, 8.0, 20.0))
     table = load_table("bonded")
-    law = OwnSlabLaw(table, solved, 0.0)
+    law = SlabLawForTest(table, solved, 0.0)
     depth, h = np.array([0.2, 1.0, 3.0]), np.array([5.0, 11.0, 17.0])
     wanted = table.force(depth, h, 1.0, RADIUS) * h**0.3 * (depth / h) ** 0.1
     np.testing.assert_allclose(law.force(depth, h, 1.0, RADIUS), wanted, rtol=1e-9)
@@ -46,7 +46,7 @@ def test_a_small_pad_is_softer_by_what_the_whole_solve_says():
 
 
 def test_at_a_solved_depth_the_law_of_a_filleted_punch_is_its_own_solve_in_millimetres(monkeypatch):
-    monkeypatch.setattr("dummydesign.pad.solved_law.SHARES", np.array([0.03, 0.06]))
+    monkeypatch.setattr("dummydesign.pad.fe_force_law.SHARES", np.array([0.03, 0.06]))
     law = own_slab_law(load_table("bonded"), pad(edge_radius_mm=0.5), np.array([8.0]))
     depth = np.array([0.03, 0.06]) * 8.0
     direct = solve_under_fillet(pad(thickness_mm=8.0, young_MPa=0.05, edge_radius_mm=0.5), depth)
@@ -89,7 +89,7 @@ def test_a_ball_starts_softer_than_a_flat_punch_of_its_width():
 
 @pytest.mark.slow
 def test_a_face_that_slides_under_a_fillet_is_that_of_a_direct_solve_and_softer_than_a_glued_one():
-    from dummydesign.pad.elastic_force import solve_points
+    from dummydesign.pad.force_source import solve_points
 
     table, h, depth = load_table("bonded"), 6.4, np.array([0.6, 1.5, 2.6])
     slides = pad(edge_radius_mm=0.7, condition="frictionless")

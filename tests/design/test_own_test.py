@@ -8,14 +8,14 @@ import pytest
 from dummydesign.design.assessment.decision import ShapeComparison, low_force
 from dummydesign.design.assessment.warnings import _reasons
 from dummydesign.design.problem import read_problem
-from dummydesign.design.request import PAPER, Protocol, Request
+from dummydesign.design.request import NAGOYA_PROTOCOL, Protocol, Request
 from dummydesign.design.scoring.law_parameters import gamma1_score
-from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
+from dummydesign.design.scoring.press_simulation import PadBatch, Sampling, make_curves
 from dummydesign.design.scoring.score import evaluate, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import ranges_of
 from dummydesign.design.suggest import design, suggest
-from dummydesign.design.test_setup import refused_kinds
+from dummydesign.design.test_conditions import refused_kinds
 from dummydesign.geometry.punch import read_punch
 from dummydesign.tissue.model.ranges import force_range
 from dummydesign.tissue.model.tissue_file import load_tissue
@@ -27,13 +27,15 @@ FINGER = "forefinger"
 
 def one_slab(tau_s=(), beta=()):
     curves = make_curves(LayerLaw(), [6.0], 7.9, 0.6)
-    return Slabs(curves, np.array([0]), np.array([0.03]), tuple(tau_s), np.array([list(beta)]).reshape(1, len(tau_s)))
+    return PadBatch(
+        curves, np.array([0]), np.array([0.03]), tuple(tau_s), np.array([list(beta)]).reshape(1, len(tau_s))
+    )
 
 
 def test_the_grids_of_the_papers_test_are_those_of_the_paper():
-    np.testing.assert_array_equal(PAPER.steady_grid_N, np.linspace(5.0, 15.0, 41))
-    np.testing.assert_array_equal(PAPER.low_grid_N, np.arange(1, 11) * 0.5)
-    assert PAPER.exponent_at_N == (0.5, 1.0, 5.0, 10.0, 15.0) and PAPER.needed_N == 10.0
+    np.testing.assert_array_equal(NAGOYA_PROTOCOL.steady_grid_N, np.linspace(5.0, 15.0, 41))
+    np.testing.assert_array_equal(NAGOYA_PROTOCOL.low_grid_N, np.arange(1, 11) * 0.5)
+    assert NAGOYA_PROTOCOL.exponent_at_N == (0.5, 1.0, 5.0, 10.0, 15.0) and NAGOYA_PROTOCOL.needed_N == 10.0
 
 
 @pytest.mark.parametrize("hold_s", [0.3, 1.0, 3.0])
@@ -191,7 +193,7 @@ def test_under_a_wide_punch_exponents_are_known_for_pads_that_are_tabulated_and_
     resin, table = load_resin("polyurethane-nagoya"), load_table("bonded")
     targets = SimpleNamespace(limits=SimpleNamespace(gel_compression=0.6))
     answer = SimpleNamespace(radius_mm=12.0, resin=resin, best=SimpleNamespace(ratio=15.0), targets=targets)
-    found = exponent_over_thickness(answer, table, force_grids(PAPER))
+    found = exponent_over_thickness(answer, table, force_grids(NAGOYA_PROTOCOL))
     tabulated = 12.0 / THICKNESS_GRID_MM <= table.ratio_range[1]
     assert not tabulated.all() and np.isnan(found[~tabulated]).all()
     assert (found[tabulated, 0] >= 1.0).all()
@@ -201,7 +203,7 @@ def test_under_a_wide_punch_exponents_are_known_for_pads_that_are_tabulated_and_
     ("forces", "factor"), [((5.0, 15.0), 1.0), ((2.0,), 1.0), ((140.0,), 140 / 15), ((5.0, 30.0), 2.0)]
 )
 def test_how_far_a_test_goes_beyond_the_people_of_a_built_in_tissue_is_a_factor_in_its_warning(forces, factor):
-    from dummydesign.design.test_setup import beyond_people, tissue_warnings
+    from dummydesign.design.test_conditions import beyond_people, tissue_warnings
 
     request, finger = Request(FINGER, force_N=forces), load_tissue(FINGER)
     assert beyond_people(request.protocol.forces_N, finger) == pytest.approx(factor)
@@ -213,7 +215,7 @@ def test_how_far_a_test_goes_beyond_the_people_of_a_built_in_tissue_is_a_factor_
 def test_measured_people_are_known_as_far_as_they_were_pressed_and_a_fit_of_ones_own_is_unknown():
     from dataclasses import replace
 
-    from dummydesign.design.test_setup import beyond_people
+    from dummydesign.design.test_conditions import beyond_people
     from dummydesign.tissue.model.measured_curves import SHARES, HeldPress, MeasuredPerson
 
     def person(*steady):

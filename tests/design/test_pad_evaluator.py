@@ -8,10 +8,10 @@ from dummydesign.design import measured_pad as verdict_of_traces
 from dummydesign.design import pad_evaluator as verdict_of_pad
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
-from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.pad.elastic_force import elastic_curve
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.force_source import elastic_curve
+from dummydesign.pad.pad_under_punch import Pad
 from tests.support.refusal import raises_code
 
 

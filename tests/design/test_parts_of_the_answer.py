@@ -14,15 +14,15 @@ from dummydesign.design.assessment.pad_castings import limits_that_bind, poured_
 from dummydesign.design.comparison import _differences, _names, _warnings
 from dummydesign.design.measured_pad import PARABOLA, energy_of, peak_of
 from dummydesign.design.options import LARGEST_ERROR, SuggestOptions, command_words, read_options
-from dummydesign.design.request import PAPER
+from dummydesign.design.request import NAGOYA_PROTOCOL
 from dummydesign.design.scoring.castings import Pours
-from dummydesign.design.scoring.presses import SAMPLES, Curves, Slabs
+from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, SlabCurves
 from dummydesign.design.scoring.settings import verdict_limits
-from dummydesign.design.scoring.verdict import Correction, _ending, _reading_words, deviations, whole_percents
+from dummydesign.design.scoring.verdict import ReadingCorrection, _ending, _reading_words, deviations, whole_percents
 from dummydesign.design.search.slabs import DesignCandidate
 from dummydesign.design.suggest import centring_tolerance, of_shape, verify_design
 from dummydesign.design.suggestion import LOSS_PERCENT, CentringTolerance, _low_force, _reads, condition_rows
-from dummydesign.design.test_setup import LEAST_SIDE, check_numbers
+from dummydesign.design.test_conditions import LEAST_SIDE, check_numbers
 from dummydesign.pad.axisymmetric.shaped_problem import Touch
 from tests.support.judged_pads import away, ranges
 from tests.support.refusal import raises_code
@@ -37,8 +37,8 @@ def test_a_peak_reads_low_or_high_from_one_per_cent_beyond_the_subjects_on():
 
 
 def pressed_candidate(depths=(1.0, np.nan)):
-    curves = Curves(np.array([10.0, 12.0]), np.array([4.0, 5.0]), np.zeros((2, SAMPLES)))
-    slabs = Slabs(curves, np.array([0, 1]), np.ones(2), (1.0,), np.ones((2, 1)))
+    curves = SlabCurves(np.array([10.0, 12.0]), np.array([4.0, 5.0]), np.zeros((2, SAMPLES)))
+    slabs = PadBatch(curves, np.array([0, 1]), np.ones(2), (1.0,), np.ones((2, 1)))
     presses = tuple(SimpleNamespace(peak_N=np.array([99.0, peak])) for peak in (7.0, np.nan))
     evaluation = SimpleNamespace(slabs=slabs, depth_mm=np.array([[9.0, 9.0], depths]), presses=presses,
                                  inside=np.array([[0.0, 0.0], [0.75, 0.0]]))  # fmt: skip
@@ -63,9 +63,9 @@ def test_conditions_of_a_design_are_its_own_and_one_out_of_reach_says_why():
 
 
 def test_small_forces_are_shares_of_the_lowest_at_their_own_depths():
-    grid = PAPER.low_grid_N
+    grid = NAGOYA_PROTOCOL.low_grid_N
     evaluation = SimpleNamespace(low_depth_mm=np.array([0.0 * grid, 2.0 * grid]))
-    targets = SimpleNamespace(protocol=PAPER, depth_range_mm=lambda force: (0.5 * force, 3.0 * force))
+    targets = SimpleNamespace(protocol=NAGOYA_PROTOCOL, depth_range_mm=lambda force: (0.5 * force, 3.0 * force))
     rows = _low_force(SimpleNamespace(evaluation=evaluation, index=1), targets)
     for row in rows:
         assert 0.0 < row["force_N"] <= 5.0
@@ -76,14 +76,14 @@ def test_small_forces_are_shares_of_the_lowest_at_their_own_depths():
 
 
 def test_a_verification_is_the_largest_difference_at_the_same_depths(monkeypatch):
-    from dummydesign.pad import elastic_force
+    from dummydesign.pad import force_source
 
     def solved(pad, depth, independent):
         assert independent and depth.tolist() == sorted(depth)
         force = np.array([2.0, 4.2, 5.7])
         return SimpleNamespace(depth_mm=np.array(depth), force_N=force, notes=["n"])
 
-    monkeypatch.setattr(elastic_force, "solve_points", solved)
+    monkeypatch.setattr(force_source, "solve_points", solved)
     found = verify_design(None, [3.0, 1.0, 2.0], [6.0, 2.0, 4.0])
     assert found.max_difference_percent == pytest.approx(5.0) and found.table_force_N == (2.0, 4.0, 6.0)
     assert found.depth_mm == (1.0, 2.0, 3.0) and found.solved_force_N == (2.0, 4.2, 5.7) and found.notes == ("n",)
@@ -91,7 +91,7 @@ def test_a_verification_is_the_largest_difference_at_the_same_depths(monkeypatch
     def fails(*given, **more):
         raise NoAnswerError("no_convergence", "stopped")
 
-    monkeypatch.setattr(elastic_force, "solve_points", fails)
+    monkeypatch.setattr(force_source, "solve_points", fails)
     assert verify_design(None, [1.0], [1.0]).max_difference_percent is None
     table = SimpleNamespace(force=lambda d, h, young, radius: 2.0 * d, shape=SimpleNamespace(fidelity="axisymmetric"))
     law = SimpleNamespace(
@@ -124,7 +124,7 @@ def test_only_slow_depths_that_the_circle_reaches_are_verified(monkeypatch):
     space = SimpleNamespace(
         resin=SimpleNamespace(young_MPa=lambda ratio: 0.5),
         radius_mm=7.9,
-        targets=SimpleNamespace(protocol=PAPER, limits=verdict_limits()),
+        targets=SimpleNamespace(protocol=NAGOYA_PROTOCOL, limits=verdict_limits()),
     )
     suggest._verify(chosen, best, SimpleNamespace(space=space, request=None, punch=None))
     pad, depths, forces = asked[0]
@@ -135,8 +135,8 @@ def test_only_slow_depths_that_the_circle_reaches_are_verified(monkeypatch):
 
 def test_the_way_a_punch_may_be_moved_is_to_the_side_of_the_contact():
     depth = np.linspace(0.0, 4.0, SAMPLES)
-    curves = Curves(np.array([10.0]), np.array([4.0]), 10.0 * depth[None])
-    slabs = Slabs(curves, np.array([0]), np.array([0.5]), (1.0,), np.ones((1, 1)))
+    curves = SlabCurves(np.array([10.0]), np.array([4.0]), 10.0 * depth[None])
+    slabs = PadBatch(curves, np.array([0]), np.array([0.5]), (1.0,), np.ones((1, 1)))
     best = DesignCandidate(10.0, 15.0, 0, SimpleNamespace(slabs=slabs))
     crown = SimpleNamespace(flat_top=False, axisymmetric=True)
     touch = Touch(np.linspace(0.0, 4.0, 9), 2.0 * np.linspace(0.0, 4.0, 9), np.zeros(9))
@@ -243,7 +243,7 @@ def chosen_of(low=0.9, depths=(1.0, 2.0), thickness=10.0, ratio=15.0, flat=True)
 RESIN = SimpleNamespace(name="toy", ratio_min=14.0, ratio_max=16.0, young_MPa=lambda ratio: 0.01 * ratio)
 SPACE = SimpleNamespace(
     resin=RESIN,
-    targets=SimpleNamespace(protocol=PAPER, conditions=[SimpleNamespace(steady_force_N=f, velocity_mm_s=v)
+    targets=SimpleNamespace(protocol=NAGOYA_PROTOCOL, conditions=[SimpleNamespace(steady_force_N=f, velocity_mm_s=v)
                                                         for f, v in ((5.0, 10.0), (15.0, 250.0))]),
     thickness_mm=np.array([8.0, 10.0, 12.0]), ratio=np.array([14.0, 15.0, 16.0]),
 )  # fmt: skip
@@ -333,14 +333,14 @@ def test_what_is_farther_off_comes_first_where_a_pad_is_not_representative(short
 
 def test_a_correction_is_said_for_what_needs_it():
     def said(force, every):
-        return _ending("usable_with_correction", Correction(every, every, None, force, force), "", False)
+        return _ending("usable_with_correction", ReadingCorrection(every, every, None, force, force), "", False)
 
     assert said(1.0, 1.009) == "no correction is needed" and said(1.0, 1.011) != "no correction is needed"
     assert said(1.2, 1.2049) == "multiply readings by 1.20" and said(1.2, 1.2051) != "multiply readings by 1.21"
     assert said(1.009, 1.2) == "multiply energies by 1.20, forces need no factor"
     assert said(1.011, 1.2) == "multiply forces by 1.01, energies by 1.20"
-    assert said(None, 1.2) == "" and _ending("stands_for", Correction(1.2, 1.2), "", True) == ""
-    assert _ending("not_settled", Correction(1.2, 1.2), "why", True) == "why"
+    assert said(None, 1.2) == "" and _ending("stands_for", ReadingCorrection(1.2, 1.2), "", True) == ""
+    assert _ending("not_settled", ReadingCorrection(1.2, 1.2), "why", True) == "why"
 
 
 def test_shares_are_rounded_so_that_they_keep_their_sum():
@@ -423,8 +423,8 @@ def test_castings_are_at_the_nearest_of_even_steps_and_held_to_the_law():
 
 
 def test_limits_bind_where_a_design_lies_at_them():
-    curves = Curves(np.array([12.0, 10.0]), np.array([9.0, 5.0]), np.zeros((2, 3)))
-    slabs = Slabs(curves, np.array([0, 1]), np.ones(2), (), np.ones((2, 0)))
+    curves = SlabCurves(np.array([12.0, 10.0]), np.array([9.0, 5.0]), np.zeros((2, 3)))
+    slabs = PadBatch(curves, np.array([0, 1]), np.ones(2), (), np.ones((2, 0)))
 
     def bound(depth, thickness=10.0, ratio=15.0):
         evaluation = SimpleNamespace(depth_mm=np.array([[1.0, 1.0], [1.0, depth]]), slabs=slabs)
@@ -470,12 +470,12 @@ def test_the_limits_that_come_with_the_package_rise_from_green_to_amber():
 
 
 def test_a_mould_that_fails_leaves_the_recipe_and_says_what_to_type(monkeypatch):
-    from dummydesign.mold import runner
+    from dummydesign.mold import client
 
     def fails(spec, folder):
         raise NoAnswerError("no_convergence", "stopped")
 
-    monkeypatch.setattr(runner, "make_mold", fails)
+    monkeypatch.setattr(client, "make_mold", fails)
     request = SimpleNamespace(resin="r", pad_mm=(60.0, 50.0), preset="lidded")
     problem = SimpleNamespace(mould=lambda best, shape: None)
     with pytest.raises(NoAnswerError) as caught:

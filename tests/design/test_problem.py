@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from dummydesign.cli import run
-from dummydesign.core import library
-from dummydesign.core.library import data_folder
+from dummydesign.core import user_library
+from dummydesign.core.user_library import data_folder
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import ANSWER, Request
 from dummydesign.design.suggest import design
@@ -53,7 +53,11 @@ def test_nothing_below_the_problem_reads_a_users_folder(monkeypatch, aim):
     from dummydesign.tissue.model import posterior
 
     for name, module in list(sys.modules.items()):
-        if name.startswith("dummydesign.") and vars(module).get("find") is library.find and module is not posterior:
+        if (
+            name.startswith("dummydesign.")
+            and vars(module).get("find") is user_library.find
+            and module is not posterior
+        ):
             monkeypatch.setattr(module, "find", refuse)
     found = design(problem)
     assert found.verdict.limits == problem.space.targets.limits and found.to_dict()["shares"]

@@ -10,7 +10,7 @@ from dummydesign.design.sweep.spec import check_friction
 from dummydesign.geometry.interface import BASES, CONDITIONS, Interface
 from dummydesign.pad.axisymmetric.puck import UnitPuck
 from dummydesign.pad.axisymmetric.shaped_pad import solve_flat
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 from tests.support.refusal import raises_code
 
 BAD = ("friction:-0.1", "friction:5.1", "friction:nan", "friction:inf", "friction:", "friction:rough", "friction:0.3:1")

@@ -223,7 +223,7 @@ def test_a_shape_without_solids_is_refused_in_words():
 
 @pytest.mark.slow
 def test_its_whole_mould_passes_all_checks(tmp_path):
-    from dummydesign.mold.produce import produce
+    from dummydesign.mold.build_files import produce
 
     found = produce(_spec(), tmp_path)
     assert [item["id"] for item in found["checks"] if item["status"] == "fail"] == []

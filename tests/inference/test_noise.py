@@ -18,7 +18,7 @@ from dummydesign.inference.noise import (
     white_noise,
     whitener,
 )
-from dummydesign.measurement.landmarks import Hold
+from dummydesign.measurement.ramp_detection import Hold
 from dummydesign.resin.puck_test.loading_fit import PuckNoise, covariance, estimate
 from dummydesign.tissue.fitting.problem import LARGEST_POSITION_MM, estimate_noise
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dummydesign.loop.data.reduction import reduce_press as reduce_trial
-from dummydesign.measurement.landmarks import find_holds
+from dummydesign.measurement.ramp_detection import find_holds
 from dummydesign.measurement.trace import Trace
 from dummydesign.resin.puck_test.loading_fit import reduce_press as reduce_puck
 from dummydesign.tissue.fitting.reduction import reduce_trace

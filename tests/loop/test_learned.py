@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.process import quiet
+from dummydesign.core.progress import quiet
 from dummydesign.loop import check_effect
 from dummydesign.loop.calibration import Calibration, model_of, posterior_of
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
@@ -19,12 +19,12 @@ from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.run import replay
-from dummydesign.loop.selection import learn_effect
+from dummydesign.loop.selection import nonparametric_effect
 from dummydesign.loop.selection.cross_validation import errors
-from dummydesign.loop.selection.learn_effect import can_be_learned, closed_form, learn
-from dummydesign.loop.selection.residuals import Check, Dependence, Seen, examine
+from dummydesign.loop.selection.nonparametric_effect import can_be_learned, closed_form, learn
+from dummydesign.loop.selection.residuals import Dependence, ResidualCheck, ResidualDiagnostics, diagnose
 from dummydesign.measurement.campaign_file import read_campaign
-from tests.support import other_mind
+from tests.support import independent_generator
 
 
 @pytest.fixture(scope="module")
@@ -112,8 +112,8 @@ def test_a_curve_is_said_in_the_form_it_was_made_of_whatever_the_modulus(name, c
 def test_what_acts_after_the_stop_keeps_its_level_and_what_acts_always_leaves_it_to_the_modulus(follows):
     step = SimpleNamespace(values=np.array([0.0, 0.1, 0.2]), information=np.diag([1.0, 2.0, 1.0]))
     after, always = (SmoothChange(names, ((0.0, 1.0, 2.0),), (0.0,) * 3) for names in (follows, ("depth_mm",)))
-    assert learn_effect._without_modulus(after, step) == pytest.approx([0.0, 0.1, 0.2])
-    assert learn_effect._without_modulus(always, step) == pytest.approx([-0.1, 0.0, 0.1])
+    assert nonparametric_effect._without_modulus(after, step) == pytest.approx([0.0, 0.1, 0.2])
+    assert nonparametric_effect._without_modulus(always, step) == pytest.approx([-0.1, 0.0, 0.1])
 
 
 def test_a_hold_is_said_in_a_form_that_begins_at_zero():
@@ -144,13 +144,13 @@ def test_the_size_of_a_curve_is_said_where_the_data_know_nothing_of_a_constant()
 
 
 def test_lines_steps_and_noise_are_not_learned_and_single_trials_only_by_what_is_declared_of_them():
-    quiet, loud = (Check("spectral line", 1.0, 2.0, exceeded, "") for exceeded in (False, True))
+    quiet, loud = (ResidualCheck("spectral line", 1.0, 2.0, exceeded, "") for exceeded in (False, True))
     names = ("depth", "single trials", "oscillation after the stop")
     depth, trials, ringing = (Dependence(name, 500.0, 3, 0.5, "") for name in names)
-    assert can_be_learned(Seen([depth, trials], [quiet])) == tuple(FOLLOWED)
-    assert can_be_learned(Seen([trials, depth], [quiet])) == ("temperature_C", "age_days")
+    assert can_be_learned(ResidualDiagnostics([depth, trials], [quiet])) == tuple(FOLLOWED)
+    assert can_be_learned(ResidualDiagnostics([trials, depth], [quiet])) == ("temperature_C", "age_days")
     for checks, where in (([quiet, loud], [depth]), ([quiet], []), ([quiet], [ringing, depth])):
-        assert can_be_learned(Seen(where, checks)) == ()
+        assert can_be_learned(ResidualDiagnostics(where, checks)) == ()
 
 
 def test_a_function_whose_place_named_effects_take_is_no_answer(monkeypatch):
@@ -158,11 +158,13 @@ def test_a_function_whose_place_named_effects_take_is_no_answer(monkeypatch):
         fit = SimpleNamespace(problem=SimpleNamespace(effects=(effect_named("temperature"),)), score=score)
         return SimpleNamespace(fit=fit)
 
-    monkeypatch.setattr(learn_effect, "learn", lambda *args: SimpleNamespace(fit=None, cost=0.0))
-    monkeypatch.setattr(learn_effect, "assess", lambda fit: fit)
-    monkeypatch.setattr(learn_effect, "search", lambda *_, **options: SimpleNamespace(after=model(0.0), effects=()))
-    seen = Seen([Dependence("depth", 500.0, 3, 0.5, "")], [])
-    assert learn_effect.learned_first(model(2000.0), seen, model(1000.0), (), quiet) is None
+    monkeypatch.setattr(nonparametric_effect, "learn", lambda *args: SimpleNamespace(fit=None, cost=0.0))
+    monkeypatch.setattr(nonparametric_effect, "assess", lambda fit: fit)
+    monkeypatch.setattr(
+        nonparametric_effect, "search", lambda *_, **options: SimpleNamespace(after=model(0.0), effects=())
+    )
+    seen = ResidualDiagnostics([Dependence("depth", 500.0, 3, 0.5, "")], [])
+    assert nonparametric_effect.learned_first(model(2000.0), seen, model(1000.0), (), quiet) is None
 
 
 @pytest.mark.slow
@@ -173,12 +175,12 @@ def test_a_load_cell_that_saturates_is_learned_though_the_modulus_has_imitated_i
 
 
 @pytest.fixture(scope="module")
-def of_another_mind(tmp_path_factory):
+def of_anindependent_generator(tmp_path_factory):
     """A function: base fit of a campaign of the other generator with one effect."""
 
     def make(effect, size, seed):
         folder = tmp_path_factory.mktemp("mind")
-        other_mind.write_campaign(folder / effect, ((effect, size),), seed)
+        independent_generator.write_campaign(folder / effect, ((effect, size),), seed)
         campaign = read_campaign(folder / effect)
         return fit_base(make_presses(campaign), law_of(campaign), 0.03)
 
@@ -186,19 +188,19 @@ def of_another_mind(tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_a_creep_in_the_hold_is_learned_as_large_as_it_is_and_without_a_jump_at_the_stop(of_another_mind):
+def test_a_creep_in_the_hold_is_learned_as_large_as_it_is_and_without_a_jump_at_the_stop(of_anindependent_generator):
     """The force falls by 6 % a decade of 1 + t / s: what is learned begins at zero though nothing pins it there."""
-    found = learn(of_another_mind("creeping_hold", 0.06, 1240000))
+    found = learn(of_anindependent_generator("creeping_hold", 0.06, 1240000))
     assert found.effect.name == "learned_since_stop_s" and found.left_out < 0.7
     at = np.array([0.003, 1.0, 3.0, 7.0])
     np.testing.assert_allclose(found.effect.shape(at), -0.06 * np.log10(1.0 + at), atol=0.012)
 
 
 @pytest.mark.slow
-def test_a_step_with_temperature_is_learned_where_single_trials_differ_most(of_another_mind):
+def test_a_step_with_temperature_is_learned_where_single_trials_differ_most(of_anindependent_generator):
     """9 % stiffer below a temperature, within 0.4 K: a line over temperature is neither enough nor what is learned."""
-    base = of_another_mind("cold_stiffening", 0.09, 1240001)
-    seen = examine(base)
+    base = of_anindependent_generator("cold_stiffening", 0.09, 1240001)
+    seen = diagnose(base)
     assert seen.where[0].factor == "single trials" and can_be_learned(seen) == ("temperature_C", "age_days")
     found = learn(base, can_be_learned(seen))
     assert found.effect.name == "learned_temperature_c" and found.left_out < 0.2
@@ -211,5 +213,5 @@ def test_gains_that_scatter_from_press_to_press_are_no_function_of_temperature_o
     for seed in (431, 432):
         campaign = read_campaign(campaigns("gain_scatter", seed))
         base = fit_base(make_presses(campaign), law_of(campaign), 0.03)
-        assert examine(base).where[0].factor == "single trials"
+        assert diagnose(base).where[0].factor == "single trials"
         assert learn(base, ("temperature_C", "age_days")) is None

@@ -16,7 +16,7 @@ from dummydesign.loop.fitting.fit import fit_base, fit_with_noise
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.model.forward_model import Active, BaseParameters
-from dummydesign.loop.selection.learn_effect import learn
+from dummydesign.loop.selection.nonparametric_effect import learn
 from dummydesign.loop.selection.residuals import run_checks
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support.refusal import raises_code

@@ -39,7 +39,7 @@ def explained(plain):
     twice = next(rows for rows in cells if len(rows) == 2 and not presses.unloads[rows].any())
     trial = presses.trials[twice[0]]
     share = float(presses.depth_mm[twice].mean() / trial.thickness_mm)
-    option = planning.Option(
+    option = planning.PossiblePress(
         trial.thickness_mm, trial.velocity_mm_s, share, False, "", 3600.0, 23.0, 7.0, trial.geometry, True
     )
     return base, other, option

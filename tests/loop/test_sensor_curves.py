@@ -12,7 +12,7 @@ from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.run import close_loop
 from dummydesign.loop.selection.cross_validation import leave_out
-from dummydesign.loop.selection.learn_effect import FOLDS, refitted_squares
+from dummydesign.loop.selection.nonparametric_effect import FOLDS, refitted_squares
 from dummydesign.measurement.campaign_file import read_campaign
 
 

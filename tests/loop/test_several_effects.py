@@ -21,13 +21,13 @@ from dummydesign.loop.run import close_loop, replay
 from dummydesign.loop.selection import search, verdict
 from dummydesign.loop.selection import verdict as acceptance
 from dummydesign.loop.selection.cross_validation import LARGEST_POSITION_MM, expected_heldout_N, repeat_scatter_mm
-from dummydesign.loop.selection.residuals import Seen
+from dummydesign.loop.selection.residuals import ResidualDiagnostics
 from dummydesign.loop.selection.search import without
 from dummydesign.loop.selection.verdict import Needed, remainder
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import campaign_generator as generator
 
-NOTHING = Seen([], [])
+NOTHING = ResidualDiagnostics([], [])
 
 
 def stage(over=1.1, ratio=1.0, p=0.5, score=0.0):

@@ -7,7 +7,7 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.campaign_file import read_campaign
-from dummydesign.measurement.landmarks import find_ramp
+from dummydesign.measurement.ramp_detection import find_ramp
 
 HEAD = """schema = 1
 name = "small"

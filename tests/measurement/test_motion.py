@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from dummydesign.measurement.landmarks import find_ramp
 from dummydesign.measurement.motion import contact_velocity, ramp_and_hold
+from dummydesign.measurement.ramp_detection import find_ramp
 from tests.support.refusal import raises_code
 
 

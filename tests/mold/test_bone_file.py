@@ -13,12 +13,12 @@ from dummydesign import cli
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.conic import Conic
 from dummydesign.mold.cad.bone import nearest_dome, undersides
+from dummydesign.mold.client import insert_bone
 from dummydesign.mold.model.layout import bone_volume_mm3
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import Insert, MouldSpec, Placing
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
-from dummydesign.mold.runner import insert_bone
 from tests.support.mould_checks import no_check_fails
 
 BALL = Insert("ball.stl", "0" * 64, Placing(6.0), 2000.0, 600.0, -14.0, 14.0, -14.0, 14.0, 0.02)
@@ -115,7 +115,7 @@ def test_what_makes_no_bone_is_one_line_before_cad(words, said, ball, tmp_path, 
     monkeypatch.chdir(tmp_path)
     (tmp_path / "ball.obj").write_text("")
     before = sorted(path.name for path in tmp_path.iterdir())
-    monkeypatch.setattr("dummydesign.mold.runner._measured", lambda asked: pytest.fail("CAD was asked"))
+    monkeypatch.setattr("dummydesign.mold.client._measured", lambda asked: pytest.fail("CAD was asked"))
     assert cli.run(["mold", "--thickness", "15", "--length", "60", "--width", "50", *words]) == 2
     message = capsys.readouterr().err
     assert message.startswith("error: ") and message.count("\n") == 1 and said in message

@@ -7,8 +7,8 @@ import json
 import pytest
 
 from dummydesign import cli
-from dummydesign.mold import runner
-from tests.mold.test_job import CHILD
+from dummydesign.mold import client
+from tests.mold.test_batch import CHILD
 
 PLAN = [
     "campaign",
@@ -31,7 +31,7 @@ RESIN = ["--resin", "polyurethane-nagoya", "--ratio", "15.2"]
 
 @pytest.fixture
 def no_cad(monkeypatch, tmp_path):
-    monkeypatch.setattr(runner, "WORKER", ("-c", CHILD))
+    monkeypatch.setattr(client, "WORKER", ("-c", CHILD))
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

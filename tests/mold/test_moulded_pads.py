@@ -11,8 +11,8 @@ import pytest
 from dummydesign import cli
 from dummydesign.api.moulds import make_mould
 from dummydesign.measurement.campaign_file import read_campaign
-from dummydesign.mold import runner
-from tests.mold.test_job import CHILD
+from dummydesign.mold import client
+from tests.mold.test_batch import CHILD
 
 PLAN = ["campaign", "new", "thumb", "--velocity", "10", "--force", "3", "--repeats", "2", "--ages", "9"]
 CROWN, FLATTER = "crowned:radius=20,height=2,foot=9", "crowned:radius=30,height=1.5,foot=9"
@@ -22,7 +22,7 @@ BATCH = {"resin": "polyurethane-nagoya", "ratio": 15.2, "length_mm": 60, "width_
 @pytest.fixture
 def mould(monkeypatch, tmp_path):
     """A function that makes the folder of a mould as the command does, but for the solids."""
-    monkeypatch.setattr(runner, "WORKER", ("-c", CHILD))
+    monkeypatch.setattr(client, "WORKER", ("-c", CHILD))
     monkeypatch.chdir(tmp_path)
 
     def make(name, thickness_mm=8, **given):

@@ -14,6 +14,7 @@ from dummydesign.mold.checks import release as demould
 from dummydesign.mold.checks import solids as check
 from dummydesign.mold.checks import solids as check_shape
 from dummydesign.mold.checks.process import check_process
+from dummydesign.mold.client import make_mold
 from dummydesign.mold.files.pour_sheet import pour_sheet
 from dummydesign.mold.model.layout import dowel_places, layout, level_places, pad_scale, parting_mm
 from dummydesign.mold.model.preset import mould_spec
@@ -21,7 +22,6 @@ from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
-from dummydesign.mold.runner import make_mold
 from tests.support.mould_checks import failed, named, no_check_fails, shape_spec
 from tests.support.refusal import raises_code
 from tests.support.sheet_text import sheet_text
@@ -120,7 +120,7 @@ def test_sheet_list_and_answer_do_not_speak_of_silicone_that_is_cast():
     ],
 )
 def test_a_damaged_preset_is_one_line_and_no_file(change, said, tmp_path, capsys, monkeypatch):
-    from dummydesign.core.library import find
+    from dummydesign.core.user_library import find
 
     monkeypatch.chdir(tmp_path)
     text = find("molds", "mould preset", "printed").path.read_text()

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from dummydesign import cli
-from dummydesign.mold.runner import make_mold
+from dummydesign.mold.client import make_mold
 from tests.support.mould_checks import no_check_fails, shape_spec
 
 REFUSED = [
@@ -28,7 +28,7 @@ REFUSED = [
 @pytest.mark.parametrize("arguments, named", REFUSED)
 def test_refused_before_cad_with_the_reason(arguments, named, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("dummydesign.mold.runner.make_mold", lambda *a: pytest.fail("CAD was asked"))
+    monkeypatch.setattr("dummydesign.mold.client.make_mold", lambda *a: pytest.fail("CAD was asked"))
     size = ["--thickness", "8", "--length", "60", "--width", "60"]
     assert cli.run(["mold", *size, *arguments]) == 2
     message = capsys.readouterr().err

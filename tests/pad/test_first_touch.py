@@ -8,13 +8,13 @@ import pytest
 from dummydesign.geometry.punch import ball_profile
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.crowned import Crowned
-from dummydesign.pad import elastic_force
+from dummydesign.pad import force_source
 from dummydesign.pad.axisymmetric.case import Case, first_stiffness
 from dummydesign.pad.axisymmetric.profile_punch import profile
-from dummydesign.pad.elastic_force import elastic_curve
 from dummydesign.pad.first_touch import least_depth_mm, low_end, solvable_depths, stuck_factor, touch_of
 from dummydesign.pad.force_law import PadCurve
-from dummydesign.pad.specimen import Pad, Puck
+from dummydesign.pad.force_source import elastic_curve
+from dummydesign.pad.pad_under_punch import Pad, Puck
 
 DEPTH = np.geomspace(1e-6, 0.3, 60)
 HAYES = {0.2: 1.281, 0.4: 1.684, 1.0: 3.619}  # kappa of a flat punch on a bonded layer, nu 0.5, by a / h
@@ -162,7 +162,7 @@ def test_depths_asked_for_are_solved_but_those_whose_contact_is_too_small(monkey
         asked.append(depth_mm)
         return PadCurve(depth_mm, dimitriadis(depth_mm, 10.0, 10.0), 1e-4 * depth_mm, {"unknowns": 1})
 
-    monkeypatch.setattr(elastic_force, "solve_points", solve)
+    monkeypatch.setattr(force_source, "solve_points", solve)
     wanted = np.array([1e-5, 0.01, 0.1, 2.0])
     curve = elastic_curve(ball(10.0, 10.0), "axisymmetric", 2.0, wanted)
     assert set(wanted[1:]) <= set(asked[-1]) and asked[-1].min() == pytest.approx(0.01) and curve.first_mm == 0.01
@@ -174,7 +174,7 @@ def test_depths_asked_for_are_solved_but_those_whose_contact_is_too_small(monkey
 def test_a_ball_solved_shallow_and_run_down_is_the_layer_s():
     pad = ball(20.0, 5.0)
     depth = solvable_depths(pad, np.array([0.1, 0.1875]))
-    solved = elastic_force.solve_points(pad, depth)
+    solved = force_source.solve_points(pad, depth)
     end = low_end(pad, solved.depth_mm, solved.force_N, solved.error_N / solved.force_N)
     at = np.geomspace(1e-7, depth[0], 30)
     assert end.force(at) == pytest.approx(dimitriadis(at, 20.0, 5.0), rel=0.02)

@@ -15,12 +15,12 @@ from dummydesign.design.sweep.spec import Study
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.loop.corrected_law import CorrectedLaw
 from dummydesign.measurement.motion import ramp_and_hold
-from dummydesign.pad.elastic_force import elastic_curve
+from dummydesign.pad.fe_force_law import FeForceLaw
 from dummydesign.pad.force_law import ForceCurve, ForceLaw, ScaledLaw, curve_at
+from dummydesign.pad.force_source import elastic_curve
 from dummydesign.pad.material.relaxation import PronyTerm
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.predict import predict_motion, predict_static
-from dummydesign.pad.solved_law import SolvedLaw
-from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.shape import TabulatedShapeLaw
 from dummydesign.pad.tables.slab import ResponseTable, load_table
 from dummydesign.pad.tables.square import circle_of, square_factor, square_law
@@ -55,7 +55,7 @@ def laws():
     """One of each law that can be had without a solve."""
     table = load_table()
     depth = np.linspace(0.5, 5.0, 10)
-    solved = SolvedLaw(RADIUS, {10.0: (1.0, 0.3)}, {10.0: 5.0}, {10.0: (depth, np.full(10, 1e-3))}, ())
+    solved = FeForceLaw(RADIUS, {10.0: (1.0, 0.3)}, {10.0: 5.0}, {10.0: (depth, np.full(10, 1e-3))}, ())
     crowned = read_shape("crowned:radius=20,height=3")
     family = FamilyShapeLaw(load_family("crowned"), crowned, 10.0)
     return {
@@ -100,7 +100,7 @@ def test_a_solved_law_keeps_the_form_of_its_thicknesses_and_names_one_that_was_n
 
 
 @pytest.mark.parametrize(
-    "kind", [ResponseTable, TabulatedShapeLaw, FamilyShapeLaw, SolvedLaw, ScaledLaw, ElementsLaw, CorrectedLaw]
+    "kind", [ResponseTable, TabulatedShapeLaw, FamilyShapeLaw, FeForceLaw, ScaledLaw, ElementsLaw, CorrectedLaw]
 )
 def test_no_law_of_the_package_lacks_a_member(kind):
     own = set(dir(kind)) | set(getattr(kind, "__dataclass_fields__", ()))

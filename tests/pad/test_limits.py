@@ -16,17 +16,17 @@ from dummydesign.pad.axisymmetric.filleted import check_fillet
 from dummydesign.pad.axisymmetric.puck import UnitPuck
 from dummydesign.pad.fem.mixed_solid import INCOMPRESSIBLE_LAME_RATIO, lame_ratio
 from dummydesign.pad.material.hyperelastic import Ogden
-from dummydesign.pad.solve.continuation import Path
+from dummydesign.pad.pad_under_punch import Pad, Puck
+from dummydesign.pad.solve.continuation import ForcePath
 from dummydesign.pad.spatial.shaped_pad import Load
-from dummydesign.pad.spatial.square_punch import Block
-from dummydesign.pad.specimen import Pad, Puck
+from dummydesign.pad.spatial.square_punch import SquareProblem
 from tests.support.refusal import raises_code
 
 RANGES = {
     "slab": (lambda one: Case(one, 99.0).check(), 0.05, 20.0),
     "extent": (lambda one: Case(1.0, one).check(), 1.5, None),
-    "block": (lambda one: Block((1.0, one), (99.0, 99.0)), 0.05, 20.0),
-    "slab over block": (lambda one: Block((1.0, 1.0), (9.0, one)), 1.5, None),
+    "block": (lambda one: SquareProblem((1.0, one), (99.0, 99.0)), 0.05, 20.0),
+    "slab over block": (lambda one: SquareProblem((1.0, 1.0), (9.0, one)), 1.5, None),
     "puck": (lambda one: UnitPuck(one), 0.1, 10.0),
     "fillet": (lambda one: check_fillet(one, 2.0), None, LARGEST_EDGE_RADIUS * 2.0),
     "edge": (lambda one: Pad(10.0, 0.03, 8.0, edge_radius_mm=one), 0.0, LARGEST_EDGE_RADIUS * 8.0),
@@ -117,7 +117,7 @@ def test_depths_of_the_lattice_are_its_multiples_to_the_deepest_and_halves_of_th
 
 
 def test_what_a_path_did_not_reach_is_not_known_and_a_difference_is_held_on():
-    path = Path(np.array([0.1]), np.array([2.0]), np.ones(1), 1, 1, 1, 0.0, "stop")
+    path = ForcePath(np.array([0.1]), np.array([2.0]), np.ones(1), 1, 1, 1, 0.0, "stop")
     assert np.array_equal(padded(path, 3), [2.0, np.nan, np.nan], equal_nan=True)
     assert held_on(np.array([0.1, 0.05, np.nan, 0.2, np.nan])) == pytest.approx([0.1, 0.1, 0.1, 0.2, 0.2])
     assert held_on(np.full(2, np.nan)) == pytest.approx([0.01, 0.01])

@@ -9,19 +9,20 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.core.library import data_folder
+from dummydesign.core.user_library import data_folder
 from dummydesign.geometry.shapes.boned import Boned
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.measurement.motion import Motion, ramp_and_hold
-from dummydesign.pad import elastic_force, predict
+from dummydesign.pad import force_source, predict
 from dummydesign.pad.axisymmetric import finite_strain
 from dummydesign.pad.axisymmetric.finite_strain import RatioPath
-from dummydesign.pad.elastic_force import elastic_curve, has_square_factor
 from dummydesign.pad.first_touch import LowEnd, low_end
 from dummydesign.pad.force_law import PadCurve, curve_at, depth_grid, interpolate_curve, slope_of
+from dummydesign.pad.force_source import elastic_curve, has_square_factor
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.material.relaxation import PronyTerm, arms_in_ramp_and_hold, relaxed_force
+from dummydesign.pad.pad_under_punch import Pad, Puck
 from dummydesign.pad.predict import (
     MARGIN,
     QuickError,
@@ -38,7 +39,6 @@ from dummydesign.pad.predict import (
 )
 from dummydesign.pad.spatial import square_punch
 from dummydesign.pad.spatial.square_punch import FactorCurve
-from dummydesign.pad.specimen import Pad, Puck
 from dummydesign.pad.tables.slab import load_table
 from tests.support.refusal import raises_code
 
@@ -346,7 +346,7 @@ def test_a_square_in_space_is_the_round_twin_times_its_factor_at_relative_depths
 
     twin = curve_at(load_table(), 10.0, 0.03, 7.9)
     monkeypatch.setattr(square_punch, "solve_factor", solve)
-    monkeypatch.setattr(elastic_force, "_by_elements", lambda pad, deepest, depths: twin)
+    monkeypatch.setattr(force_source, "_by_elements", lambda pad, deepest, depths: twin)
     own = Pad(10.0, 0.03, 7.9, sides_mm=(14.0, 10.0), slab_mm=(150.0, 120.0))
     curve, depth = elastic_curve(own, "3d", 2.0), np.array([0.5, 2.0])
     assert curve.force(depth) == pytest.approx(twin.force(depth) * np.exp(0.1 + 0.05 * depth))
@@ -366,7 +366,7 @@ def test_depths_that_are_asked_for_are_solved_whatever_the_face_does(monkeypatch
         asked.append(depth_mm)
         return PadCurve(depth_mm, 2.0 * depth_mm, 0.01 * depth_mm, COST)
 
-    monkeypatch.setattr(elastic_force, "solve_points", solve)
+    monkeypatch.setattr(force_source, "solve_points", solve)
     wanted = np.array([0.05, 0.1, 0.2, 1.0, 4.0])
     for condition in ("bonded", "frictionless", "friction:0.3"):
         curve = elastic_curve(Pad(10.0, 0.03, 7.9, condition=condition), "axisymmetric", 4.0, wanted)

@@ -10,8 +10,8 @@ from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.pad.axisymmetric.puck import UnitPuck, compress, puck_problem, solve_puck
 from dummydesign.pad.material.hyperelastic import Ogden, Yeoh
 from dummydesign.pad.material.relaxation import PronyTerm
+from dummydesign.pad.pad_under_punch import Puck
 from dummydesign.pad.predict import predict_motion, predict_static
-from dummydesign.pad.specimen import Puck
 from tests.support.refusal import raises_code
 
 LAW = Yeoh(1.0)

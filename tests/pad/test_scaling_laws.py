@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.predict import predict_motion, predict_static
-from dummydesign.pad.specimen import Pad
 
 BASES = st.sampled_from(["bonded", "sliding"])
 RATIO = st.floats(0.35, 1.6)

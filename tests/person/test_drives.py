@@ -10,7 +10,7 @@ from dummydesign.person.drives.spring import press_by_spring
 from dummydesign.person.on_person import on_person
 from dummydesign.person.people import People
 from dummydesign.person.press import read_press
-from dummydesign.person.ringing import Arm
+from dummydesign.person.ringing import RobotArm
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.laws.spring import SPRING
 from tests.support.robot_presses import (
@@ -218,7 +218,7 @@ def test_two_masses_and_springs_by_hand():
     before = np.linspace(-0.01, 0.0, 200)[:-1]
     run = Run(np.r_[before, t], np.r_[v * before, x], np.r_[0.0 * before, pad * x])
     press = read_press(ending(run))
-    found = press_by_spring(press, springs(*people), Arm(big, mass))
+    found = press_by_spring(press, springs(*people), RobotArm(big, mass))
     inside = found.time_s < 0.055
     for row, k in enumerate(people):
         own = two_springs(found.time_s[inside], v, big, k, mass)
@@ -235,7 +235,7 @@ def ending(run):
 def test_an_infinitely_stiff_arm_is_position():
     run, _ = pressed(100.0)
     press, people = read_press(sampled(run)), People.of(TISSUE.parameter_sets, 100.0)
-    stiff = press_by_spring(press, people, Arm(1e6, 3.0))
+    stiff = press_by_spring(press, people, RobotArm(1e6, 3.0))
     path = read_drive("position").respond(press, people)
     for name in ("peak_N", "steady_N", "depth_mm", "energy_mJ"):
         assert stiff.four()[name] == pytest.approx(path.four()[name], rel=2e-3)
@@ -250,7 +250,7 @@ def test_an_infinitely_soft_arm_with_speed_is_a_free_mass():
     press = read_press(sampled(Run(t, x, 15.0 * np.maximum(x, 0.0)), 10_000.0))
     people = People.of(TISSUE.parameter_sets[2:], 200.0)
     free = read_drive("mass:2").respond(press, people)
-    soft = press_by_spring(press, people, Arm(1e-6, 2.0))
+    soft = press_by_spring(press, people, RobotArm(1e-6, 2.0))
     assert soft.peak_N == pytest.approx(free.peak_N, rel=1e-2)
     assert soft.depth_mm == pytest.approx(free.depth_mm, rel=1e-2)
 
@@ -261,7 +261,7 @@ def test_work_of_the_command_is_in_spring_mass_and_person():
     t = np.linspace(0.0, 0.07, 7001)
     lead, path = np.linspace(-0.01, 0, 100)[:-1], two_springs(t, v, big, pad, mass)
     run = Run(np.r_[lead, t], np.r_[v * lead, path], np.r_[0.0 * lead, pad * path])
-    found = press_by_spring(read_press(ending(run)), springs(k), Arm(big, mass))
+    found = press_by_spring(read_press(ending(run)), springs(k), RobotArm(big, mass))
     inside = found.time_s < 0.065
     at, x = found.time_s[inside], found.depth_curve_mm[0][inside]
     speed = np.gradient(x, at)

@@ -7,7 +7,7 @@ import pytest
 
 from dummydesign.design.safety import SafetyView
 from dummydesign.person.free_mass import EXTRAPOLATED, UNUSABLE, hand_mass_kg, reduced_mass_kg, with_known_range
-from dummydesign.person.known_range import limits_of_subjects
+from dummydesign.person.validity_range import limits_of_subjects
 from dummydesign.report.suggest_facts import impact_text
 from dummydesign.tissue.model.tissue_file import load_tissue
 

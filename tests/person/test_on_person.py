@@ -10,12 +10,12 @@ from dummydesign.core.errors import InputError
 from dummydesign.design.safety import read_limits
 from dummydesign.measurement.trace import Trace
 from dummydesign.person import integrate
+from dummydesign.person.drive_diagnostics import signs_of
 from dummydesign.person.drives import read_drive
-from dummydesign.person.limits import Load, against_guarded_limits, decide
+from dummydesign.person.limits import ContactLoad, against_guarded_limits, decide
 from dummydesign.person.on_person import on_person
 from dummydesign.person.people import draw_another, log_parameters
 from dummydesign.person.press import read_press
-from dummydesign.person.signs import signs_of
 from dummydesign.tissue import load_tissue
 from tests.support.robot_presses import Run, by_mass, by_path, command, gel_pad, linear_body, sampled
 
@@ -138,10 +138,10 @@ def test_forces_and_pressures_above_a_limit_do_not_pass(share):
     force, transient = limits.force_N.value, limits.transient_factor.value
     pressure = replace(limits.pressure_N_per_cm2, value=1e6, low=1e6, high=1e6)
     for kind, allowed in (("quasi-static", force), ("transient", transient * force)):
-        load = Load(kind, None, 0.5 * allowed, share * allowed, (0.5 * allowed,))
+        load = ContactLoad(kind, None, 0.5 * allowed, share * allowed, (0.5 * allowed,))
         (row, other) = against_guarded_limits([load], replace(limits, pressure_N_per_cm2=pressure), 196.0, False)
         assert (row.limit, row.result, other.result) == (pytest.approx(allowed), "undecided", "pass")
-        load = Load(kind, None, 0.5 * allowed, 2.0 * allowed, (share * allowed,))
+        load = ContactLoad(kind, None, 0.5 * allowed, 2.0 * allowed, (share * allowed,))
         assert against_guarded_limits([load], limits, 196.0, False)[0].result == "fail"
 
 

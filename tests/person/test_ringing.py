@@ -9,7 +9,7 @@ from dummydesign.person.integrate import run_robot
 from dummydesign.person.on_person import on_person
 from dummydesign.person.people import People
 from dummydesign.person.press import read_press
-from dummydesign.person.ringing import Arm, quiet_noise, real_bends, slow_mean
+from dummydesign.person.ringing import RobotArm, quiet_noise, real_bends, slow_mean
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.laws.spring import SPRING
 from tests.support.robot_presses import Run, by_robot, command, gel_pad, sampled, skin_of
@@ -33,7 +33,7 @@ def rung(ratio=0.0, stiffness=60.0, mass=0.2, hold=1.5, velocity=150.0):
 def test_a_damped_arm_on_a_spring_swings_as_in_closed_form(ratio):
     """M u'' + D u' + (K + k) u = F for even F: u = F / (K + k) (1 - exp(-d t) (cos w t + d / w sin w t))."""
     stiffness, mass, k, force = 30.0, 2.0, 12.0, 7.0
-    arm = Arm(stiffness, mass, ratio)
+    arm = RobotArm(stiffness, mass, ratio)
     end = 12.0 * arm.period_s
 
     def given(time):
@@ -130,8 +130,8 @@ def test_an_arm_that_is_still_does_not_move_and_means_change_nothing():
     x = np.where(t < 0.008, 150.0 * t, 1.2 + 0.05 * np.cos(omega * (t - 0.008)) - 0.05)
     lead = np.linspace(-0.01, 0.0, 200)[:-1]
     run = Run(np.r_[lead, t], np.r_[150.0 * lead, x], np.r_[0.0 * lead, k * np.maximum(x, 0.0)])
-    press = read_press(sampled(run, 4000.0), None, Arm(60.0, 0.2))
-    found = press_by_spring(press, springs(k), Arm(60.0, 0.2))
+    press = read_press(sampled(run, 4000.0), None, RobotArm(60.0, 0.2))
+    found = press_by_spring(press, springs(k), RobotArm(60.0, 0.2))
     deep = np.interp(found.time_s, press.time_s, press.x_mm)
     before = found.time_s < press.mean_from_s
     assert np.max(np.abs(found.depth_curve_mm[0] - deep)[before]) < 2e-3

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from dummydesign.core.serialise import to_plain
-from dummydesign.design.assessment.budget import Budget, Component, Reading, decide
+from dummydesign.design.assessment.budget import Budget, Reading, UncertaintyComponent, decide
 from dummydesign.report.sections.conformity import budget_lines, budget_section, probability_text, statement_table
 from dummydesign.report.sections.curves import curves_section, curves_text, moment_text
 
@@ -15,7 +15,7 @@ from dummydesign.report.sections.curves import curves_section, curves_text, mome
 def budget(value=1.0, tolerance=(0.5, 2.0), u=0.1, **changes):
     made = decide(value, tolerance, (u, u))
     reading = Reading("peak force", value, "N", 5.0, 10.0)
-    return to_plain(Budget(reading, (Component("making", 100.0 * u),), "usable", made, **changes))
+    return to_plain(Budget(reading, (UncertaintyComponent("making", 100.0 * u),), "usable", made, **changes))
 
 
 def edges(text):

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from dummydesign.cli.entry import run
-from dummydesign.core.library import user_folder
 from dummydesign.core.quantity import Quantity
+from dummydesign.core.user_library import user_folder
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.mold.model.preset import mould_spec

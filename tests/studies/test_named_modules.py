@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import dummydesign
-from dummydesign.core.library import data_folder
+from dummydesign.core.user_library import data_folder
 
 PACKAGE = Path(dummydesign.__file__).parent
 PROJECT = PACKAGE.parent

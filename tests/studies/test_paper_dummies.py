@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from dummydesign.design.scoring.presses import make_curves
+from dummydesign.design.scoring.press_simulation import make_curves
 from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.tissue.model.tissue_file import load_tissue
 from studies.paper_dummies import dummies
@@ -33,8 +33,8 @@ class CubicLaw(ExactLaw):
 
 def test_a_press_ends_its_hold_at_the_wanted_force_and_agrees_with_the_pad_model():
     from dummydesign.measurement.motion import ramp_and_hold
+    from dummydesign.pad.pad_under_punch import Pad
     from dummydesign.pad.predict import predict_motion
-    from dummydesign.pad.specimen import Pad
 
     law = study.force_laws([])["bonded", 0.0]
     dummy = study.press_dummy("III", law, 0.025, PRONY)

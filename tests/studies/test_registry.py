@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 from studies.data_files import FOLDER, PAGE, origins, page
 from studies.registry import DATA_FILES, PACKAGE, STUDIES
 from studies.tables.common import Build, sources_hash, write_table

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dummydesign.pad.solved_law import SolvedSlab
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.fe_force_law import SolvedSlab
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.tables.slab import load_table
 from studies import thickness as module
 

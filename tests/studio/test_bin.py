@@ -11,13 +11,13 @@ import time
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import take
+from dummydesign.core.files import acquire_lock
 from dummydesign.core.manifest import sha256_of
 from dummydesign.project.folder import change_project, make_project, read_project
 from dummydesign.studio import job_process as runner
 from dummydesign.studio import jobs
-from dummydesign.studio import project_files as bin
-from dummydesign.studio import project_files as uploads
+from dummydesign.studio import trash as bin
+from dummydesign.studio import trash as uploads
 from dummydesign.studio.state import design_state
 from tests.support.refusal import raises_code
 
@@ -47,7 +47,7 @@ def running(root):
         folder.mkdir(parents=True)
         asked = {"name": "step", "words": list(words), "cwd": str(root), "start": time.time()}
         (folder / runner.COMMAND).write_text(json.dumps(asked))
-        held.append(take(folder / runner.LOCK))
+        held.append(acquire_lock(folder / runner.LOCK))
         assert jobs.all_jobs(root)[0].state == "running"
 
     yield start

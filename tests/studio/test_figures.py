@@ -14,9 +14,9 @@ from dummydesign.report.page import plots_js
 from dummydesign.report.plot import COLUMNS, Plot
 from dummydesign.report.plot_layers import Dots, Line
 from dummydesign.studio import figures
-from dummydesign.studio.parts import page_head
 from dummydesign.studio.slider_model import evaluator_of
 from dummydesign.studio.state import State
+from dummydesign.studio.widgets import page_head
 
 
 @pytest.fixture(scope="module")

@@ -8,14 +8,14 @@ import os
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import held, take
+from dummydesign.core.files import acquire_lock, is_locked
 from dummydesign.core.files import os as files_os
 from dummydesign.project.folder import make_project
 from dummydesign.studio import file_transfer, jobs
 from dummydesign.studio import incoming_presses as bring_in
 from dummydesign.studio import incoming_presses as incoming
-from dummydesign.studio import project_files as bin
-from dummydesign.studio import project_files as uploads
+from dummydesign.studio import trash as bin
+from dummydesign.studio import trash as uploads
 from tests.support import lab_project as lab
 from tests.support.refusal import raises_code
 from tests.support.studio import browser, running
@@ -135,7 +135,7 @@ def test_a_file_in_the_place_of_a_folder_is_a_sentence(tmp_path):
 def test_what_runs_is_known_in_a_folder_that_cannot_be_written(tmp_path, monkeypatch):
     import builtins
 
-    lock = take(tmp_path / "lock")
+    lock = acquire_lock(tmp_path / "lock")
     assert lock is not None
     real = builtins.open
 
@@ -145,9 +145,9 @@ def test_what_runs_is_known_in_a_folder_that_cannot_be_written(tmp_path, monkeyp
         return real(file, mode, *words, **more)
 
     monkeypatch.setattr(builtins, "open", read_alone)
-    assert held(tmp_path / "lock")
+    assert is_locked(tmp_path / "lock")
     lock.close()
-    assert not held(tmp_path / "lock")
+    assert not is_locked(tmp_path / "lock")
 
 
 @pytest.mark.slow

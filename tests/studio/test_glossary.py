@@ -8,7 +8,7 @@ from html import escape
 import pytest
 
 from dummydesign.report.page import terms
-from dummydesign.studio.parts import marked, page_head
+from dummydesign.studio.widgets import marked, page_head
 from tests.support.studio import browser
 
 

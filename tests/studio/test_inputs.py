@@ -6,8 +6,8 @@ import json
 import shutil
 
 from dummydesign.api.answers import question
-from dummydesign.core.library import find
 from dummydesign.core.manifest import sha256_of
+from dummydesign.core.user_library import find
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.studio.jobs import changed_inputs, changed_since, holds_answer

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import pytest
 
-from dummydesign.core.files import held, take
+from dummydesign.core.files import acquire_lock, is_locked
 from dummydesign.studio import job_process as runner
 from dummydesign.studio import jobs
 from tests.support import lab_project as lab
@@ -128,20 +128,20 @@ def test_a_command_whose_runner_alone_was_killed_goes_on_is_known_and_can_be_sto
 
 def test_one_who_looks_at_a_lock_never_keeps_it_from_one_who_waits_a_little(tmp_path):
     path = tmp_path / "lock"
-    take(path).close()
+    acquire_lock(path).close()
     stop = threading.Event()
     looked = []
 
     def look():
         while not stop.is_set():
-            looked.append(held(path))
+            looked.append(is_locked(path))
 
     watchers = [threading.Thread(target=look) for _ in range(3)]
     for watcher in watchers:
         watcher.start()
     try:
         for _ in range(200):
-            lock = take(path, 60.0)
+            lock = acquire_lock(path, 60.0)
             assert lock is not None
             lock.close()
     finally:
@@ -152,9 +152,9 @@ def test_one_who_looks_at_a_lock_never_keeps_it_from_one_who_waits_a_little(tmp_
 
 
 def test_a_lock_that_is_held_is_not_waited_for_beyond_the_time_given(tmp_path):
-    lock = take(tmp_path / "lock")
+    lock = acquire_lock(tmp_path / "lock")
     start = time.monotonic()
-    assert take(tmp_path / "lock", 0.3) is None and 0.3 <= time.monotonic() - start < 30.0
+    assert acquire_lock(tmp_path / "lock", 0.3) is None and 0.3 <= time.monotonic() - start < 30.0
     lock.close()
 
 
@@ -163,16 +163,16 @@ def test_a_job_that_takes_its_lock_itself_begins_although_someone_looks_at_it(tm
     (tmp_path / runner.COMMAND).write_text(
         json.dumps({"words": ["tissues", "list"], "cwd": str(tmp_path), "start": 0.0}), encoding="utf-8"
     )
-    glance = take(tmp_path / runner.LOCK)
+    glance = acquire_lock(tmp_path / runner.LOCK)
     threading.Timer(0.3, glance.close).start()
     assert runner.main(tmp_path) == 0
 
 
 def test_a_lock_is_held_by_one_and_ends_with_its_holder(tmp_path):
-    lock = take(tmp_path / "a" / "lock")
-    assert lock is not None and take(tmp_path / "a" / "lock") is None and held(tmp_path / "a" / "lock")
+    lock = acquire_lock(tmp_path / "a" / "lock")
+    assert lock is not None and acquire_lock(tmp_path / "a" / "lock") is None and is_locked(tmp_path / "a" / "lock")
     lock.close()
-    assert not held(tmp_path / "a" / "lock")
+    assert not is_locked(tmp_path / "a" / "lock")
 
 
 def test_a_command_that_starts_late_is_running_meanwhile_and_hears_that_it_is_to_stop(tmp_path, monkeypatch):
@@ -213,7 +213,7 @@ def test_a_studio_whose_folder_cannot_be_written_is_one_line_and_lets_go_of_the_
     (tmp_path / ".studio" / name / "in").mkdir(parents=True)
     with raises_code("file_unwritable", "folder"):
         serve.run_studio(tmp_path, None, False, lambda line: None)
-    assert not held(tmp_path / ".studio" / "lock")
+    assert not is_locked(tmp_path / ".studio" / "lock")
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from dummydesign.studio import project_files as bin
+from dummydesign.studio import trash as bin
 from tests.support import lab_project as lab
 from tests.support.studio import choose, opened
 from tests.support.studio import test_id as by

@@ -10,7 +10,7 @@ import pytest
 from dummydesign.core.manifest import sha256_of
 from dummydesign.project.folder import make_project
 from dummydesign.project.status import status_of
-from dummydesign.studio import made
+from dummydesign.studio import project_index
 from dummydesign.studio.state import State, next_page, next_state, read_state
 
 
@@ -74,7 +74,7 @@ def test_a_mould_is_that_of_the_pad_by_all_that_makes_it(project):
     write(project.root, "moulds/b", "mold", mould("crowned:radius=20,height=2,foot=9", 4.5), date="2026-02-01")
     write(project.root, "moulds/c", "mold", mould(size=(50.0, 40.0)), date="2026-03-01")
     write(project.root, "moulds/broken", "mold", {"shape": 3})
-    found = made.moulds(project.root)
+    found = project_index.moulds(project.root)
     assert [one.folder for one in found] == ["moulds/a", "moulds/b", "moulds/c"]
     state = read_state(project, {})
     assert [one.is_of(state) for one in found] == [True, False, True]
@@ -104,7 +104,7 @@ def test_files_of_a_mould_are_grouped_under_plain_names_and_none_is_lost():
         "record.json",
         "mine.odt",
     ]
-    groups = dict(made.grouped_files(names))
+    groups = dict(project_index.grouped_files(names))
     assert sorted(name for rows in groups.values() for _, name in rows) == sorted(names)
     assert groups["Pour"][0][1] == "pour_t6.pdf"
     assert {"pad_t6.step", "strike_off_t6.3mf", "assembly_t6.html"} <= {name for _, name in groups["Print or machine"]}
@@ -118,7 +118,7 @@ def test_files_of_a_mould_are_grouped_under_plain_names_and_none_is_lost():
 
 def test_names_of_a_crowned_mould_are_grouped_too():
     names = ["strike_off_crowned_t4.5.3mf", "pour_crowned_t4.5.pdf", "pour_crowned_t4.5.html"]
-    groups = dict(made.grouped_files(names))
+    groups = dict(project_index.grouped_files(names))
     assert groups["Print or machine"] == [("Strike off, 3MF", "strike_off_crowned_t4.5.3mf")]
     assert groups["Pour"][0][1] == "pour_crowned_t4.5.pdf"
 
@@ -138,12 +138,12 @@ def test_calibrations_are_those_of_their_campaign_wherever_they_were_made(projec
         (root / "calibrations" / name / "calibration.json").write_text("{}", encoding="utf-8")
     write(root, "calibrations/f", "loop", {"campaign": "campaigns/first"})  # ended without a calibration
     monkeypatch.chdir(os.path.dirname(root))
-    assert [one.folder for one in made.calibrations(root, "campaigns/first")] == [
+    assert [one.folder for one in project_index.calibrations(root, "campaigns/first")] == [
         "calibrations/a",
         "calibrations/b",
         "calibrations/d",
     ]
-    assert [one.folder for one in made.calibrations(root, "campaigns/second")] == ["calibrations/c"]
+    assert [one.folder for one in project_index.calibrations(root, "campaigns/second")] == ["calibrations/c"]
 
 
 def test_a_calibration_of_a_campaign_that_changed_since_is_known(project):
@@ -155,9 +155,9 @@ def test_a_calibration_of_a_campaign_that_changed_since_is_known(project):
     read = [{"name": "campaigns/first/campaign.toml", "file": "campaign.toml", "sha256": sha256_of(toml)}]
     write(root, "calibrations/a", "loop", {"campaign": "campaigns/first"}, files_read=read)
     (root / "calibrations" / "a" / "calibration.json").write_text("{}", encoding="utf-8")
-    assert not made.calibrations(root, "campaigns/first")[0].outdated(root)
+    assert not project_index.calibrations(root, "campaigns/first")[0].outdated(root)
     toml.write_text(PLAN.replace("NAME", "other"), encoding="utf-8")
-    assert made.calibrations(root, "campaigns/first")[0].outdated(root)
+    assert project_index.calibrations(root, "campaigns/first")[0].outdated(root)
 
 
 def test_the_next_step_opens_the_campaign_that_it_is_about(project):
@@ -218,9 +218,9 @@ def test_a_campaign_that_was_renamed_keeps_its_calibration(project):
     write(root, "calibrations/a", "loop", {"campaign": "campaigns/first"}, files_read=read)
     (root / "calibrations" / "a" / "calibration.json").write_text("{}", encoding="utf-8")
     (root / "campaigns" / "first").rename(root / "campaigns" / "may")
-    assert [one.folder for one in made.calibrations(root, "campaigns/may")] == ["calibrations/a"]
-    assert not made.calibrations(root, "campaigns/may")[0].outdated(root)
-    assert made.calibrations(root, "campaigns/other") == []
+    assert [one.folder for one in project_index.calibrations(root, "campaigns/may")] == ["calibrations/a"]
+    assert not project_index.calibrations(root, "campaigns/may")[0].outdated(root)
+    assert project_index.calibrations(root, "campaigns/other") == []
 
 
 @pytest.mark.parametrize(
@@ -237,7 +237,7 @@ def test_a_campaign_that_was_renamed_keeps_its_calibration(project):
     ],
 )
 def test_units_are_read_from_the_names_of_parameters(name, unit, words):
-    assert made.name_and_unit(name) == (words, unit)
+    assert project_index.name_and_unit(name) == (words, unit)
 
 
 def test_the_verdict_of_a_pad_is_that_of_its_design_while_its_files_are_the_same(project):
@@ -248,8 +248,8 @@ def test_the_verdict_of_a_pad_is_that_of_its_design_while_its_files_are_the_same
     made_for = design(tissue="tissue/mine.toml", verdict="usable_with_correction")
     write(root, "designs/a", files_read=read, **made_for)
     state = State("tissue/mine.toml", thickness_mm=6.0, ratio=15.0)
-    assert made.verdict_of_design(root, state) == ("amber", "words")
+    assert project_index.verdict_of_design(root, state) == ("amber", "words")
     for other in ({"ratio": 15.1}, {"aim": "safe-side"}, {"calibration": "calibrations/a/calibration.json"}):
-        assert made.verdict_of_design(root, state.changed(**other)) is None
+        assert project_index.verdict_of_design(root, state.changed(**other)) is None
     tissue.write_text("2", encoding="utf-8")
-    assert made.verdict_of_design(root, state) is None
+    assert project_index.verdict_of_design(root, state) is None

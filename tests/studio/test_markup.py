@@ -136,12 +136,12 @@ def test_a_name_is_the_label_of_its_buttons_whatever_letters_it_has(name, monkey
     from nicegui.client import Client
     from nicegui.page import page
 
-    from dummydesign.studio import manage
+    from dummydesign.studio import file_actions
 
-    monkeypatch.setattr(manage, "undo_bar", lambda studio: None)
+    monkeypatch.setattr(file_actions, "undo_bar", lambda studio: None)
     client = Client(page(""), request=None)
     with client:
-        manage.manage(Path(), f"designs/{name}", "design", lambda old, new: None)
+        file_actions.manage(Path(), f"designs/{name}", "design", lambda old, new: None)
     given = [dict(one.props) for one in client.elements.values() if isinstance(one, ui.button)]
     client.delete()
     assert {one["data-name"] for one in given} == {name}

@@ -7,7 +7,7 @@ import shutil
 import pytest
 
 from dummydesign.project.folder import make_project, read_project
-from dummydesign.studio import project_files as bin
+from dummydesign.studio import trash as bin
 from tests.studio.test_pages import MISSED, NAMELESS, RULES, WHERE
 from tests.support.studio import browser, running
 from tests.support.studio import test_id as by

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import held, take
+from dummydesign.core.files import acquire_lock, is_locked
 from dummydesign.studio import app as serve
 from tests.support.refusal import raises_code
 
@@ -46,12 +46,12 @@ def test_a_folder_open_elsewhere_gives_the_address_that_works_and_opens_it_unles
         assert shown.partition("key=")[0] == address.partition("key=")[0] and shown != address
 
     start(again)
-    assert len(start.said) == 1 and not held(tmp_path / ".studio" / "lock")
+    assert len(start.said) == 1 and not is_locked(tmp_path / ".studio" / "lock")
     assert not (tmp_path / ".studio" / "address").exists()
 
 
 def test_a_folder_whose_address_is_not_known_is_refused_all_the_same(tmp_path, start):
-    lock = take(tmp_path / ".studio" / "lock")
+    lock = acquire_lock(tmp_path / ".studio" / "lock")
     with raises_code("busy", "folder"):
         start(browser=True)
     lock.close()
@@ -106,7 +106,7 @@ def test_a_full_disk_is_one_line_and_lets_go_of_the_folder(tmp_path, start, monk
     monkeypatch.setattr(os, "open", full)
     with raises_code("file_unwritable", "folder"):
         start()
-    assert not held(tmp_path / ".studio" / "lock") and start.said == []
+    assert not is_locked(tmp_path / ".studio" / "lock") and start.said == []
 
 
 def test_the_key_of_a_browser_that_is_started_opens_the_studio_once(tmp_path, start, monkeypatch):

@@ -12,7 +12,7 @@ from dummydesign.design.pad_evaluator import NotTabulated
 from dummydesign.geometry.shape_registry import read_shape, shape_kinds
 from dummydesign.project import status
 from dummydesign.project.folder import change_project, make_project
-from dummydesign.studio import made
+from dummydesign.studio import project_index
 from dummydesign.studio.pages.search import question_of
 from dummydesign.studio.slider_model import evaluator_of, first_pad, first_shape, lengths_of
 from dummydesign.studio.state import State, read_state
@@ -128,18 +128,18 @@ def test_a_design_that_is_gone_is_no_longer_the_source_of_the_pad(project):
     (project.root / "designs" / "a").rename(project.root / "designs" / "b")
     later = read_state(project, dict(parse_qsl(state.query())))
     assert (later.design, later.thickness_mm, len(later.missing)) == ("", 7.0, 1)
-    assert made.design_of_pad(project.root, later) == "designs/b"
+    assert project_index.design_of_pad(project.root, later) == "designs/b"
 
 
 def test_the_design_for_what_is_asked_says_whether_a_pad_may_be_cast(project):
     design(project, "mine", 7.0, date="2026-01-01")
     design(project, "for-another-tissue", 7.0, tissue="palm", date="2026-01-02")
     state = read_state(project, {"design": "designs/mine"}).changed(design="")
-    assert made.design_of_pad(project.root, state) == "designs/mine"
+    assert project_index.design_of_pad(project.root, state) == "designs/mine"
     palm = state.changed(tissue="palm")
-    assert made.design_of_pad(project.root, palm) == "designs/for-another-tissue"
+    assert project_index.design_of_pad(project.root, palm) == "designs/for-another-tissue"
     thigh = state.changed(aim="safe-side")
-    assert not made.answers(project.root, made.design_of_pad(project.root, thigh), thigh)
+    assert not project_index.answers(project.root, project_index.design_of_pad(project.root, thigh), thigh)
 
 
 def test_a_search_without_a_punch_is_for_the_one_it_used_not_for_the_one_of_today(project):

@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from dummydesign.core.files import take
+from dummydesign.core.files import acquire_lock
 from dummydesign.project.folder import change_project, make_project, read_project
 from dummydesign.studio import job_process as runner
 from dummydesign.tissue import load_tissue
@@ -137,7 +137,7 @@ def test_a_tissue_in_use_by_a_running_command_is_neither_renamed_nor_deleted(pag
     words = ["suggest", "--tissue", "tissue/anna.toml", "--out", "designs/a"]
     asked = {"name": "suggest", "words": words, "cwd": str(root), "start": time.time()}
     (folder / runner.COMMAND).write_text(json.dumps(asked))
-    lock = take(folder / runner.LOCK)
+    lock = acquire_lock(folder / runner.LOCK)
     page.locator(by("delete")).click()
     page.wait_for_selector(".problem >> text=in use")
     assert (root / "tissue" / "anna.toml").is_file()

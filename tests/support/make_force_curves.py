@@ -16,7 +16,7 @@ import numpy as np
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 
 RADIUS_MM = 14.0 / np.sqrt(np.pi)
 SHARES = np.array([0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5])

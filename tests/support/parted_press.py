@@ -4,7 +4,7 @@ from typing import Any
 
 from dummydesign.measurement.importing.contact import find_contact
 from dummydesign.measurement.importing.decisions import ImportLog
-from dummydesign.measurement.importing.signs import find_presses, find_signs
+from dummydesign.measurement.importing.sign_convention import find_presses, find_signs
 from tests.support.machine_presses import Recording
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dummydesign.design.scoring.presses import Slabs, make_curves
+from dummydesign.design.scoring.press_simulation import PadBatch, make_curves
 from tests.support.exact_law import ExactLaw
 
 
@@ -23,4 +23,4 @@ def pads(exponent, stiffness, beta, tau=(0.02, 0.6), thickness_mm=6.0):
     """Designs of one exponent with stiffnesses in N/mm^n and a relaxation over the long-term force."""
     count = len(stiffness)
     curves = make_curves(Power(exponent), [thickness_mm], 7.9, 0.6)
-    return Slabs(curves, np.zeros(count, int), np.asarray(stiffness, float), tau, np.tile(beta, (count, 1)))
+    return PadBatch(curves, np.zeros(count, int), np.asarray(stiffness, float), tau, np.tile(beta, (count, 1)))

@@ -12,9 +12,9 @@ from dummydesign.geometry.punch import ball_profile, read_profile
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.measurement.motion import ramp_and_hold
-from dummydesign.pad.elastic_force import elastic_curve
+from dummydesign.pad.force_source import elastic_curve
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
-from dummydesign.pad.specimen import Pad, Puck
+from dummydesign.pad.pad_under_punch import Pad, Puck
 
 ARMS = (PronyTerm(0.05, 0.3), PronyTerm(1.5, 0.2))
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dummydesign.mold.files.pour_sheet import Block
+from dummydesign.mold.files.pour_sheet import SheetBlock
 
 
-def sheet_text(blocks: Sequence[Block]) -> str:
+def sheet_text(blocks: Sequence[SheetBlock]) -> str:
     """Headings, paragraphs, numbered steps, and tables as ``| a | b |``."""
     lines: list[str] = []
     for block in blocks:

@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks.accuracy.fit_coverage import press
 from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.specimen import Puck
+from dummydesign.pad.pad_under_punch import Puck
 
 GAMMA1, GAMMA, DAMPER = 0.55, np.array([0.10, 0.25]), {10.0: np.array([1.0, 0.12]), 250.0: np.array([1.0, 0.012])}
 """A finger within the forefinger's band. [N/mm3, N/mm3, N s/mm by speed]"""

@@ -177,7 +177,7 @@ def default_in_project(options: argparse.Namespace) -> str | None:
     """Name of the folder in a project when none is typed; elsewhere the call names it. A record has its folder."""
     if options.action == "record" or options.thickness is None:
         return f"puck_{options.puck.lower().replace(',', '_')}" if getattr(options, "puck", None) else None
-    from dummydesign.mold.job import folder_name, read_thicknesses
+    from dummydesign.mold.batch import folder_name, read_thicknesses
 
     shape = "boned" if options.bone else options.shape.partition(":")[0].lower()
     kind = "" if shape in ("slab", "puck") else shape  # as ``PadSpec.prefix``

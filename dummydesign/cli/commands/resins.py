@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
 def _list(options: argparse.Namespace) -> dict[str, Any]:
     """A broken file of the user gives a warning and is left out, so that it never hides the others."""
-    from dummydesign.core.library import entries
+    from dummydesign.core.user_library import entries
     from dummydesign.resin.model.hardness import expected_hardness
     from dummydesign.resin.model.resin_file import KIND, read_resin
 
@@ -110,7 +110,7 @@ def _show(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _add(options: argparse.Namespace) -> dict[str, Any]:
-    from dummydesign.core.library import hidden_by
+    from dummydesign.core.user_library import hidden_by
     from dummydesign.resin.describe import explain
     from dummydesign.resin.update.modulus import add_resin
 

@@ -50,20 +50,20 @@ UNITS = {PEAK: "N", STEADY: "N", ENERGY: "mJ"}
 
 
 @dataclass(frozen=True)
-class Component(Serialised):
+class UncertaintyComponent(Serialised):
     """One part of a budget: standard uncertainty in per cent of the reading; None where it is not known."""
 
     name: str
     standard_percent: float | None
 
 
-def combined_percent(components: tuple[Component, ...]) -> float:
+def combined_percent(components: tuple[UncertaintyComponent, ...]) -> float:
     """Root sum of squares of the parts that are known (GUM, equation 10, independent parts). [%]"""
     return math.sqrt(sum((one.standard_percent or 0.0) ** 2 for one in components))
 
 
 @dataclass(frozen=True)
-class Limits(Serialised):
+class IntervalEnds(Serialised):
     """Ends of an interval; None where it is open."""
 
     low: float | None
@@ -71,7 +71,7 @@ class Limits(Serialised):
 
 
 @dataclass(frozen=True)
-class Decision(Serialised):
+class ConformityDecision(Serialised):
     """The statement on one reading, where it changes, and the probability that it is outside the tolerance.
 
     ``tolerance`` are the limits of the requirement, ``acceptance`` those less the guard band, ``rejection`` those with
@@ -80,14 +80,14 @@ class Decision(Serialised):
 
     statement: str
     false_acceptance: float
-    tolerance: Limits
-    acceptance: Limits
-    rejection: Limits
+    tolerance: IntervalEnds
+    acceptance: IntervalEnds
+    rejection: IntervalEnds
 
 
 def decide(
     value: float, tolerance: tuple[float | None, float | None], standard: tuple[float, float], k: float = K
-) -> Decision:
+) -> ConformityDecision:
     """Decide whether a reading keeps its limits, with a guard band of k standard uncertainties.
 
     Parameters
@@ -132,12 +132,12 @@ def decide(
         guards.append((limit * math.exp(side * k * u), limit * math.exp(-side * k * u)))
     places = [0 if room >= guard else 1 if room >= 0.0 else 2 if room >= -guard else 3 for room, guard in rooms]
     (accept_low, reject_low), (accept_high, reject_high) = guards
-    return Decision(
+    return ConformityDecision(
         STATEMENTS[max(places, default=0)],
         min(sum(tails), 1.0),
-        Limits(*tolerance),
-        Limits(accept_low, accept_high),
-        Limits(reject_low, reject_high),
+        IntervalEnds(*tolerance),
+        IntervalEnds(accept_low, accept_high),
+        IntervalEnds(reject_low, reject_high),
     )
 
 
@@ -176,10 +176,10 @@ class Budget:
     """
 
     reading: Reading
-    components: tuple[Component, ...]
+    components: tuple[UncertaintyComponent, ...]
     requirement: str
-    decision: Decision | None
-    exact_range: Decision | None = None
+    decision: ConformityDecision | None
+    exact_range: ConformityDecision | None = None
     missing: int = 0
     doubt: str = ""
 
@@ -346,12 +346,13 @@ def budget_of_pad(
         return None
     name, at = found.quantity, found.at
     components = [
-        Component(part, _percent(log_spreads(deviations(ranges, drawn))[name][at])) for part, drawn in parts.items()
+        UncertaintyComponent(part, _percent(log_spreads(deviations(ranges, drawn))[name][at]))
+        for part, drawn in parts.items()
     ]
     own = 0.01 * combined_percent(tuple(components))
     of_ends = [0.0, 0.0] if ends is None else [float(np.nan_to_num(side[name][at])) for side in (ends.low, ends.high)]
     near = of_ends[0 if found.side == LOW else 1]
-    components.append(Component(SUBJECTS, None if ends is None else 100.0 * near))
+    components.append(UncertaintyComponent(SUBJECTS, None if ends is None else 100.0 * near))
     value = float({PEAK: readings.peak_N, ENERGY: readings.energy_mJ, STEADY: ranges.steady_N}[name][at])
     short = differences.short.get(name)
     low = None if short is None else value * float(short[0][at]) / limits[0]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.serialise import Serialised, to_plain
-from dummydesign.design.request import PAPER
+from dummydesign.design.request import NAGOYA_PROTOCOL
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import LEVELS
 from dummydesign.design.search.shape_search import ShapedDesign, candidate_of
@@ -18,7 +18,7 @@ from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, with_p
 from dummydesign.geometry.pad_shape import PadShape
 
 # Forces of the tissue over which the misfit is taken in the paper's test, even in the logarithm. [N]
-MISFIT_N = PAPER.misfit_N
+MISFIT_N = NAGOYA_PROTOCOL.misfit_N
 LEVEL, SHARE, MISFIT = "level", "after_puck", "misfit"
 
 

@@ -14,7 +14,7 @@ from dummydesign.core.serialise import Serialised
 from dummydesign.design.scoring.castings import FORCE_LAW, MODULUS, RELAXATION, RESIN, Castings, Pours, Tolerances
 from dummydesign.design.scoring.crowns import crowned_curves
 from dummydesign.design.scoring.outlook import Outlook
-from dummydesign.design.scoring.presses import Slabs, make_curves, steady_depth
+from dummydesign.design.scoring.press_simulation import PadBatch, make_curves, steady_depth
 from dummydesign.design.scoring.score import Evaluation, evaluate
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import (
@@ -65,7 +65,7 @@ class PadCastings:
         at = self.candidate.ratio if ratio is None else ratio
         return self.castings.pours(self.candidate.thickness_mm, at, self.tolerances, self.error, known)
 
-    def slabs(self, pours: Pours) -> Slabs:
+    def slabs(self, pours: Pours) -> PadBatch:
         """Pours as designs to press."""
         return poured_slabs(self.law, pours, self.space)
 
@@ -106,7 +106,7 @@ class PadCastings:
         return stiff, soft, np.mean(~np.isfinite(depth), axis=0)
 
 
-def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> Slabs:
+def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> PadBatch:
     """Pours as designs to press; their thicknesses are taken at the nearest of 41 even steps.
 
     These are a hundredth of a millimetre apart for 0.2 mm either way. Pads whose crowns differ have a curve each.
@@ -121,7 +121,7 @@ def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> Slabs:
         middle, gel = float(np.median(thickness)), space.targets.limits.gel_compression
         curves = crowned_curves(law, pours.crowns, curves.take(index), middle, space.radius_mm, gel)
         index = np.arange(len(index))
-    return Slabs(curves, index, pours.young_MPa, space.resin.tau_s, pours.beta)
+    return PadBatch(curves, index, pours.young_MPa, space.resin.tau_s, pours.beta)
 
 
 def limits_that_bind(candidate: DesignCandidate, thickness_mm: NDArray, ratio: NDArray) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from typing import Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.scoring.presses import Curves, make_curves
+from dummydesign.design.scoring.press_simulation import SlabCurves, make_curves
 from dummydesign.pad.force_law import ForceLaw
 
 # Even steps of a crown's height, and of the logarithm of its tip radius, at which a force law is asked.
@@ -40,8 +40,8 @@ def law_with_crowns(law: ForceLaw, crowns: Crowns) -> ForceLaw:
 
 
 def crowned_curves(
-    law: ForceLaw, crowns: Crowns, designed: Curves, thickness_mm: float, radius_mm: float, gel_compression: float
-) -> Curves:
+    law: ForceLaw, crowns: Crowns, designed: SlabCurves, thickness_mm: float, radius_mm: float, gel_compression: float
+) -> SlabCurves:
     """Curves of n pads with their own crowns, from those with the designed one, row by row.
 
     What a crown changes is worked out on a pad of one thickness, as ln F / E at shares of the depth limit, and
@@ -63,7 +63,7 @@ def crowned_curves(
     weights[each, left + 1] = (place - left)[:, None] * parabola
     factor = np.exp(weights.reshape(len(heights), -1) @ changes)
     area = np.column_stack([designed.area_mm2[:, :1], designed.area_mm2[:, 1:] * factor[:, 1:]])
-    return Curves(designed.thickness_mm + heights, designed.limit_mm * factor[:, 0], area)
+    return SlabCurves(designed.thickness_mm + heights, designed.limit_mm * factor[:, 0], area)
 
 
 def _lagrange(nodes: NDArray, k: int, at: NDArray) -> NDArray:

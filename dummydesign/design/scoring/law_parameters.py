@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.scoring.presses import Sampling, SimulatedPress, Slabs, press_to_depth
+from dummydesign.design.scoring.press_simulation import PadBatch, Sampling, SimulatedPress, press_to_depth
 from dummydesign.design.scoring.score import halving, steady_gamma1
 from dummydesign.design.scoring.targets import NARROWEST, Targets
 from dummydesign.tissue.model.laws import law_named
@@ -20,7 +20,7 @@ FIRST_HOLD_S = 0.002
 RATES = (1e-6, 1e4)
 
 
-def fit_presses(slabs: Slabs, targets: Targets, depth_mm: NDArray, sampling: Sampling) -> list[Parameters | None]:
+def fit_presses(slabs: PadBatch, targets: Targets, depth_mm: NDArray, sampling: Sampling) -> list[Parameters | None]:
     """Fit the law of the tissue to the simulated presses of each design.
 
     All conditions together, springs shared, dampers per speed (as the paper reports them and as bands
@@ -204,7 +204,7 @@ def gamma1_score(gamma1_N_per_mm3: NDArray, targets: Targets) -> NDArray:
         return halving(np.log(gamma1_N_per_mm3 / targets.steady_gamma1_N_per_mm3) / half)
 
 
-def rough_parametric(slabs: Slabs, targets: Targets, sampling: Sampling) -> NDArray:
+def rough_parametric(slabs: PadBatch, targets: Targets, sampling: Sampling) -> NDArray:
     """The :func:`gamma1_score` of designs from their steady forces in the test of the targets, shape (D,)."""
     return gamma1_score(steady_gamma1(slabs, targets.protocol, sampling.coarse, targets.power), targets)
 

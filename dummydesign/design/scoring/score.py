@@ -8,8 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.request import PAPER, Protocol
-from dummydesign.design.scoring.presses import COARSE, Sampling, SimulatedPress, Slabs, press_to_depth, steady_depth
+from dummydesign.design.request import NAGOYA_PROTOCOL, Protocol
+from dummydesign.design.scoring.press_simulation import (
+    COARSE,
+    PadBatch,
+    Sampling,
+    SimulatedPress,
+    press_to_depth,
+    steady_depth,
+)
 from dummydesign.design.scoring.settings import Weights
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange
@@ -25,7 +32,7 @@ class Evaluation:
     of the targets' conditions. ``protocol`` and ``sampling`` are the test, ``weights`` those of the total.
     """
 
-    slabs: Slabs
+    slabs: PadBatch
     steady_state_range: NDArray
     low_force_range: NDArray
     force_variation_range: NDArray
@@ -76,7 +83,7 @@ def closeness(distance: NDArray) -> NDArray:
     return halving(np.sqrt(square / np.maximum(count, 1))) * count / distance.shape[-1]
 
 
-def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling | None = None, exact: bool = False) -> Evaluation:
+def evaluate(slabs: PadBatch, targets: Targets, sampling: Sampling | None = None, exact: bool = False) -> Evaluation:
     """Score designs against a tissue by the ranges and the aim."""
     protocol = targets.protocol
     sampling = sampling or targets.sampling.coarse
@@ -86,7 +93,7 @@ def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling | None = None, e
 
 
 def press_all(
-    slabs: Slabs, targets: Targets, forces_N: NDArray, sampling: Sampling, exact: bool = False
+    slabs: PadBatch, targets: Targets, forces_N: NDArray, sampling: Sampling, exact: bool = False
 ) -> tuple[NDArray, tuple[SimulatedPress, ...]]:
     """Depths (D, forces) at steady forces of the slowest ramp, and the presses of every condition."""
     pressed = np.array([(one.steady_force_N, one.velocity_mm_s) for one in targets.conditions])
@@ -106,7 +113,7 @@ def scored_for(evaluation: Evaluation, targets: Targets) -> Evaluation:
 
 
 def _scored(
-    slabs: Slabs,
+    slabs: PadBatch,
     targets: Targets,
     sampling: Sampling,
     reached: NDArray,
@@ -175,7 +182,9 @@ def _share_within(press: SimulatedPress, band: ForceRange, ends: NDArray) -> NDA
     return np.where(np.isfinite(press.depth_mm), share, 0.0)
 
 
-def steady_gamma1(slabs: Slabs, protocol: Protocol = PAPER, sampling: Sampling = COARSE, power: float = 3.0) -> NDArray:
+def steady_gamma1(
+    slabs: PadBatch, protocol: Protocol = NAGOYA_PROTOCOL, sampling: Sampling = COARSE, power: float = 3.0
+) -> NDArray:
     """Least-squares gamma1 of F = gamma1 x^power over the steady forces of the protocol, shape (D,). [N/mm^power]
 
     It is what a fit of the five-element law settles for in the hold of all presses; NaN when none is reached.

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.library import find
 from dummydesign.core.quantity import KINDS, Quantity
 from dummydesign.core.serialise import Serialised
-from dummydesign.core.toml_schema import Table, read_table
+from dummydesign.core.toml_schema import TomlTable, read_table
+from dummydesign.core.user_library import find
 from dummydesign.tissue.model.people_share import is_share
 
 PARTS = ("aim", "steady_state_range", "force_variation_range", "parametric")
@@ -112,7 +112,7 @@ def _read_weights(path: Path, origin: str, changed_ns: int) -> dict[str, Weights
     return {aim: read[aims.string(aim, choices=list(read))] for aim in AIMS}
 
 
-def _set(table: Table, name: str, origin: str) -> Weights:
+def _set(table: TomlTable, name: str, origin: str) -> Weights:
     _refuse_old(table, OLD_WEIGHTS)
     table.only(PARTS)
     weights = Weights(name, origin, {key: _bounded(table, key, 0.0, 1.0) for key in PARTS})
@@ -123,7 +123,7 @@ def _set(table: Table, name: str, origin: str) -> Weights:
     return weights
 
 
-def _refuse_old(table: Table, entries: dict[str, str]) -> None:
+def _refuse_old(table: TomlTable, entries: dict[str, str]) -> None:
     """Refuse what an earlier edition read and this one does not, with what to do."""
     for key, advice in entries.items():
         if key in table:
@@ -132,7 +132,7 @@ def _refuse_old(table: Table, entries: dict[str, str]) -> None:
             )
 
 
-def _bounded(table: Table, key: str, low: float, high: float, kinds: tuple[str, ...] = KINDS) -> Quantity:
+def _bounded(table: TomlTable, key: str, low: float, high: float, kinds: tuple[str, ...] = KINDS) -> Quantity:
     """Read a quantity and refuse a value outside a range."""
     number = table.quantity(key, kinds)
     if not low <= number.value <= high:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.request import PAPER, Protocol
-from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.request import NAGOYA_PROTOCOL, Protocol
+from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.settings import VerdictLimits, Weights, verdict_limits, weights_of
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.tissue.model.laws import law_named
@@ -64,7 +64,7 @@ class Targets:
     conditions: tuple[Condition, ...]
     weights: Weights
     limits: VerdictLimits
-    protocol: Protocol = PAPER
+    protocol: Protocol = NAGOYA_PROTOCOL
     sampling: Sampling = field(default_factory=Sampling)
 
     def depth_range_mm(self, force_N: NDArray) -> tuple[NDArray, NDArray]:
@@ -185,7 +185,7 @@ class Targets:
         return np.log(forces), np.log(depth)
 
 
-def make_targets(tissue: Tissue, aim: str, sampling: Sampling, protocol: Protocol = PAPER) -> Targets:
+def make_targets(tissue: Tissue, aim: str, sampling: Sampling, protocol: Protocol = NAGOYA_PROTOCOL) -> Targets:
     """Compute the ranges of a tissue at every condition of the protocol."""
     return make_each((tissue,), aim, sampling, protocol)[0]
 

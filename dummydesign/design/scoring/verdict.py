@@ -171,7 +171,7 @@ class Deviation:
 
 
 @dataclass(frozen=True)
-class Correction:
+class ReadingCorrection:
     """By what readings are multiplied so that none is below the lowest subject's; 1 where none is.
 
     ``factor`` holds for 95 % of the castings that reach every press, ``factor_central`` at central estimates,
@@ -198,7 +198,7 @@ class Verdict(Serialised):
     text: str
     shortfall: Deviation
     over: Deviation
-    correction: Correction
+    correction: ReadingCorrection
     peaks_below: int
     peaks_above: int
     peaks: int
@@ -303,7 +303,7 @@ def verdict(
     central, own_force = _factor(shortfall.central), float(differences.force_shortfall[0])
     force = _factor(own_force) if np.isfinite(own_force) else None
     factors = (central, force) if spread is None else (_factor(short_95), _factor(force_95))
-    correction = Correction(factors[0], central, _factor(after), factors[1], force, _factor(force_after))
+    correction = ReadingCorrection(factors[0], central, _factor(after), factors[1], force, _factor(force_after))
     castings = None if spread is None else shares
     bound = tuple(limits_that_bind)
     parts = [
@@ -477,7 +477,7 @@ def _casting_words(
     return f"{text} ({', '.join(lost)})" if lost and level != "stands_for" else text
 
 
-def _ending(level: str, correction: Correction, unsettled: str, over_castings: bool) -> str:
+def _ending(level: str, correction: ReadingCorrection, unsettled: str, over_castings: bool) -> str:
     """The correction, or why nothing is settled."""
     if unsettled and level in ("not_settled", "not_representative"):
         return unsettled

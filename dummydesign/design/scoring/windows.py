@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.scoring.presses import Curves, Slabs, rest_after_hold
+from dummydesign.design.scoring.press_simulation import PadBatch, SlabCurves, rest_after_hold
 from dummydesign.design.scoring.score import press_all
 from dummydesign.design.scoring.verdict import Deviations, Ranges, Readings, deviations, ranges_of
 
 if TYPE_CHECKING:
-    from dummydesign.design.scoring.presses import Sampling
+    from dummydesign.design.scoring.press_simulation import Sampling
     from dummydesign.design.scoring.settings import VerdictLimits
     from dummydesign.design.scoring.targets import Targets
     from dummydesign.resin.model.resin import Draws
@@ -102,7 +102,7 @@ class Windows:
         return Windows(self.log_young[[pad]], self.beyond_stands[[pad]], self.beyond_usable[[pad]])
 
 
-def readings_along(slabs: Slabs, targets: Targets, forces_N: NDArray, sampling: Sampling) -> Readings:
+def readings_along(slabs: PadBatch, targets: Targets, forces_N: NDArray, sampling: Sampling) -> Readings:
     """Readings of designs alone, without scores."""
     depth, presses = press_all(slabs, targets, forces_N, sampling)
     peak, energy = (np.stack([getattr(one, name) for one in presses], axis=-1) for name in ("peak_N", "energy_mJ"))
@@ -133,7 +133,7 @@ def excess(differences: Deviations, limits: VerdictLimits) -> tuple[NDArray, NDA
 
 
 def windows_of(
-    curves: Curves, centre: NDArray, batches: Batches, targets: Targets, sampling: Sampling, nodes: int = NODES
+    curves: SlabCurves, centre: NDArray, batches: Batches, targets: Targets, sampling: Sampling, nodes: int = NODES
 ) -> Windows:
     """Press P pads as cured by n batches to moduli about each pad's own; ``centre`` (P,) is its ln E. [ln MPa]"""
     pads, count = len(centre), len(batches)
@@ -148,7 +148,7 @@ def windows_of(
         own = at[some]
         beta = np.moveaxis(batches.strengths(np.moveaxis(own, 0, 1)), 0, 1)
         slab = np.repeat(np.arange(start, start + len(own)), count * nodes)
-        slabs = Slabs(curves, slab, np.exp(own).ravel(), batches.draws.resin.tau_s, beta.reshape(own.size, -1))
+        slabs = PadBatch(curves, slab, np.exp(own).ravel(), batches.draws.resin.tau_s, beta.reshape(own.size, -1))
         found = excess(deviations(ranges, readings_along(slabs, targets, ranges.steady_N, sampling)), targets.limits)
         stands[some], usable[some] = (np.nan_to_num(one, nan=1.0).reshape(own.shape) for one in found)
     fine = centre[:, None] + np.linspace(-REACH - MARGIN, REACH + MARGIN, FINE)
@@ -158,7 +158,7 @@ def windows_of(
 
 
 def _least_log_young(
-    curves: Curves, centre: NDArray, batches: Batches, targets: Targets, sampling: Sampling
+    curves: SlabCurves, centre: NDArray, batches: Batches, targets: Targets, sampling: Sampling
 ) -> NDArray:
     """ln of the modulus from which each batch (P, n) reaches the largest force inside the depth limit."""
     slow = np.array([targets.protocol.velocities_mm_s])

@@ -14,14 +14,14 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.design.request import Progress, quiet
 from dummydesign.design.scoring.crowns import Crowns
-from dummydesign.design.scoring.presses import designed_depth_mm
+from dummydesign.design.scoring.press_simulation import designed_depth_mm
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.search.shape_search import MANY_BATCHES, ShapedDesign, candidate_of, feasible, outlook_for, rank
 from dummydesign.design.search.slabs import SearchSpace
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM, PUNCH_RADIUS_MM
 from dummydesign.pad.axisymmetric.shaped_problem import PathCache, Touch
 from dummydesign.pad.force_law import BaseForceLaw
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 
 # Of solved depths over thickness, by whether the top is flat: ends of load steps, which cost no solve of its own.
 SPACING = {False: 0.02, True: 0.015}

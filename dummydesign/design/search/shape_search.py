@@ -20,7 +20,7 @@ from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.scoring.crowns import crown_scatter
 from dummydesign.design.scoring.outlook import LEAST, Match, Outlook, Scatter, outlook_of, smoothed
-from dummydesign.design.scoring.presses import DEPTH_SHARE, Curves, Slabs, make_curves
+from dummydesign.design.scoring.press_simulation import DEPTH_SHARE, PadBatch, SlabCurves, make_curves
 from dummydesign.design.scoring.windows import Batches, unlike, windows_of
 from dummydesign.design.search.shape_family import Designs, Family, FamilyLaw, designable_kinds, load_family
 from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, exact_candidates, make_slabs
@@ -180,7 +180,7 @@ def match_of(forces_N: NDArray, area_mm2: NDArray) -> tuple[NDArray, NDArray]:
     return np.where(known.any(axis=1), mean, np.nan), spread
 
 
-def _thickness_matches(law: ForceLaw, thickness_mm: NDArray, space: SearchSpace) -> tuple[Curves, NDArray, NDArray]:
+def _thickness_matches(law: ForceLaw, thickness_mm: NDArray, space: SearchSpace) -> tuple[SlabCurves, NDArray, NDArray]:
     """Curves of a law at thicknesses (M,) with the mean and the spread (M,) of :func:`match_of`, up to their limits."""
     targets = space.targets
     curves = make_curves(law, thickness_mm, space.radius_mm, targets.limits.gel_compression)
@@ -323,7 +323,7 @@ def _accepts(shape: PadShape, thickness_mm: float, pad_mm: tuple[float, float]) 
     return True
 
 
-def _curves(pads: Sequence[_Sieved], space: SearchSpace) -> Curves:
+def _curves(pads: Sequence[_Sieved], space: SearchSpace) -> SlabCurves:
     """Curves of pads, those of one family at once."""
     limit, area = np.empty(len(pads)), np.empty((len(pads), SAMPLES))
     share, gel = np.linspace(0.0, 1.0, SAMPLES), space.targets.limits.gel_compression
@@ -342,7 +342,7 @@ def _curves(pads: Sequence[_Sieved], space: SearchSpace) -> Curves:
                 one = make_curves(pad.cast, [pad.thickness_mm], space.radius_mm, gel)
                 grid = one.limit_mm[0] * share
                 limit[n], area[n] = one.limit_mm[0], one.area_at(np.array([0]), grid[None])[0]
-    return Curves(np.array([pad.thickness_mm for pad in pads]), limit, area)
+    return SlabCurves(np.array([pad.thickness_mm for pad in pads]), limit, area)
 
 
 def _leading(sieved: Sequence[_Sieved], space: SearchSpace) -> list[_Sieved]:
@@ -431,5 +431,5 @@ def _shifts(usable: NDArray, grid: NDArray) -> NDArray:
 def candidate_of(law: ForceLaw, thickness_mm: float, ratio: float, space: SearchSpace) -> DesignCandidate:
     """One pad of one ratio, pressed on the fine grid."""
     curves = make_curves(law, np.array([thickness_mm]), space.radius_mm, space.targets.limits.gel_compression)
-    slabs: Slabs = make_slabs(curves, np.array([0]), space.resin, np.array([ratio]))
+    slabs: PadBatch = make_slabs(curves, np.array([0]), space.resin, np.array([ratio]))
     return exact_candidates(slabs, np.array([ratio]), space)[0]

@@ -15,10 +15,10 @@ from dummydesign.core.errors import NoAnswerError, out_of_range
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.scoring.castings import Castings, Tolerances
 from dummydesign.design.scoring.law_parameters import fit_presses, gamma1_score, parametric_score, rough_parametric
-from dummydesign.design.scoring.presses import (
-    Curves,
+from dummydesign.design.scoring.press_simulation import (
+    PadBatch,
     Sampling,
-    Slabs,
+    SlabCurves,
     join_slabs,
     make_curves,
     steady_depth,
@@ -142,7 +142,7 @@ class DesignCandidate:
     total: float = 0.0
 
     @property
-    def alone(self) -> Slabs:
+    def alone(self) -> PadBatch:
         """The one design to press."""
         return self.evaluation.slabs.take(np.array([self.index]))
 
@@ -190,10 +190,10 @@ def thickness_steps(low_mm: float, high_mm: float) -> NDArray:
     return np.arange(first, last + 1) * THICKNESS_STEP_MM
 
 
-def make_slabs(curves: Curves, slab: NDArray, resin: Resin, ratio: NDArray) -> Slabs:
+def make_slabs(curves: SlabCurves, slab: NDArray, resin: Resin, ratio: NDArray) -> PadBatch:
     """Designs with the central numbers of a resin."""
     known, back = np.unique(ratio, return_inverse=True)
-    return Slabs(curves, slab, resin.young_MPa(known)[back], resin.tau_s, resin.strengths(known)[back])
+    return PadBatch(curves, slab, resin.young_MPa(known)[back], resin.tau_s, resin.strengths(known)[back])
 
 
 def search(law: ForceLaw, space: SearchSpace) -> SearchResult:
@@ -234,7 +234,7 @@ def search(law: ForceLaw, space: SearchSpace) -> SearchResult:
     return SearchResult(best, alternatives_to(candidates, best), score_map)
 
 
-def exact_candidates(slabs: Slabs, ratio: NDArray, space: SearchSpace) -> list[DesignCandidate]:
+def exact_candidates(slabs: PadBatch, ratio: NDArray, space: SearchSpace) -> list[DesignCandidate]:
     """Designs evaluated on the fine grid, in their order, with the parametric part of gamma1 alone."""
     exact = evaluate(slabs, space.targets, space.sampling, exact=True)
     parametric = rough_parametric(slabs, space.targets, space.sampling)

@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import write_text
-from dummydesign.design.scoring.presses import (
+from dummydesign.design.scoring.press_simulation import (
     DEPTH_SHARE,
     SAMPLES,
-    Curves,
+    PadBatch,
     Sampling,
-    Slabs,
+    SlabCurves,
     make_curves,
     press_to_depth,
     steady_depth,
@@ -87,7 +87,7 @@ class Task:
         return self.shapes[0 if self.shape is None else int(self.shape[index])]
 
 
-def rows_of(task: Task, slabs: Slabs, error: Callable[[NDArray], NDArray]) -> list[dict[str, Any]]:
+def rows_of(task: Task, slabs: PadBatch, error: Callable[[NDArray], NDArray]) -> list[dict[str, Any]]:
     """Work out all designs at once and lay them out as rows."""
     forces = np.array(task.forces_N)
     depth = slabs.curves.depth_at(slabs.slab, forces / slabs.young_MPa[:, None])
@@ -140,7 +140,7 @@ def empty_rows(task: Task, why: str) -> list[dict[str, Any]]:
     return [empty_row(task, index, why) for index in range(len(task.ratio))]
 
 
-def _peaks(slabs: Slabs, velocities: Sequence[float], sampling: Sampling) -> NDArray:
+def _peaks(slabs: PadBatch, velocities: Sequence[float], sampling: Sampling) -> NDArray:
     """Peak over the force at the end of the hold where that is 10 N, shape (D, speeds)."""
     columns = []
     for velocity in velocities:
@@ -149,7 +149,7 @@ def _peaks(slabs: Slabs, velocities: Sequence[float], sampling: Sampling) -> NDA
     return np.stack(columns, axis=-1)
 
 
-def _scores(slabs: Slabs, targets: Targets) -> NDArray:
+def _scores(slabs: PadBatch, targets: Targets) -> NDArray:
     """Scores for a tissue as in the map of the search, shape (D, SCORES): the parametric part is that of gamma1."""
     from dummydesign.design.scoring.law_parameters import gamma1_score
     from dummydesign.design.scoring.score import evaluate, evaluated_gamma1
@@ -162,7 +162,7 @@ def _scores(slabs: Slabs, targets: Targets) -> NDArray:
     return np.stack([evaluation.total(parametric), *parts], axis=-1)
 
 
-def _limits(slabs: Slabs, depth: NDArray, forces: Sequence[float]) -> list[str | None]:
+def _limits(slabs: PadBatch, depth: NDArray, forces: Sequence[float]) -> list[str | None]:
     """Why a row stops early: the first force that is out of reach, and the limit it meets."""
     limits: list[str | None] = []
     edge = slabs.curves.limit_mm[slabs.slab]
@@ -223,8 +223,8 @@ def _by_tables(task: Task) -> list[dict[str, Any]]:
         area = family.area_mm2(designs, limit[:, None] * np.linspace(0.0, 1.0, SAMPLES), task.radius_mm)
         able = np.nonzero(curve_of[pad_of] >= 0)[0]
         part, slab = task.take(able), curve_of[pad_of[able]]
-        curves = Curves(designs.thickness_mm, limit, area)
-        slabs = Slabs(curves, slab, part.young_MPa, part.tau_s, part.beta)
+        curves = SlabCurves(designs.thickness_mm, limit, area)
+        slabs = PadBatch(curves, slab, part.young_MPa, part.tau_s, part.beta)
         error = partial(family.relative_error, designs.take(slab), radius_mm=task.radius_mm)
         for index, row in zip(able, rows_of(part, slabs, error)):
             rows[index] = row
@@ -233,8 +233,8 @@ def _by_tables(task: Task) -> list[dict[str, Any]]:
 
 def _solved(task: Task) -> list[dict[str, Any]]:
     """One pad by finite elements, for all its ratios."""
-    from dummydesign.pad.elastic_force import elastic_curve
-    from dummydesign.pad.specimen import Pad
+    from dummydesign.pad.force_source import elastic_curve
+    from dummydesign.pad.pad_under_punch import Pad
 
     shape, thickness = task.shape_of(0), float(task.thickness_mm[0])
     refused = why_not_cast(shape, thickness)
@@ -263,8 +263,8 @@ def _solved(task: Task) -> list[dict[str, Any]]:
     if len(depth) < 3:
         return empty_rows(task, "could not be solved to a useful depth")
     curve = force_curve.force(float(depth[-1]) * np.linspace(0.0, 1.0, SAMPLES))
-    curves = Curves(np.array([thickness]), depth[-1:], curve[None])
-    slabs = Slabs(curves, np.zeros(len(task.ratio), int), task.young_MPa, task.tau_s, task.beta)
+    curves = SlabCurves(np.array([thickness]), depth[-1:], curve[None])
+    slabs = PadBatch(curves, np.zeros(len(task.ratio), int), task.young_MPa, task.tau_s, task.beta)
     return rows_of(task, slabs, force_curve.relative_error)
 
 
@@ -278,7 +278,7 @@ def work(task: Task, law: ForceLaw | None = None) -> list[dict[str, Any]]:
         curves = make_curves(law, thickness, task.radius_mm, task.gel_compression)
     except NoAnswerError as problem:
         return empty_rows(task, str(problem))
-    slabs, known = Slabs(curves, row, task.young_MPa, task.tau_s, task.beta), law
+    slabs, known = PadBatch(curves, row, task.young_MPa, task.tau_s, task.beta), law
     return rows_of(task, slabs, lambda at: known.relative_error(at, slabs.thickness_mm[:, None], task.radius_mm))
 
 
@@ -289,7 +289,7 @@ def force_law(task: Task, thickness_mm: NDArray) -> ForceLaw:
 
         table = slab_table(task.base, task.edge_radius_mm, task.radius_mm)
         return punch_law(table, task.punch, task.base, bool(task.edge_radius_mm))
-    from dummydesign.pad.solved_law import solve_law
+    from dummydesign.pad.fe_force_law import solve_law
 
     sides = punch_sides_mm(task.punch)
     solved = solve_law(thickness_mm.tolist(), task.radius_mm, task.base, task.condition, sides, task.fidelity)

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, out_of_range
-from dummydesign.core.process import COMMAND_LINE
+from dummydesign.core.progress import COMMAND_LINE
+from dummydesign.design.crown_array import pressed_alone
 from dummydesign.design.scoring.settings import verdict_limits
-from dummydesign.design.sites import pressed_alone
 from dummydesign.design.sweep.rows import RowsFile, Task, key_of, work
 from dummydesign.design.sweep.spec import Key, Study
 from dummydesign.geometry.shape_registry import read_shape

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 from dummydesign.core.errors import InputError, out_of_range, quantity_name, unknown_name
 from dummydesign.core.parsing import DECELERATION, positive, read_values
 from dummydesign.core.serialise import Serialised
-from dummydesign.design.request import PAPER, Protocol
-from dummydesign.design.scoring.presses import Sampling
-from dummydesign.design.test_setup import check_numbers
+from dummydesign.design.request import NAGOYA_PROTOCOL, Protocol
+from dummydesign.design.scoring.press_simulation import Sampling
+from dummydesign.design.test_conditions import check_numbers
 from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS, THICKNESS_MM
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
 from dummydesign.geometry.punch import equal_area_radius_mm, punch_sides_mm
@@ -196,7 +196,7 @@ class Study(Serialised):
         that ``suggest`` gives.
         """
         shown = tuple(sorted(set(self.forces_N)))
-        forces = PAPER.forces_N if shown == SHOWN_N else shown
+        forces = NAGOYA_PROTOCOL.forces_N if shown == SHOWN_N else shown
         return Protocol(forces, tuple(sorted(set(self.velocities_mm_s))))
 
     @property
@@ -312,8 +312,8 @@ class Study(Serialised):
         if self.fidelity == "table":
             square = sides is not None and sides[0] == sides[1]
             return punch.startswith("round") or (square and not shaped)
-        from dummydesign.pad.solved_law import corners_known
-        from dummydesign.pad.specimen import Pad
+        from dummydesign.pad.fe_force_law import corners_known
+        from dummydesign.pad.pad_under_punch import Pad
 
         # The slabs between the thinnest and the thickest lie in the same table when both do.
         ends = (min(self.thickness_mm), max(self.thickness_mm))

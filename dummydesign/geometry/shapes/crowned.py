@@ -29,7 +29,7 @@ class Crowned(ConicProfile):
     One pad may have several such crowns, ``sites_along`` its length times ``sites_across`` its width, their tips
     ``pitch_along`` and ``pitch_across`` apart about the pad's middle. One is pressed at a time, and the origin of
     ``drop_mm`` is its tip; how little the others change the force is solved where sites are requested
-    (:mod:`dummydesign.design.sites`).
+    (:mod:`dummydesign.design.crown_array`).
     """
 
     name: ClassVar[str] = "crowned"

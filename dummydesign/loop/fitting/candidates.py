@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dummydesign.core.process import Progress, budget_spent, quiet
+from dummydesign.core.cpu_limit import budget_spent
+from dummydesign.core.progress import Progress, quiet
 from dummydesign.loop.fitting.fit import CampaignFit, fit, fit_with_noise, with_sizes
-from dummydesign.loop.fitting.noise import Sizes
+from dummydesign.loop.fitting.noise import NoiseSizes
 from dummydesign.loop.fitting.screening import Screened, screen
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import BASE
@@ -59,7 +60,7 @@ def modest(campaign_fit: CampaignFit) -> CampaignFit:
     usual = [prior[0] for prior in campaign_fit.problem.law.error_priors]
     position = min(campaign_fit.sizes.noise.position_mm, USUAL_POSITION_MM)
     noise = replace(campaign_fit.sizes.noise, position_mm=position)
-    sizes = Sizes(noise, *(min(a, b) for a, b in zip(campaign_fit.sizes.law, usual)))
+    sizes = NoiseSizes(noise, *(min(a, b) for a, b in zip(campaign_fit.sizes.law, usual)))
     return fit(campaign_fit.problem, campaign_fit.vector, sizes, 6)
 
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.process import Progress, quiet
+from dummydesign.core.progress import Progress, quiet
 from dummydesign.inference.least_squares import solve_marquardt
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.fitting.noise import SizeLikelihood, Sizes, estimate_slow_noise, make_whitener
+from dummydesign.loop.fitting.noise import NoiseSizes, SizeLikelihood, estimate_slow_noise, make_whitener
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.base_law import USUAL_ROUGHNESS
 from dummydesign.loop.model.effect import SetupLaw
@@ -36,7 +36,7 @@ class CampaignFit:
 
     problem: CampaignProblem
     vector: NDArray
-    sizes: Sizes
+    sizes: NoiseSizes
     residual: NDArray
     slope: NDArray
     forces: NDArray
@@ -67,14 +67,14 @@ def start_vector(problem: CampaignProblem, young_MPa: float) -> NDArray:
     return np.r_[base, null, np.zeros(LAW_TERMS * len(problem.thicknesses))]
 
 
-def prior_precision(problem: CampaignProblem, sizes: Sizes) -> NDArray:
+def prior_precision(problem: CampaignProblem, sizes: NoiseSizes) -> NDArray:
     """Inverse prior variances of the vector: of the law error, and of parameters of form."""
     forms = [p.spread**-2.0 for effect in problem.effects for p in effect.parameters]
     return np.r_[np.zeros(BASE), forms, np.repeat(np.array(sizes.law) ** -2.0, len(problem.thicknesses))]
 
 
 def fit(
-    problem: CampaignProblem, start: NDArray, sizes: Sizes, iterations: int = 12, enough: float = ENOUGH
+    problem: CampaignProblem, start: NDArray, sizes: NoiseSizes, iterations: int = 12, enough: float = ENOUGH
 ) -> CampaignFit:
     """Levenberg-Marquardt with a given noise."""
     low, high = problem.bounds()
@@ -106,7 +106,7 @@ def fit(
     return fit_at(problem, vector, forces, sizes)
 
 
-def fit_at(problem: CampaignProblem, vector: NDArray, forces: NDArray, sizes: Sizes) -> CampaignFit:
+def fit_at(problem: CampaignProblem, vector: NDArray, forces: NDArray, sizes: NoiseSizes) -> CampaignFit:
     """What a fit knows at a vector and its forces, without a search."""
     used, prior = problem.presses.used, prior_precision(problem, sizes)
     jacobian = problem.jacobian(vector, forces)
@@ -148,7 +148,7 @@ def size_likelihood(campaign_fit: CampaignFit) -> SizeLikelihood:
 
 
 def fit_with_noise(
-    problem: CampaignProblem, start: NDArray, sizes: Sizes, rounds: int = 2, iterations: int = 12
+    problem: CampaignProblem, start: NDArray, sizes: NoiseSizes, rounds: int = 2, iterations: int = 12
 ) -> CampaignFit:
     """Alternate the fit and the estimate of contact scatter and law error."""
     fitted = fit(problem, start, sizes, iterations)
@@ -162,7 +162,7 @@ def fit_base(presses: Presses, law: SetupLaw, young_MPa: float, progress: Progre
     """Fit modulus, two Prony arms and law error; the noise is estimated in between, twice."""
     problem = CampaignProblem(presses, law)
     progress("base")
-    first = fit_with_noise(problem, start_vector(problem, young_MPa), Sizes.first(presses, law.error_priors))
+    first = fit_with_noise(problem, start_vector(problem, young_MPa), NoiseSizes.first(presses, law.error_priors))
     progress("base")
     return same_noise(same_noise(first, 12), 12)
 

@@ -28,7 +28,7 @@ Priors = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True)
-class Sizes:
+class NoiseSizes:
     """Noise of the bins, and the prior size of the law's error in level and slope."""
 
     noise: Noise
@@ -37,7 +37,7 @@ class Sizes:
     curve: float
 
     @classmethod
-    def first(cls, presses: Presses, law_priors: Priors) -> Sizes:
+    def first(cls, presses: Presses, law_priors: Priors) -> NoiseSizes:
         """Sizes to start from: white noise as measured, the rest at the middle of the priors."""
         white = float(np.sqrt(np.mean([press.white_N**2 for press in presses.presses])))
         return cls(Noise(white, 0.6 * white, 1.0, POSITION_PRIOR_MM[0]), *(prior[0] for prior in law_priors))
@@ -170,14 +170,14 @@ class SizeLikelihood:
     counts: tuple[int, ...]
     law_priors: Priors
 
-    def estimate(self, sizes: Sizes) -> tuple[Sizes, float]:
+    def estimate(self, sizes: NoiseSizes) -> tuple[NoiseSizes, float]:
         """Likeliest sizes, and minus twice the log likelihood there."""
         terms = self._terms()
         begin = np.array([max(sizes.noise.position_mm, 1e-3), *sizes.law])
         low, high = SIZE_BOUNDS
         likely = likeliest(lambda z: self._score(terms, z, True), begin, low, high, gradient=True)[0]
         position, *law = likely.tolist()
-        return Sizes(replace(sizes.noise, position_mm=position), *law), self._score(terms, likely, False)[0]
+        return NoiseSizes(replace(sizes.noise, position_mm=position), *law), self._score(terms, likely, False)[0]
 
     def variances(self, sizes: NDArray) -> NDArray:
         """Variances (p,) of the fitted parameters for given sizes (4,), random columns integrated out."""
@@ -192,7 +192,7 @@ class SizeLikelihood:
         inverse = np.linalg.pinv(known / np.outer(seen, seen), rcond=1e-12, hermitian=True)
         return np.where(length > 0.0, np.diag(inverse) / seen**2, 0.0)
 
-    def degrees(self, sizes: Sizes) -> tuple[NDArray, NDArray]:
+    def degrees(self, sizes: NoiseSizes) -> tuple[NDArray, NDArray]:
         """Degrees of freedom of the variances of the fitted parameters (p,), and of the four sizes squared (4,)."""
         at = np.clip(np.array([sizes.noise.position_mm, *sizes.law]), *SIZE_BOUNDS)
         terms = self._terms()

@@ -1,6 +1,7 @@
 """Elastic force of the relaxed pad per unit modulus: slabs from the response table, pucks in closed form.
 
-Other set-ups are in :mod:`dummydesign.loop.model.solved_law`; :mod:`dummydesign.loop.model.campaign_law` chooses.
+Other set-ups are in :mod:`dummydesign.loop.model.campaign_force_law`;
+:mod:`dummydesign.loop.model.campaign_law` chooses.
 """
 
 from __future__ import annotations

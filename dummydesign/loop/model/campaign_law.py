@@ -10,17 +10,23 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.process import Progress, quiet
+from dummydesign.core.progress import Progress, quiet
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS, PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.loop.data.trials import Presses, stack
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
-from dummydesign.loop.model.solved_law import ROUGHNESS, THICKNESS_SLOPE, SolvedCurve, SolvedLaw, error_priors
+from dummydesign.loop.model.campaign_force_law import (
+    ROUGHNESS,
+    THICKNESS_SLOPE,
+    CampaignForceLaw,
+    SolvedCurve,
+    error_priors,
+)
 from dummydesign.measurement.campaign import Campaign, PunchSpec, Trial
-from dummydesign.pad.elastic_force import has_square_factor
+from dummydesign.pad.force_source import has_square_factor
 from dummydesign.pad.material.relaxation import PronyTerm
-from dummydesign.pad.specimen import Pad, Puck
+from dummydesign.pad.pad_under_punch import Pad, Puck
 from dummydesign.pad.tables.shape import load_shape_table
 from dummydesign.pad.tables.slab import load_table
 
@@ -46,10 +52,10 @@ LEAST_LEFT = 2
 
 
 def within_reach(
-    campaign: Campaign, presses: Presses, law: SlabLaw | PuckLaw | SolvedLaw, least: int = LEAST_LEFT
+    campaign: Campaign, presses: Presses, law: SlabLaw | PuckLaw | CampaignForceLaw, least: int = LEAST_LEFT
 ) -> tuple[Campaign, Presses, str]:
     """A campaign without the presses that go deeper than their law."""
-    limit = law.limit_of(presses.trials) if isinstance(law, SolvedLaw) else law.limit(presses.thickness_mm)
+    limit = law.limit_of(presses.trials) if isinstance(law, CampaignForceLaw) else law.limit(presses.thickness_mm)
     deep = presses.depth_mm > BEYOND * limit
     if not deep.any():
         return campaign, presses, ""
@@ -71,7 +77,7 @@ DEPTHS = (0.3, 0.45, MAX_DEPTH_OVER_THICKNESS)
 MARGIN = 1.1
 
 
-def law_of(campaign: Campaign, progress: Progress = quiet) -> SlabLaw | PuckLaw | SolvedLaw:
+def law_of(campaign: Campaign, progress: Progress = quiet) -> SlabLaw | PuckLaw | CampaignForceLaw:
     """Choose the force law that a campaign declares."""
     if not campaign.trials:
         return tabulated_law(campaign)
@@ -84,8 +90,10 @@ def law_of(campaign: Campaign, progress: Progress = quiet) -> SlabLaw | PuckLaw 
     pads: dict[tuple[str, float], Any] = {}
     for trial in campaign.trials:
         law = laws[trial.pad[0]]
-        pads[trial.pad] = law.law_of(trial.pad) if isinstance(law, SolvedLaw) else law
-    return SolvedLaw(pads, "shaped", tuple(max(terms) for terms in zip(*(law.error_priors for law in laws.values()))))
+        pads[trial.pad] = law.law_of(trial.pad) if isinstance(law, CampaignForceLaw) else law
+    return CampaignForceLaw(
+        pads, "shaped", tuple(max(terms) for terms in zip(*(law.error_priors for law in laws.values())))
+    )
 
 
 def tabulated_law(campaign: Campaign) -> SlabLaw | PuckLaw:
@@ -121,7 +129,7 @@ def _without_solve(campaign: Campaign, geometry: PadShape, trials: Sequence[Tria
     return SlabLaw(table, punch.radius_mm, punch.shape == "square")
 
 
-def _law(campaign: Campaign, trials: Sequence[Trial], progress: Progress) -> SlabLaw | PuckLaw | SolvedLaw:
+def _law(campaign: Campaign, trials: Sequence[Trial], progress: Progress) -> SlabLaw | PuckLaw | CampaignForceLaw:
     cylinder, geometry = campaign.pad.shape == "cylinder", trials[0].geometry
     thickness_error = float(np.sqrt(np.mean([level_error(t) ** 2 for t in trials]))) / THICKNESS_SLOPE
     law = _without_solve(campaign, geometry, trials)
@@ -159,7 +167,7 @@ def check_round(geometry: PadShape) -> None:
 
 def _solved(
     campaign: Campaign, trials: Sequence[Trial], shape: str, thickness_error: float, progress: Progress
-) -> SolvedLaw:
+) -> CampaignForceLaw:
     """The law of the pads of one shape, solved for every thickness."""
     pad, punch, geometry = campaign.pad, campaign.punch, trials[0].geometry
     offers: set[str] = set()
@@ -188,7 +196,7 @@ def _solved(
     error = max(curve.relative_error for curve in curves.values())
     corners = all(isinstance(curve.pad, Pad) and has_square_factor(curve.pad) for curve in curves.values())
     priors = error_priors(SlabLaw.error_priors, error, punch.shape == "square" and not corners, thickness_error)
-    return SolvedLaw(dict(curves), shape, priors)
+    return CampaignForceLaw(dict(curves), shape, priors)
 
 
 def _groups(thickness_mm: list[float]) -> list[list[float]]:

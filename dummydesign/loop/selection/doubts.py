@@ -239,7 +239,7 @@ def expected_gains(labels: Labels, use: NDArray) -> tuple[Expected, NDArray]:
 
 
 @dataclass(frozen=True)
-class Readable:
+class PadReading:
     """Presses as presses of one of the pads: ln of the force and standard deviations by which they differ from what is
     expected of it, all (T,), the chi-square that is left, and whether the force law reaches so deep."""
 
@@ -250,7 +250,7 @@ class Readable:
     reached: NDArray
 
 
-def as_pads(labels: Labels, use: NDArray) -> list[Readable]:
+def as_pads(labels: Labels, use: NDArray) -> list[PadReading]:
     """All presses read as of each pad that more than a few presses name."""
     presses, shared = labels.presses, len(WIDE)
     near, own = expected_gains(labels, use)
@@ -271,7 +271,7 @@ def as_pads(labels: Labels, use: NDArray) -> list[Readable]:
         z = difference / np.sqrt(near.scale**2 + gain.error**2 + spread)
         law = labels.fit.problem.law
         limit = law.limit_of((pad,)) if hasattr(law, "limit_of") else law.limit(np.array([pad.thickness_mm]))
-        out.append(Readable(pad, difference, z, gain.left, presses.depth_mm <= BEYOND * float(np.min(limit))))
+        out.append(PadReading(pad, difference, z, gain.left, presses.depth_mm <= BEYOND * float(np.min(limit))))
     return out
 
 
@@ -325,7 +325,7 @@ def of_gains(labels: Labels, use: NDArray, looked: NDArray) -> list[Doubt]:
     taken = np.zeros(len(use), bool)
     out = []
 
-    def fits(row: int, pad: Readable) -> bool:
+    def fits(row: int, pad: PadReading) -> bool:
         near = abs(pad.z[row]) < FITS_Z or abs(pad.difference[row]) < LEAST_OF_IT * abs(differences[row]) * 0.5
         better = abs(pad.difference[row]) < LEAST_OF_IT * abs(differences[row])
         return bool(near and better and pad.reached[row] and pad.left[row] < MISFIT * usual)
@@ -419,7 +419,7 @@ def _odd_target(labels: Labels) -> NDArray:
     return out
 
 
-def _thickness_mm(pads: list[Readable], row: int) -> float | None:
+def _thickness_mm(pads: list[PadReading], row: int) -> float | None:
     """Thickness of which the force of a press is expected, by those of the pads; None where it is none. [mm]"""
     reached = [pad for pad in pads if pad.reached[row] and pad.pad.pad[0] == ""]
     if len(reached) < 2:
@@ -540,7 +540,7 @@ def _named(trial: Trial) -> str:
     return f"the {shape}{trial.thickness_mm:g} mm pad"
 
 
-def _other_pad(presses: Presses, row: int, best: Readable, z: float) -> Doubt:
+def _other_pad(presses: Presses, row: int, best: PadReading, z: float) -> Doubt:
     trial = presses.trials[row]
     text = f"{trial.file} looks like {_named(best.pad)}, not {trial.thickness_mm:g} mm"
     return Doubt("pad", (trial.file,), z, text, _lines([trial.file], pad_of=best.pad.file), (row,))

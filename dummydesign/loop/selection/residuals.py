@@ -19,7 +19,7 @@ BLOCK_S = 0.1
 
 
 @dataclass(frozen=True)
-class Check(Serialised):
+class ResidualCheck(Serialised):
     """One check: its statistic, the limit, whether it is exceeded, and what was seen."""
 
     name: str
@@ -42,13 +42,13 @@ def raw_residuals(fit: CampaignFit) -> list[NDArray]:
     return [trial.trace.force_N - model for trial, model in zip(presses.trials, modelled)]
 
 
-def run_checks(fit: CampaignFit) -> list[Check]:
+def run_checks(fit: CampaignFit) -> list[ResidualCheck]:
     """Run all checks on a fit."""
     residual = raw_residuals(fit)
     return [_lines(fit, residual), _steps(fit, residual), _before_contact(fit, residual)]
 
 
-def _lines(fit: CampaignFit, residual: list[NDArray]) -> Check:
+def _lines(fit: CampaignFit, residual: list[NDArray]) -> ResidualCheck:
     """Average spectrum of the fast-sampled residual, 60 ms after the stop on, against its own median."""
     presses = fit.problem.presses
     pieces, rate = [], 0.0
@@ -61,7 +61,7 @@ def _lines(fit: CampaignFit, residual: list[NDArray]) -> Check:
             continue
         pieces.append((values[run], step))
     if len(pieces) < 3:
-        return Check("spectral line", None, LINE_RATIO, False, "needs 0.1 s of fast sampling after the stop")
+        return ResidualCheck("spectral line", None, LINE_RATIO, False, "needs 0.1 s of fast sampling after the stop")
     length = min(len(piece) for piece, _ in pieces)
     rate = 1.0 / pieces[0][1]
     power = np.zeros(length // 2 + 1)
@@ -76,10 +76,10 @@ def _lines(fit: CampaignFit, residual: list[NDArray]) -> Check:
     limit = 1.0 + (LINE_RATIO - 1.0) * np.sqrt(36.0 / len(used))
     top = int(np.argmax(ratio))
     text = f"strongest oscillation at {frequency[seen][top]:.1f} Hz, {ratio[top]:.3g} times the median of the spectrum"
-    return Check("spectral line", float(ratio[top]), float(limit), bool(ratio[top] > limit), text)
+    return ResidualCheck("spectral line", float(ratio[top]), float(limit), bool(ratio[top] > limit), text)
 
 
-def _steps(fit: CampaignFit, residual: list[NDArray]) -> Check:
+def _steps(fit: CampaignFit, residual: list[NDArray]) -> ResidualCheck:
     """Largest step in any hold, in standard deviations of white and slow noise or of the rest if that is
     more (Student's t); a smooth drift is allowed."""
     presses, noise = fit.problem.presses, fit.sizes.noise
@@ -118,10 +118,10 @@ def _steps(fit: CampaignFit, residual: list[NDArray]) -> Check:
             worst, size = float(own), float(z[top] / length[top])
             where = f"{trial.file}, {since[top + 3]:.1f} s after the stop"
     text = f"largest step {size:+.3f} N in {where}" if where else "needs holds of a second or more"
-    return Check("step in the hold", abs(worst) if where else None, STEP_Z, abs(worst) > STEP_Z, text)
+    return ResidualCheck("step in the hold", abs(worst) if where else None, STEP_Z, abs(worst) > STEP_Z, text)
 
 
-def _before_contact(fit: CampaignFit, residual: list[NDArray]) -> Check:
+def _before_contact(fit: CampaignFit, residual: list[NDArray]) -> ResidualCheck:
     """Scatter of the residual before contact against the white and slow noise of the rest."""
     presses = fit.problem.presses
     squares, count = 0.0, 0
@@ -131,10 +131,10 @@ def _before_contact(fit: CampaignFit, residual: list[NDArray]) -> Check:
             squares += float(((before - before.mean()) ** 2).sum())
             count += len(before) - 1
     if count < 50:
-        return Check("noise before contact", None, QUIET_RATIO, False, "needs 20 samples before contact")
+        return ResidualCheck("noise before contact", None, QUIET_RATIO, False, "needs 20 samples before contact")
     ratio = float(np.sqrt(squares / count) / fit.sizes.floor_N)
     text = f"scatter before contact is {ratio:.2f} times the noise floor"
-    return Check("noise before contact", ratio, QUIET_RATIO, ratio > QUIET_RATIO, text)
+    return ResidualCheck("noise before contact", ratio, QUIET_RATIO, ratio > QUIET_RATIO, text)
 
 
 @dataclass(frozen=True)
@@ -194,16 +194,16 @@ def families(fit: CampaignFit) -> dict[str, list[NDArray]]:
 
 
 @dataclass(frozen=True)
-class Seen:
+class ResidualDiagnostics:
     """What a residual depends on, strongest first, and the checks of it."""
 
     where: list[Dependence]
-    checks: list[Check]
+    checks: list[ResidualCheck]
 
 
-def examine(fit: CampaignFit) -> Seen:
+def diagnose(fit: CampaignFit) -> ResidualDiagnostics:
     """Measure what the residual of a fit depends on, and check it."""
-    return Seen(dependences(fit), run_checks(fit))
+    return ResidualDiagnostics(dependences(fit), run_checks(fit))
 
 
 def _standard(values: NDArray) -> NDArray:

@@ -8,14 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.process import Progress, budget_spent, quiet
+from dummydesign.core.cpu_limit import budget_spent
+from dummydesign.core.progress import Progress, quiet
 from dummydesign.loop.fitting.candidates import EffectCandidate, finished, first_fit, first_fits, modest, to_the_end
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise, same_noise
 from dummydesign.loop.fitting.screening import Screened, screen
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import BASE
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess, errors, holds_null
-from dummydesign.loop.selection.residuals import examine
+from dummydesign.loop.selection.residuals import diagnose
 from dummydesign.loop.selection.verdict import (
     EACH_PARAMETER,
     AcceptedEffect,
@@ -227,7 +228,7 @@ def search(
         limit = needed(screened, best, last, dict.fromkeys(others, won), tried)
         if worth(gained, limit, before, best) and (size <= USUAL or much_better(errors(before), errors(best))):
             chosen, waiting = best, False
-            done = not remainder(base, assess(best), examine(best)).reasons
+            done = not remainder(base, assess(best), diagnose(best)).reasons
         elif waiting or done:
             break
         else:

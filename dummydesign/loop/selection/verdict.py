@@ -12,7 +12,7 @@ from dummydesign.loop.fitting.fit import CampaignFit, prior_precision
 from dummydesign.loop.fitting.noise import make_whitener
 from dummydesign.loop.fitting.screening import Screened
 from dummydesign.loop.selection.cross_validation import AssessedModel, Errors, errors, expected_heldout_N, lack_of_fit
-from dummydesign.loop.selection.residuals import Seen
+from dummydesign.loop.selection.residuals import ResidualDiagnostics
 
 GAIN_FLOOR = 30.0
 EACH_PARAMETER = 12.0
@@ -107,7 +107,7 @@ class Remainder:
     expected: float | None = None
 
 
-def remainder(base: AssessedModel, after: AssessedModel, seen: Seen) -> Remainder:
+def remainder(base: AssessedModel, after: AssessedModel, seen: ResidualDiagnostics) -> Remainder:
     """Judge the remainder of the best model: noise, or something more."""
     reasons = [f"{check.name}: {check.text}" for check in seen.checks if check.exceeded]
     floor, left = after.fit.sizes.floor_N, after.errors.heldout_N

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.measurement.importing.signs import Span, approach_start, noise_of
+from dummydesign.measurement.importing.sign_convention import Span, approach_start, noise_of
 
 LEAST_LEAD_IN = 5
 WANDER, LONG_WANDER = 0.15, 0.5
@@ -30,7 +30,7 @@ def digit_step(force: NDArray) -> float:
 
 
 @dataclass(frozen=True)
-class Noise:
+class BaselineNoise:
     """Standard deviations of a sample and of what wanders between means, how long that lasts at least, and the step of
     the digits."""
 
@@ -47,13 +47,13 @@ class Noise:
         return float(self.step_N / np.sqrt(12.0) * np.exp(-2.0 * (np.pi * self.sample_N / self.step_N) ** 2))
 
 
-def noise_before(time: NDArray, load: NDArray, span: Span, stop: int) -> Noise:
+def noise_before(time: NDArray, load: NDArray, span: Span, stop: int) -> BaselineNoise:
     """Noise about a straight line in time of the samples up to ``stop``; of the whole press where there are too few."""
     press, free = load[span.start : span.stop], load[span.start : stop]
     step, grain = digit_step(press), 1e-6 * max(float(np.ptp(press)), 1e-12)
     if len(free) < 2 * LEAST_LEAD_IN:
         white = max(noise_of(press), grain)
-        return Noise(white, WANDER * white, 0.0, step)
+        return BaselineNoise(white, WANDER * white, 0.0, step)
     clock = time[span.start : stop] - time[span.start]
     rest = free - np.polyval(np.polyfit(clock, free, 1), clock)
     sample = max(float(np.std(rest)), grain)
@@ -62,7 +62,7 @@ def noise_before(time: NDArray, load: NDArray, span: Span, stop: int) -> Noise:
     means = float(np.sum(np.square([part.mean() for part in parts]))) / max(len(parts) - 2, 1)
     own, least = means - noise_of(free) ** 2 / len(parts[0]), (WANDER * sample) ** 2
     lasts = float(clock[-1]) / len(parts) if own > MOSTLY * sample**2 else 0.0
-    return Noise(sample, float(np.sqrt(max(own, least))), lasts, step)
+    return BaselineNoise(sample, float(np.sqrt(max(own, least))), lasts, step)
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class Baseline:
 
 
 def find_baseline(
-    time: NDArray, x: NDArray, load: NDArray, span: Span, contact: tuple[int, float, float], noise: Noise
+    time: NDArray, x: NDArray, load: NDArray, span: Span, contact: tuple[int, float, float], noise: BaselineNoise
 ) -> Baseline:
     """Find the reading at no load from the samples before contact, and from those after the punch came back.
 
@@ -143,7 +143,7 @@ def _with_changes(
     x: NDArray,
     load: NDArray,
     press: tuple[int, int],
-    noise: Noise,
+    noise: BaselineNoise,
 ) -> Baseline:
     """Add drift and slope where they stand out of their errors; ``leading`` parts lie before contact."""
     clock, way, mean = (np.array([float(v[part].mean()) for part in parts]) for v in (time, x, load))

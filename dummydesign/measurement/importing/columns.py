@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.measurement.importing import vocabulary as known
 from dummydesign.measurement.importing.decisions import ImportLog
-from dummydesign.measurement.importing.layout import Layout
+from dummydesign.measurement.importing.layout import TableLayout
 from dummydesign.measurement.importing.vocabulary import BASE, KIND_OF_ROLE, ROLES, Unit
 
 _BEHAVIOUR = {
@@ -64,7 +64,7 @@ Values = Mapping[int, NDArray]
 """Numbers of a column by its place in the table."""
 
 
-def describe_columns(layout: Layout) -> list[Column]:
+def describe_columns(layout: TableLayout) -> list[Column]:
     """Read names and units of all columns."""
     read = zip(layout.kinds, layout.names, map(known.split_name, layout.names), layout.units)
     return [

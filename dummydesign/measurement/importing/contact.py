@@ -15,12 +15,12 @@ from dummydesign.measurement.importing.baseline import (
     MATTERS,
     SLOPE_N_MM,
     Baseline,
-    Noise,
+    BaselineNoise,
     find_baseline,
     noise_before,
 )
 from dummydesign.measurement.importing.decisions import ImportLog
-from dummydesign.measurement.importing.signs import Span, approach_start
+from dummydesign.measurement.importing.sign_convention import Span, approach_start
 
 RISE, SEEN = (0.03, 0.15), 80.0
 """The rise is looked at up to 80 times the noise: further up a law bends more; between these shares of the peak."""
@@ -85,7 +85,7 @@ def find_contact(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: f
 
 
 def _looked_at(
-    time: NDArray, x: NDArray, load: NDArray, span: Span, contact: tuple[int, int], noise: Noise, share: float
+    time: NDArray, x: NDArray, load: NDArray, span: Span, contact: tuple[int, int], noise: BaselineNoise, share: float
 ) -> tuple[_Bins, float, float]:
     """The part of the rise that is looked at, and the range of places in which contact may lie."""
     go, at = contact
@@ -136,7 +136,7 @@ def _bins(time: NDArray, x: NDArray, load: NDArray, start: int, near: int, top: 
 
 
 def _posterior(
-    bins: _Bins, noise: Noise, ways: NDArray, tare_N: float | None, powers: NDArray, bends: NDArray
+    bins: _Bins, noise: BaselineNoise, ways: NDArray, tare_N: float | None, powers: NDArray, bends: NDArray
 ) -> NDArray:
     """Relative probability of each place of contact over all laws of the rise, zeros, drifts and slopes."""
     late = np.arange(len(bins.x)) >= bins.early

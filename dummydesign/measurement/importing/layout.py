@@ -30,7 +30,7 @@ Texts = tuple[str, ...]
 
 
 @dataclass(frozen=True)
-class Layout:
+class TableLayout:
     """The table inside a text: its lines from ``first`` to before ``last``, and names, units and kinds of columns."""
 
     lines: list[str]
@@ -68,7 +68,7 @@ class Layout:
         return cell_text.split(line, self.separator)
 
 
-def find_layout(text: str, log: ImportLog) -> Layout:
+def find_layout(text: str, log: ImportLog) -> TableLayout:
     """Find the table of numbers."""
     skipped = log.settings.skip or 0
     written = cell_text.whole_cells(text.replace("\r\n", "\n").replace("\r", "\n").split("\n")[skipped:])
@@ -123,7 +123,7 @@ def find_layout(text: str, log: ImportLog) -> Layout:
         log.decide("footer", f"{len(after)} lines", f"not rows of the table; the first: '{_short(after[0])}'")
     thousands = any(cell_text.has_thousands(cell, decimal) for cell in cells)
     rate = rates.pop() if len(rates) == 1 else None
-    return Layout(
+    return TableLayout(
         lines, first, last, skipped, separator, decimal, thousands, kinds, names, units, rate_Hz=rate, sparse=sparse
     )
 

@@ -14,18 +14,18 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import write_bytes, write_text, writing
-from dummydesign.core.library import DEVICE, Entry, entries, find, read_toml, toml_table, user_folder
 from dummydesign.core.parsing import NUMBER
 from dummydesign.core.serialise import to_plain
+from dummydesign.core.user_library import DEVICE, Entry, entries, find, read_toml, toml_table, user_folder
 from dummydesign.measurement.importing import contact as contact_zero
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, Settings
 from dummydesign.measurement.importing.decoding import LEFT_OUT
 from dummydesign.measurement.importing.press_checks import check_press, fingerprint
-from dummydesign.measurement.importing.signs import HIGH, Span, find_presses, find_signs
+from dummydesign.measurement.importing.sign_convention import HIGH, Span, find_presses, find_signs
 from dummydesign.measurement.importing.table import Columns, Ranges, columns_of, read_texts
 from dummydesign.measurement.importing.vocabulary import BASE, KIND_OF_ROLE, ROLES, USUAL_UNITS, find_unit, scaled_unit
-from dummydesign.measurement.landmarks import SHALLOWEST_MM, Summary, summarise
 from dummydesign.measurement.plausible import ROLE, impossible, press_quantities, ranges, units_that_fit
+from dummydesign.measurement.ramp_detection import SHALLOWEST_MM, Summary, summarise
 from dummydesign.measurement.trace import COLUMNS, SECONDS, magnitude_fault
 
 Warnings = list[dict[str, Any]]

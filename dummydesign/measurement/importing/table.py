@@ -28,7 +28,7 @@ from dummydesign.measurement.importing.columns import (
 from dummydesign.measurement.importing.decisions import ImportLog
 from dummydesign.measurement.importing.decoding import chosen_sheets, decode, is_workbook, workbook_texts
 from dummydesign.measurement.importing.forms import specimens
-from dummydesign.measurement.importing.layout import Layout, find_layout
+from dummydesign.measurement.importing.layout import TableLayout, find_layout
 from dummydesign.measurement.importing.times import (
     AGREES,
     Ranges,
@@ -60,7 +60,7 @@ class Columns:
     displacement_mm: NDArray
     force_N: NDArray
     recordings: Ranges
-    layout: Layout
+    layout: TableLayout
     chosen: dict[str, Column]
 
 
@@ -190,7 +190,7 @@ def _read_bytes(path: Path) -> bytes:
 
 
 @dataclass(frozen=True)
-class Body:
+class TableBody:
     """Numbers of the wanted columns, the file line of each row, and the rows before which text stands."""
 
     values: NDArray
@@ -198,14 +198,14 @@ class Body:
     breaks: tuple[int, ...]
 
 
-def read_body(layout: Layout, columns: Sequence[int], log: ImportLog, gaps: str = "") -> Body:
+def read_body(layout: TableLayout, columns: Sequence[int], log: ImportLog, gaps: str = "") -> TableBody:
     """Read the numbers of some columns; NaN for empty cells below a column's ``end``, or for ``any``."""
     values = _read_at_once(layout, columns)
     lines = np.arange(layout.last - layout.first) + layout.line(layout.first)
-    return _read_by_line(layout, columns, log, gaps) if values is None else Body(values, lines, ())
+    return _read_by_line(layout, columns, log, gaps) if values is None else TableBody(values, lines, ())
 
 
-def _read_at_once(layout: Layout, columns: Sequence[int]) -> NDArray | None:
+def _read_at_once(layout: TableLayout, columns: Sequence[int]) -> NDArray | None:
     """All lines in one go; None unless every one of them has the same form."""
     lines, separator = layout.lines[layout.first : layout.last], layout.separator
     if layout.thousands or layout.decimal == separator or any(layout.kinds[column] != "number" for column in columns):
@@ -226,7 +226,7 @@ def _read_at_once(layout: Layout, columns: Sequence[int]) -> NDArray | None:
     return values if len(values) == len(lines) and np.isfinite(values).all() else None
 
 
-def _read_by_line(layout: Layout, columns: Sequence[int], log: ImportLog, gaps: str) -> Body:
+def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, gaps: str) -> TableBody:
     """Line by line, with the faults named; lines of text between the numbers interrupt the table."""
     width, date_at, dates = len(layout.kinds), _date_column(layout), list[str]()
     rows: list[list[Any]] = []
@@ -280,20 +280,20 @@ def _read_by_line(layout: Layout, columns: Sequence[int], log: ImportLog, gaps: 
     finite = (np.isfinite(values) | np.isnan(values)).all(axis=1)
     if not finite.all():
         raise log.fault("a number is too large", "out_of_range", "cell", line=numbers[int(np.argmin(finite))])
-    return Body(values, np.array(numbers, int), tuple(dict.fromkeys(at for at in breaks if 0 < at < len(rows))))
+    return TableBody(values, np.array(numbers, int), tuple(dict.fromkeys(at for at in breaks if 0 < at < len(rows))))
 
 
 _EMPTY = float("nan")
 """Stands for an empty cell."""
 
 
-def _date_column(layout: Layout) -> int | None:
+def _date_column(layout: TableLayout) -> int | None:
     """Column of dates beside a column of clock times."""
     first = zip(layout.cells(layout.lines[layout.first]), layout.kinds)
     return next((at for at, (cell, kind) in enumerate(first) if kind == "text" and cell_text.is_date(cell)), None)
 
 
-def _read_cell(cell: str, column: int, layout: Layout) -> float | tuple[float, str] | None:
+def _read_cell(cell: str, column: int, layout: TableLayout) -> float | tuple[float, str] | None:
     """A number, or the clock and the date of a stamp; None where the cell is neither."""
     kind = layout.kinds[column]
     if kind == "number":
@@ -310,7 +310,7 @@ def _read_cell(cell: str, column: int, layout: Layout) -> float | tuple[float, s
         return None
 
 
-def _cell_fault(layout: Layout, index: int, column: int, cell: str, log: ImportLog) -> InputError:
+def _cell_fault(layout: TableLayout, index: int, column: int, cell: str, log: ImportLog) -> InputError:
     name, line = layout.names[column] or f"column {column + 1}", layout.line(index)
     if cell_text.is_missing(cell):
         what = f"'{cell}' is no finite number" if cell else "is missing"

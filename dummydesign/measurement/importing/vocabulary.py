@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from dummydesign.core.library import data_folder, read_toml
+from dummydesign.core.user_library import data_folder, read_toml
 
 ROLES = ("time", "displacement", "force")
 ELSE = frozenset({"stress", "strain", "counter", "other"})

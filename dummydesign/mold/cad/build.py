@@ -19,7 +19,7 @@ from dummydesign.mold.cad.shapes import solids_of
 from dummydesign.mold.cad.solids import cylinders, drafted_prism, single_solid
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model import layout as dimensions
-from dummydesign.mold.model.layout import Layout, Outline, Point, layout, plug_top_mm
+from dummydesign.mold.model.layout import Layout, Outline, PlanPoint, layout, plug_top_mm
 from dummydesign.mold.model.printed_parts import (
     CARRIER_BORDER_MM,
     COLLAR_GAP_MM,
@@ -46,7 +46,7 @@ COLOURS = {
 
 
 @dataclass(frozen=True)
-class Material:
+class PartMaterial:
     """What a part is made of: its kind, and the name, words and density that STEP files carry."""
 
     kind: str
@@ -60,18 +60,18 @@ class Material:
         return COLOURS[self.kind]
 
 
-def _material(spec: MouldSpec, kind: str) -> Material:
+def _material(spec: MouldSpec, kind: str) -> PartMaterial:
     if kind == "rigid":
-        return Material(kind, "printed rigid polymer", "PETG or ASA, density as printed solid", 1.27)
+        return PartMaterial(kind, "printed rigid polymer", "PETG or ASA, density as printed solid", 1.27)
     if kind == "glass":
-        return Material(kind, "glass or acrylic sheet", "cut to size, density of float glass", 2.5)
+        return PartMaterial(kind, "glass or acrylic sheet", "cut to size, density of float glass", 2.5)
     if kind == "silicone" and spec.silicone is not None:
-        return Material(kind, spec.silicone.name, "mould silicone", spec.silicone.density_g_per_cm3)
+        return PartMaterial(kind, spec.silicone.name, "mould silicone", spec.silicone.density_g_per_cm3)
     if kind == "resin_base" and spec.base is not None:
         pour = spec.base.pour
-        return Material(kind, f"{pour.resin} base", f"ratio {pour.ratio:.4g}", pour.density_g_per_cm3)
+        return PartMaterial(kind, f"{pour.resin} base", f"ratio {pour.ratio:.4g}", pour.density_g_per_cm3)
     if kind == "resin":
-        return Material(kind, spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3)
+        return PartMaterial(kind, spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3)
     raise KeyError(kind)
 
 
@@ -81,7 +81,7 @@ class Part:
 
     name: str
     solid: Any
-    material: Material
+    material: PartMaterial
     offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
@@ -339,7 +339,7 @@ def tray(spec: MouldSpec, plan: Layout) -> Any:
     low = -body.floor_mm - aids.tray_floor_mm
     solid = drafted_prism(outer, aids.tray_floor_mm + aids.tray_rim_height_mm, 0.0, low)
     reach, side = outer.width_mm / 2 + EAR_OUT_MM, ear_side_mm(outer)
-    places = [Point(-side, reach), Point(side, reach), Point(0.0, -reach)]
+    places = [PlanPoint(-side, reach), PlanPoint(side, reach), PlanPoint(0.0, -reach)]
     ears = cylinders(places, EAR_RADIUS_MM, aids.tray_floor_mm, low)
     holes = cylinders(places, aids.level_screw_hole_mm / 2, aids.tray_floor_mm + 2, low - 1)
     solid = solid.fuse(*ears)
@@ -420,8 +420,8 @@ def marked_carrier(spec: MouldSpec, plan: Layout) -> Any:
     return single_solid(solid.cut(*tools))
 
 
-def _corners(outline: Outline, inset_mm: float) -> tuple[Point, ...]:
+def _corners(outline: Outline, inset_mm: float) -> tuple[PlanPoint, ...]:
     # On a rounded corner the parallel line runs at 45 degrees inside the square one.
     cut = (1 - math.sqrt(0.5)) * max(0.0, outline.radius_mm - inset_mm)
     x, y = outline.length_mm / 2 - inset_mm - cut, outline.width_mm / 2 - inset_mm - cut
-    return Point(x, y), Point(x, -y), Point(-x, -y), Point(-x, y)
+    return PlanPoint(x, y), PlanPoint(x, -y), PlanPoint(-x, -y), PlanPoint(-x, y)

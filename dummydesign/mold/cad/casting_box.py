@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.mold.cad.kernel import cq
 from dummydesign.mold.cad.solids import cylinders, drafted_prism, rough_bounds, single_solid
-from dummydesign.mold.model.layout import Funnel, Layout, Outline, Point, layout, recess_outline, sheet_outline
+from dummydesign.mold.model.layout import Funnel, Layout, Outline, PlanPoint, layout, recess_outline, sheet_outline
 from dummydesign.mold.model.spec import MouldSpec
 
 if TYPE_CHECKING:
@@ -61,8 +61,8 @@ def bolt_holes(spec: MouldSpec, flange: Outline, z_mm: float, height_mm: float) 
     x, y = flange.length_mm / 2 - inset, flange.width_mm / 2 - inset
     # On a rounded corner the flange's middle line runs at 45 degrees inside the square one.
     cut = (1 - math.sqrt(0.5)) * (flange.radius_mm - inset)
-    corners = [Point(sx * (x - cut), sy * (y - cut)) for sx in (1, -1) for sy in (1, -1)]
-    places = [*corners, Point(x, 0), Point(-x, 0), Point(0, y), Point(0, -y)]
+    corners = [PlanPoint(sx * (x - cut), sy * (y - cut)) for sx in (1, -1) for sy in (1, -1)]
+    places = [*corners, PlanPoint(x, 0), PlanPoint(-x, 0), PlanPoint(0, y), PlanPoint(0, -y)]
     return cylinders(places, spec.box.bolt_hole_mm / 2, height_mm, z_mm)
 
 
@@ -116,7 +116,7 @@ def add_lid(made: Parts, shift_mm: float) -> None:
         tool
         for one in plan.funnels
         for tool in cylinders(
-            [Point(one.x_mm * plan.silicone_scale, one.y_mm * plan.silicone_scale)],
+            [PlanPoint(one.x_mm * plan.silicone_scale, one.y_mm * plan.silicone_scale)],
             _spigot_radius_mm(spec, one) + spec.machines.gap_mm,
             c.pin_spigot_mm,
             -c.pin_spigot_mm,
@@ -129,7 +129,7 @@ def add_lid(made: Parts, shift_mm: float) -> None:
     made.add("vent_pin", _pin(spec, plan.funnels[1]), "rigid", (30.0, row, 0))
 
 
-def ball(point: Point, z_mm: float, radius_mm: float) -> Any:
+def ball(point: PlanPoint, z_mm: float, radius_mm: float) -> Any:
     """Make a ball about a place at a height. [mm]"""
     return cq.Workplane(origin=(point.x_mm, point.y_mm, z_mm)).sphere(radius_mm).val()
 
@@ -169,7 +169,7 @@ def _spigot_radius_mm(spec: MouldSpec, funnel: Funnel) -> float:
 
 def _pin(spec: MouldSpec, funnel: Funnel) -> Any:
     """Loose pin that keeps a funnel open while the lid is cast: spigot, cone, handle above the silicone."""
-    c, grow, middle = spec.lid, layout(spec).silicone_scale, [Point(0.0, 0.0)]
+    c, grow, middle = spec.lid, layout(spec).silicone_scale, [PlanPoint(0.0, 0.0)]
     high = c.lid_mm * grow
     cone = cq.Solid.makeCone(funnel.small_mm * grow / 2, funnel.large_mm * grow / 2, high)
     spigot = cylinders(middle, _spigot_radius_mm(spec, funnel), c.pin_spigot_mm - 0.5 + 0.01, -c.pin_spigot_mm + 0.5)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from dummydesign.geometry.conic import Conic
 from dummydesign.mold.cad.kernel import cq, occ
-from dummydesign.mold.model.layout import Outline, Point
+from dummydesign.mold.model.layout import Outline, PlanPoint
 
 NEAR_MM = 1e-4
 
@@ -36,7 +36,7 @@ def single_solid(shape: Any) -> Any:
     return solids[0] if len(solids) == 1 else shape
 
 
-def cylinders(places: Iterable[Point], radius_mm: float, height_mm: float, z_mm: float) -> list[Any]:
+def cylinders(places: Iterable[PlanPoint], radius_mm: float, height_mm: float, z_mm: float) -> list[Any]:
     """Make upright cylinders of one size about places, from ``z_mm`` upwards."""
     return [cq.Solid.makeCylinder(radius_mm, height_mm, cq.Vector(one.x_mm, one.y_mm, z_mm)) for one in places]
 

@@ -38,7 +38,7 @@ class Hole:
 
 
 @dataclass(frozen=True)
-class Section:
+class CutSection:
     """A cut: its closed outlines, and the points at which they have a corner. [mm]"""
 
     loops: tuple[Run, ...]
@@ -89,13 +89,13 @@ def _faces(solid: Any) -> list[tuple[Any, str, Any]]:
     return [(face, kind, face.normalAt() if kind == "PLANE" else None) for face, kind in kinds]
 
 
-def cut(solid: Any, across: bool = False) -> Section:
+def cut(solid: Any, across: bool = False) -> CutSection:
     """Outlines (x, z) of a solid cut by the plane y = 0, or (y, z) by the plane x = 0."""
     plane = cq.Face.makePlane(1000.0, 1000.0, cq.Vector(0, 0, 0), cq.Vector(across, not across, 0))
     wires = [w for face in plane.intersect(solid).Faces() for w in (face.outerWire(), *face.innerWires())]
     loops = tuple(tuple((point[across], point[2]) for point in wire_points(wire)) for wire in wires)
     corners = [point for wire in wires for point in _corners(list(wire))]
-    return Section(loops, tuple((point[across], point[2]) for point in corners))
+    return CutSection(loops, tuple((point[across], point[2]) for point in corners))
 
 
 def _corners(edges: list[Any]) -> list[tuple[float, float, float]]:
@@ -370,7 +370,7 @@ def _of_cavity(made: Parts, loops: Sequence[Run]) -> list[Measure]:
     return [Measure((left, 0.0), (left, z), "left") for z in heights]
 
 
-def _widths(section: Section, rims: Sequence[Hole]) -> list[Measure]:
+def _widths(section: CutSection, rims: Sequence[Hole]) -> list[Measure]:
     """Widths of a symmetrical section at its corners, those of nearly the same width and of holes left out."""
     holes = [abs(x) + side * d / 2 for one in rims for x, _ in one.places for d in one.diameters_mm for side in (1, -1)]
     spans: list[tuple[float, float]] = []

@@ -30,7 +30,7 @@ PADS_A_TABLE = 4
 
 
 @dataclass(frozen=True)
-class Block:
+class SheetBlock:
     """A heading (``head``), a paragraph (``text``), a numbered list (``list``) or a ``table`` (first row its head)."""
 
     kind: str
@@ -41,7 +41,7 @@ class Block:
 
 def pour_sheet(
     spec: MouldSpec, plan: PourPlan, warnings: Sequence[dict[str, str]], printed_mm3: Mapping[str, float] | None = None
-) -> list[Block]:
+) -> list[SheetBlock]:
     """Put together the pour sheet of a mould, in the order of the work."""
     pad, mark = spec.pad, shape_mark(spec)
     title = f"Pour sheet: {pad.prefix + ' ' if pad.prefix else ''}pad "
@@ -60,19 +60,19 @@ def pour_sheet(
             f"keep moisture out. {safety}"
         )
     return [
-        Block("head", title),
-        Block("text", f"Specification {spec.hash}; {label}. Date {BLANK}  Operator {BLANK}  Resin batch {BLANK}"),
-        *([Block("text", f"{pad.title}. {mark[0].upper()}{mark[1:]}.")] if mark else []),
-        Block("text", f"Safety: {safety}"),
-        Block("head", "1. The mould"),
-        Block("list", items=_mould_steps(spec, plan)),
+        SheetBlock("head", title),
+        SheetBlock("text", f"Specification {spec.hash}; {label}. Date {BLANK}  Operator {BLANK}  Resin batch {BLANK}"),
+        *([SheetBlock("text", f"{pad.title}. {mark[0].upper()}{mark[1:]}.")] if mark else []),
+        SheetBlock("text", f"Safety: {safety}"),
+        SheetBlock("head", "1. The mould"),
+        SheetBlock("list", items=_mould_steps(spec, plan)),
         *_weight_blocks(spec, plan),
-        Block("head", "3. Pour"),
-        Block("list", items=tuple(step.text for step in pour_steps(spec, plan))),
-        Block("head", "When a step fails"),
-        Block("list", items=when_it_fails(spec)),
-        Block("head", "4. Demould and measure"),
-        Block(
+        SheetBlock("head", "3. Pour"),
+        SheetBlock("list", items=tuple(step.text for step in pour_steps(spec, plan))),
+        SheetBlock("head", "When a step fails"),
+        SheetBlock("list", items=when_it_fails(spec)),
+        SheetBlock("head", "4. Demould and measure"),
+        SheetBlock(
             "list",
             items=(
                 *demould_steps(spec),
@@ -83,26 +83,26 @@ def pour_sheet(
             ),
         ),
         *_gauge_blocks(spec),
-        Block("head", "5. Accept or reject" + (", each pad" if spec.count > 1 else "")),
-        Block("table", rows=tuple(acceptance_rows(spec, plan))),
-        Block("text", f"Keep these values: {record}. Then name the record in the campaign of this pad."),
-        Block("head", "What is needed"),
-        Block("table", rows=tuple(bill_of_materials(materials(spec, plan, printed_mm3)))),
-        Block("head", "Cautions"),
-        Block("list", items=tuple(item["message"] for item in warnings)),
+        SheetBlock("head", "5. Accept or reject" + (", each pad" if spec.count > 1 else "")),
+        SheetBlock("table", rows=tuple(acceptance_rows(spec, plan))),
+        SheetBlock("text", f"Keep these values: {record}. Then name the record in the campaign of this pad."),
+        SheetBlock("head", "What is needed"),
+        SheetBlock("table", rows=tuple(bill_of_materials(materials(spec, plan, printed_mm3)))),
+        SheetBlock("head", "Cautions"),
+        SheetBlock("list", items=tuple(item["message"] for item in warnings)),
     ]
 
 
-def _gauge_blocks(spec: MouldSpec) -> list[Block]:
+def _gauge_blocks(spec: MouldSpec) -> list[SheetBlock]:
     """Where to gauge the thickness: a table with a free column for each pad."""
     words = "Gauge the thickness at these points, seen on the tested face; x runs along the length from the middle."
     words += f" Zero the gauge on {'the plate of the bone' if spec.pad.shape.bone_height_mm else 'a flat base'}."
     points = gauge_points(spec)
     tables = [
-        Block("table", rows=tuple(points_rows(points, BLANK, first, min(PADS_A_TABLE, spec.count - first + 1))))
+        SheetBlock("table", rows=tuple(points_rows(points, BLANK, first, min(PADS_A_TABLE, spec.count - first + 1))))
         for first in range(1, spec.count + 1, PADS_A_TABLE)
     ]
-    return [Block("text", words), *tables]
+    return [SheetBlock("text", words), *tables]
 
 
 def _mould_steps(spec: MouldSpec, plan: PourPlan) -> tuple[str, ...]:
@@ -144,7 +144,7 @@ def _aids(spec: MouldSpec) -> str:
     return f", strike-off plate{carrier}" if spec.base is None else ", strike-off plate, spacer"
 
 
-def _weight_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
+def _weight_blocks(spec: MouldSpec, plan: PourPlan) -> list[SheetBlock]:
     heads = ["2. Weigh the resin"]
     if spec.base is not None:
         heads = [
@@ -154,11 +154,11 @@ def _weight_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
     return [
         block
         for head, one in zip(heads, pours_of(spec, plan))
-        for block in (Block("head", head), *_weighing(spec, *one))
+        for block in (SheetBlock("head", head), *_weighing(spec, *one))
     ]
 
 
-def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
+def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[SheetBlock]:
     """Table of one resin's weights, and how much of the batch goes where."""
     resolution = spec.machines.balance_resolution_g
     digits = max(0, -math.floor(math.log10(resolution)))
@@ -175,16 +175,16 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
         f"lubricated --name NAME --ratio {pour.ratio:.6g}."
     )
     return [
-        Block(
+        SheetBlock(
             "text",
             f"{pour.resin}, ratio {pour.ratio:.6g} ({ratio_text(pour)}){_made(mixes)}; balance step "
             f"{resolution:g} g, each reading within half of it.",
         ),
-        Block("table", rows=tuple(rows)),
+        SheetBlock("table", rows=tuple(rows)),
         *volume_blocks(pour),
-        Block("text", " ".join((*_batch_words(spec, pour, plan, batch, digits), cup))),
-        Block("text", witness),
-        *([Block("text", _hardness_words(pour))] if pour.hardness else []),
+        SheetBlock("text", " ".join((*_batch_words(spec, pour, plan, batch, digits), cup))),
+        SheetBlock("text", witness),
+        *([SheetBlock("text", _hardness_words(pour))] if pour.hardness else []),
     ]
 
 
@@ -213,14 +213,14 @@ def ratio_text(pour: Pour) -> str:
     return ratio_words(pour.ratio_meaning, pour.ratio_by) if len(pour.components) > 1 else pour.ratio_meaning
 
 
-def volume_blocks(pour: Pour) -> list[Block]:
+def volume_blocks(pour: Pour) -> list[SheetBlock]:
     """How the weights follow from a ratio by volume; nothing for one by weight."""
     if not pour.component_densities_g_per_cm3:
         return []
     densities = ", ".join(
         f"{name} {density:g} g/cm3" for (name, _), density in zip(pour.components, pour.component_densities_g_per_cm3)
     )
-    return [Block("text", f"The ratio is by volume. The masses follow from the densities: {densities}.")]
+    return [SheetBlock("text", f"The ratio is by volume. The masses follow from the densities: {densities}.")]
 
 
 def _hardness_words(pour: Pour) -> str:
@@ -271,7 +271,7 @@ _STYLE = (
 )
 
 
-def to_html(blocks: Sequence[Block], drawings_svg: str = "") -> str:
+def to_html(blocks: Sequence[SheetBlock], drawings_svg: str = "") -> str:
     """Write blocks as one HTML page that needs nothing else; drawings may stand at its end."""
     parts: list[str] = []
     for index, block in enumerate(blocks):
@@ -337,7 +337,7 @@ def marked(words: str) -> str:
     return JAPANESE.sub(lambda match: f'<font name="{name}">{match[0]}</font>', html.escape(words))
 
 
-def sheet_pdf(blocks: Sequence[Block], foot: Foot, drawings: Sequence[Drawing] = ()) -> bytes:
+def sheet_pdf(blocks: Sequence[SheetBlock], foot: Foot, drawings: Sequence[Drawing] = ()) -> bytes:
     """Write a pour sheet as PDF."""
     from reportlab.pdfgen.canvas import Canvas
     from reportlab.platypus import BaseDocTemplate, Frame, PageTemplate
@@ -375,7 +375,7 @@ def sheet_pdf(blocks: Sequence[Block], foot: Foot, drawings: Sequence[Drawing] =
     return stream.getvalue()
 
 
-def _story(blocks: Sequence[Block], wide: float) -> list[Any]:
+def _story(blocks: Sequence[SheetBlock], wide: float) -> list[Any]:
     from reportlab import platypus as flow
     from reportlab.lib.colors import HexColor
     from reportlab.lib.styles import ParagraphStyle
@@ -476,7 +476,12 @@ def _foot(canvas: Any, foot: Foot, page: int, pages: int, wide: float, margin: f
 
 
 def write_papers(
-    folder: Path, tag: str, blocks: Sequence[Block], foot: Foot, drawings: Sequence[Drawing], shown: Sequence[Drawing]
+    folder: Path,
+    tag: str,
+    blocks: Sequence[SheetBlock],
+    foot: Foot,
+    drawings: Sequence[Drawing],
+    shown: Sequence[Drawing],
 ) -> dict[str, str]:
     """Write all drawings as one DXF and one PDF, the pour sheet with those shown as PDF and HTML; name them by role."""
     contents: dict[str, tuple[str, bytes]] = {

@@ -124,7 +124,7 @@ def cavity_scale(pour: Pour, expansion_per_K: float) -> float:
 
 
 @dataclass(frozen=True)
-class Point:
+class PlanPoint:
     """A place in plan. [mm]"""
 
     x_mm: float
@@ -132,7 +132,7 @@ class Point:
 
 
 @dataclass(frozen=True)
-class Funnel(Point):
+class Funnel(PlanPoint):
     """A sprue or vent through the lid, narrow at the pad so that its stem breaks there. [mm]"""
 
     small_mm: float
@@ -166,11 +166,11 @@ class Layout:
     bottom: Outline
     flange: Outline
     height_mm: float
-    keys: tuple[Point, ...]
+    keys: tuple[PlanPoint, ...]
     funnels: tuple[Funnel, ...]
     label_y_mm: float
     label_room_mm: float
-    places: tuple[Point, ...] = (Point(0.0, 0.0),)
+    places: tuple[PlanPoint, ...] = (PlanPoint(0.0, 0.0),)
 
     def at_places(self, tool: Any) -> list[Any]:
         """A solid of one cavity at the middle of each, one after the other."""
@@ -232,21 +232,21 @@ def layout(spec: MouldSpec) -> Layout:
     )
 
 
-def _side_by_side(spec: MouldSpec, opening: Outline, border_mm: float) -> tuple[Outline, tuple[Point, ...]]:
+def _side_by_side(spec: MouldSpec, opening: Outline, border_mm: float) -> tuple[Outline, tuple[PlanPoint, ...]]:
     """The rectangle that holds the openings of all cavities, and their middles."""
     if spec.count == 1:
-        return opening, (Point(0.0, 0.0),)
+        return opening, (PlanPoint(0.0, 0.0),)
     bed, wall = spec.machines.bed_mm, spec.body.wall_mm
     (x, y), middles = best_grid(spec.count, opening.length_mm, opening.width_mm, wall, border_mm, bed)
     held = Outline(opening.length_mm + x, opening.width_mm + y, opening.radius_mm)
-    return held, tuple(Point(*middle) for middle in middles)
+    return held, tuple(PlanPoint(*middle) for middle in middles)
 
 
-def _key_places(spec: MouldSpec, c: Closure, fill: Outline, gutter_mm: float) -> tuple[Point, ...]:
+def _key_places(spec: MouldSpec, c: Closure, fill: Outline, gutter_mm: float) -> tuple[PlanPoint, ...]:
     """Place keys at the corners, one shifted, so that the lid fits in one way only."""
     x = fill.length_mm / 2 + spec.body.wall_mm / 2 + 0.5
     y = fill.width_mm / 2 + (gutter_mm + spec.body.wall_mm) / 2
-    return Point(x, y), Point(x, -y), Point(-x, -y), Point(-x + c.key_shift_mm, y)
+    return PlanPoint(x, y), PlanPoint(x, -y), PlanPoint(-x, -y), PlanPoint(-x + c.key_shift_mm, y)
 
 
 def _funnels(c: Closure, fill: Outline) -> tuple[Funnel, ...]:
@@ -257,7 +257,7 @@ def _funnels(c: Closure, fill: Outline) -> tuple[Funnel, ...]:
     return sprue, *(Funnel(*centre, c.vent_small_mm, c.vent_large_mm) for centre in vents)
 
 
-def _label_room_mm(c: Closure | None, opening: Outline, keys: tuple[Point, ...]) -> float:
+def _label_room_mm(c: Closure | None, opening: Outline, keys: tuple[PlanPoint, ...]) -> float:
     """Length that is free for the label on the land's front side. [mm]"""
     if c is None:
         return opening.length_mm - 4.0
@@ -281,16 +281,16 @@ def _line(spec: MouldSpec, plan: Layout) -> tuple[float, float]:
     return plan.flange.length_mm / 2 - inset, plan.flange.width_mm / 2 - inset
 
 
-def dowel_places(spec: MouldSpec, plan: Layout) -> tuple[Point, ...]:
+def dowel_places(spec: MouldSpec, plan: Layout) -> tuple[PlanPoint, ...]:
     """Two pins in the front flange."""
     x, y = _line(spec, plan)
-    return Point(x / 2, -y), Point(-x / 2 + SHIFT_MM, -y)
+    return PlanPoint(x / 2, -y), PlanPoint(-x / 2 + SHIFT_MM, -y)
 
 
-def level_places(spec: MouldSpec, plan: Layout) -> tuple[Point, ...]:
+def level_places(spec: MouldSpec, plan: Layout) -> tuple[PlanPoint, ...]:
     """Three screws to level by, off the bolts in corners and middles."""
     x, y = _line(spec, plan)
-    return Point(x, -y / 2), Point(-x, -y / 2), Point(x / 3, y)
+    return PlanPoint(x, -y / 2), PlanPoint(-x, -y / 2), PlanPoint(x / 3, y)
 
 
 SHEET_MM = (1.0, 8.0)

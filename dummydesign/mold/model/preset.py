@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.core.library import find
-from dummydesign.core.toml_schema import Table, read_table
+from dummydesign.core.toml_schema import TomlTable, read_table
+from dummydesign.core.user_library import find
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.mold.model.products import (
@@ -139,7 +139,7 @@ class Preset:
 
     name: str
     style: str
-    top: Table
+    top: TomlTable
     machines: Machines
     silicone: Silicone | None
     plastic: Plastic | None
@@ -233,7 +233,7 @@ def _ratio_of_base(resin: Resin, pour: Pour, upper_MPa: float, modulus_ratio: fl
     return resin.ratio_for(modulus_ratio * upper_MPa)
 
 
-def _read_pour(top: Table, resin: Resin, ratio: float) -> tuple[Pour, list[str]]:
+def _read_pour(top: TomlTable, resin: Resin, ratio: float) -> tuple[Pour, list[str]]:
     """Join the preset's pouring numbers with the resin's."""
     process, pour = top.table("process"), top.table("pour")
     process.only(("room_temperature_C", "degas", "foam_factor", "pour_and_degas_min"))

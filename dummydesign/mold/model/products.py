@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.core.library import Entry, find
-from dummydesign.core.toml_schema import REQUIRED, Table, read_table
+from dummydesign.core.toml_schema import REQUIRED, TomlTable, read_table
+from dummydesign.core.user_library import Entry, find
 
 T = TypeVar("T")
 PLAIN_GAP_MM = 0.1
@@ -91,7 +91,7 @@ class Plastic:
     young_MPa: float | None = None
 
 
-def read_numbers(kind: type[T], table: Table, /, **given: Any) -> T:
+def read_numbers(kind: type[T], table: TomlTable, /, **given: Any) -> T:
     """Make a dataclass of a table: fields that are not given are numbers; those with a default may be left out."""
     wanted = [item for item in fields(kind) if item.name not in given]  # type: ignore[arg-type]
     table.only(item.name for item in wanted)
@@ -101,7 +101,7 @@ def read_numbers(kind: type[T], table: Table, /, **given: Any) -> T:
     return kind(**given, **numbers)
 
 
-def read_quantities(table: Table, keys: Iterable[str], product: str = "") -> tuple[dict[str, Any], list[str]]:
+def read_quantities(table: TomlTable, keys: Iterable[str], product: str = "") -> tuple[dict[str, Any], list[str]]:
     """Read quantities; return their values and a line for each: what, how much, how sure, from where."""
     quantities = {key: table.quantity(key) for key in keys}
     sources = [
@@ -125,7 +125,7 @@ def product_file(name: str, preset: Path, what: str) -> Entry:
     return find(f"molds/{what}s", what, str(near) if name.endswith(".toml") and near.is_file() else name)
 
 
-def _found(name: str, preset: Path, what: str, keys: Iterable[str]) -> tuple[str, Table]:
+def _found(name: str, preset: Path, what: str, keys: Iterable[str]) -> tuple[str, TomlTable]:
     """Find and read a data file named in a preset."""
     entry = product_file(name, preset, what)
     return entry.name, read_table(entry.path, ("schema", "name", "title", *keys), None)
@@ -173,12 +173,12 @@ def read_machines(name: str, preset: Path) -> tuple[Machines, list[str]]:
     return machines, sources
 
 
-def _check_between_0_and(most: float, key: str, value: float, table: Table) -> None:
+def _check_between_0_and(most: float, key: str, value: float, table: TomlTable) -> None:
     if not 0 <= value <= most:
         raise out_of_range(key, f"{value:g}", 0, f"{most:g}").within(table.where(key))
 
 
-def _read_fit(table: Table) -> tuple[PrintFit, list[str]]:
+def _read_fit(table: TomlTable) -> tuple[PrintFit, list[str]]:
     """Read how a print comes out."""
     fit, sources = read_quantity_table(PrintFit, table, "print ")
     for key, most in _FIT.items():
@@ -186,7 +186,7 @@ def _read_fit(table: Table) -> tuple[PrintFit, list[str]]:
     return fit, sources
 
 
-def read_quantity_table(kind: type[T], table: Table, product: str) -> tuple[T, list[str]]:
+def read_quantity_table(kind: type[T], table: TomlTable, product: str) -> tuple[T, list[str]]:
     """Make a dataclass of a table of quantities; return it and where its numbers come from."""
     table.only(_names(kind))
     numbers, sources = read_quantities(table, _names(kind), product)

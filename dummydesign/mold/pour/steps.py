@@ -30,14 +30,14 @@ BLANK = "________"
 
 
 @dataclass(frozen=True)
-class Step:
+class PourStep:
     """One line of the sheet and what is done in it, in order."""
 
     text: str
     acts: tuple[str, ...] = (PREPARE,)
 
 
-def order_faults(steps: Sequence[Step]) -> list[str]:
+def order_faults(steps: Sequence[PourStep]) -> list[str]:
     """What is wrong with the order of a pour's steps, in words; empty when nothing is.
 
     Rules: the mould is level when resin starts to gel and nothing moves it in between; resin is degassed after it is
@@ -114,29 +114,29 @@ def by_difference(plan: PourPlan, why: str, count: int = 1) -> str:
     )
 
 
-def _layer_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
+def _layer_steps(spec: MouldSpec, plan: PourPlan) -> list[PourStep]:
     """From the first pour of a layered pad to the second."""
     assert spec.base is not None and plan.base is not None
     pour = spec.pour
     return [
-        Step(
+        PourStep(
             "UPPER LAYER FIRST (it forms the tested face). "
             f"{by_difference(plan, f'{plan.gram_per_mm_g:.1f} g fill one millimetre')} at: {BLANK}",
             (POUR,),
         ),
-        Step(
+        PourStep(
             f"Prick bubbles, wait {max(30.0, plan.pour_time_s):.0f} s. Lay release film on the spacer, set it down on "
             "one edge and lower it like a hinge until it rests on the land; excess comes up in the gap. "
             "Without a spacer the layer is as even as the mould is level.",
             (WAIT, CLOSE),
         ),
-        Step(
+        PourStep(
             f"Let it gel where it stands, {pour.cure_place}; not before its pot life of {pour.pot_life_min:g} "
             f"min{pour.mark('pot_life_min')} is over "
             f"lift the spacer on one edge. Gelled at: {BLANK}",
             (GEL,),
         ),
-        Step(
+        PourStep(
             "BASE LAYER SECOND, while the first is tacky: weigh, mix and degas it only now, as the first (ratio "
             f"{spec.base.pour.ratio:.4g}). The surface must be free of film, dust and release agent. "
             f"{by_difference(plan.base, 'up to the step of the brim')} at: {BLANK}",
@@ -145,11 +145,11 @@ def _layer_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     ]
 
 
-def _preparing_bone(spec: MouldSpec) -> list[Step]:
+def _preparing_bone(spec: MouldSpec) -> list[PourStep]:
     if not spec.pad.shape.bone_height_mm:
         return []
     return [
-        Step(
+        PourStep(
             "Roughen or drill the bone and the underside of its plate (keys), clean, prime them for this resin "
             "and let the primer dry: what is neither keyed nor primed peels off the gel. No release agent here. "
             "Lower the carrier into the empty mould once: it must sit on the land all round."
@@ -178,7 +178,7 @@ VENTED_OVEN = "vented oven"
 DRYING_H = 1.0
 
 
-def pour_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
+def pour_steps(spec: MouldSpec, plan: PourPlan) -> list[PourStep]:
     """From the empty mould to the end of the cure."""
     steps = [*_drying(spec), *_preparing_bone(spec)]
     if spec.pour.degas == "mould":
@@ -191,7 +191,7 @@ def pour_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     what = "All of this" if plan.base is None else "Each of the two pours"
     life = f"{spec.pour.pot_life_min:g} min{spec.pour.mark('pot_life_min')}"
     limit = f"{what} within {latest:.0f} min of mixing (pot life {life}). Done at: {BLANK}"
-    return [*steps, Step(limit, (WAIT,)), _cure(spec, plan)]
+    return [*steps, PourStep(limit, (WAIT,)), _cure(spec, plan)]
 
 
 def _site(spec: MouldSpec) -> str:
@@ -200,13 +200,13 @@ def _site(spec: MouldSpec) -> str:
     return f"on the shelf of the {VENTED_OVEN}, switched off and open" if spec.pour.cures_warm else "on a firm bench"
 
 
-def _drying(spec: MouldSpec) -> list[Step]:
+def _drying(spec: MouldSpec) -> list[PourStep]:
     if not spec.pour.has_isocyanate:
         return []
     at = f"at {spec.pour.cure_temperature_C:g} C" if spec.pour.cures_warm or spec.is_printed else "at 60 C"
     wet = "plastic" if spec.is_printed else "silicone"
     return [
-        Step(
+        PourStep(
             f"Dry the mould {DRYING_H:g} h {at} in a {VENTED_OVEN}: traces of release agent and resin give off "
             f"vapour. Water in the {wet} would foam the polyurethane. Let it cool below 40 C before you pour, "
             "else the pot life shortens.",
@@ -215,7 +215,7 @@ def _drying(spec: MouldSpec) -> list[Step]:
     ]
 
 
-def _levelling(spec: MouldSpec, plan: PourPlan) -> Step:
+def _levelling(spec: MouldSpec, plan: PourPlan) -> PourStep:
     load = spec.count * plan.fill_mass_g + (plan.base.fill_mass_g if plan.base else 0.0)
     cavity = "cavity" if spec.count == 1 else "cavities"
     under = f"with a weight of about {load:.0f} g on a clean film in the {cavity} in place of the resin. Take it out"
@@ -223,7 +223,7 @@ def _levelling(spec: MouldSpec, plan: PourPlan) -> Step:
         under = "at once, with the resin in it"
     carried, stay = ("the mould", "it stays") if spec.is_printed else ("tray and mould", "they stay")
     long = max(spec.pad.length_mm, spec.pad.width_mm)
-    return Step(
+    return PourStep(
         f"Set {carried} where {stay} until the resin is cured: {_site(spec)}. Level with the three screws to "
         f"{plan.level_deg:.2f} deg ({plan.level_mm:.2f} mm over {long:g} mm), along and across, {under}. From "
         f"here on do not move the mould. Level read: {BLANK}",
@@ -231,8 +231,8 @@ def _levelling(spec: MouldSpec, plan: PourPlan) -> Step:
     )
 
 
-def _mixing(spec: MouldSpec) -> Step:
-    return Step(
+def _mixing(spec: MouldSpec) -> PourStep:
+    return PourStep(
         f"Weigh {', then '.join(name for name, _ in spec.pour.components)}; stir slowly for two minutes, "
         f"scrape wall and floor, pour it into a second cup and stir again. Start of mixing: {BLANK}",
         (MIX,),
@@ -281,15 +281,15 @@ def degas_words(pour: Pour) -> str:
     )
 
 
-def _degas_in_cup(spec: MouldSpec) -> Step:
-    return Step(degas_words(spec.pour), (DEGAS,))
+def _degas_in_cup(spec: MouldSpec) -> PourStep:
+    return PourStep(degas_words(spec.pour), (DEGAS,))
 
 
-def _degas_in_mould(spec: MouldSpec, plan: PourPlan) -> list[Step]:
+def _degas_in_mould(spec: MouldSpec, plan: PourPlan) -> list[PourStep]:
     filled = by_difference(plan, "the step of the brim is the fill line", spec.count)
     return [
-        Step(f"Set the collar on the land. {filled.replace(' Do not move the mould.', '')}", (POUR,)),
-        Step(
+        PourStep(f"Set the collar on the land. {filled.replace(' Do not move the mould.', '')}", (POUR,)),
+        PourStep(
             f"Stand the mould in the chamber and degas below {spec.pour.degas_pressure_kPa:g} kPa"
             f"{spec.pour.mark('degas_pressure_kPa')} until the foam "
             f"falls (it may rise {plan.collar_mm:.0f} mm), then take the collar off.",
@@ -298,21 +298,21 @@ def _degas_in_mould(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     ]
 
 
-def _filling(spec: MouldSpec, plan: PourPlan) -> list[Step]:
+def _filling(spec: MouldSpec, plan: PourPlan) -> list[PourStep]:
     """Filling an open mould that is level: at once, in two layers, or under a bone."""
     why = f"the step of the brim is the fill line; {plan.gram_per_mm_g:.1f} g fill one millimetre"
     if spec.pad.shape.bone_height_mm:
         bone = bone_volume_mm3(spec) * 1e-3
         why = f"the bone displaces {bone:.1f} cm3, so the resin stands below the step of the brim"
-    steps = [Step(by_difference(plan, why, spec.count), (POUR,))]
+    steps = [PourStep(by_difference(plan, why, spec.count), (POUR,))]
     return [*(steps if plan.base is None else _layer_steps(spec, plan)), *_closing(spec, plan)]
 
 
-def _closing(spec: MouldSpec, plan: PourPlan) -> list[Step]:
+def _closing(spec: MouldSpec, plan: PourPlan) -> list[PourStep]:
     """What closes an open mould that is filled: a bone's carrier or the strike-off plate."""
     if spec.pad.shape.bone_height_mm:
         return [
-            Step(
+            PourStep(
                 "Wet bone and plate with resin. Set the plate down on one edge and lower it like a hinge, slowly, "
                 "until it rests on the land and every vent shows resin; top up through a vent. Clamp it or weigh "
                 f"it down: it must not float. Seated all round: {BLANK}",
@@ -321,12 +321,12 @@ def _closing(spec: MouldSpec, plan: PourPlan) -> list[Step]:
         ]
     last, pour = plan.base or plan, spec.base.pour if spec.base else spec.pour
     return [
-        Step(
+        PourStep(
             f"Prick bubbles, wait {max(30.0, last.pour_time_s):.0f} s for the liquid to level (viscosity "
             f"{pour.viscosity_Pa_s:.2g} Pa s).",
             (WAIT,),
         ),
-        Step(
+        PourStep(
             "Lay release film on the strike-off plate, set it down on one edge and lower it like a hinge until it "
             "rests on the land; excess comes up in the gap.",
             (CLOSE,),
@@ -334,13 +334,13 @@ def _closing(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     ]
 
 
-def _closing_lid(spec: MouldSpec) -> list[Step]:
+def _closing_lid(spec: MouldSpec) -> list[PourStep]:
     return [
-        Step(
+        PourStep(
             "Put release agent on the parting faces only. Close the lid (it goes on in one way), put the backer on, "
             "clamp."
         ),
-        Step(
+        PourStep(
             f"Set it {_site(spec)}, where it stays until the resin is cured, and prop the vent end 5 to 10 degrees "
             "high.",
             (MOVE,),
@@ -348,14 +348,14 @@ def _closing_lid(spec: MouldSpec) -> list[Step]:
     ]
 
 
-def _filling_lidded(plan: PourPlan) -> list[Step]:
+def _filling_lidded(plan: PourPlan) -> list[PourStep]:
     return [
-        Step(
+        PourStep(
             f"Pour through the sprue until all five vents show resin (about {plan.fill_mass_g:.0f} g; put the cup "
             f"back on the balance to see how much you poured). Poured: {BLANK} g",
             (POUR,),
         ),
-        Step(
+        PourStep(
             f"Take the prop away and level to {plan.level_deg:.2f} deg; top up. Keep the vents open while it is hot. "
             f"Level read: {BLANK}",
             (MOVE, LEVEL),
@@ -363,7 +363,7 @@ def _filling_lidded(plan: PourPlan) -> list[Step]:
     ]
 
 
-def _cure(spec: MouldSpec, plan: PourPlan) -> Step:
+def _cure(spec: MouldSpec, plan: PourPlan) -> PourStep:
     pour = spec.pour
     hours = f"{pour.cure_time_h:g} h{pour.mark('cure_time_h')}"
     how = f"Cure {hours} {pour.cure_place}"
@@ -379,6 +379,6 @@ def _cure(spec: MouldSpec, plan: PourPlan) -> Step:
     hot = f" The hot mould grows by {plan.thermal_growth_mm:.1f} mm." if pour.cures_warm else ""
     shrinks = f" (shrinkage {pour.shrinkage_percent:g} % assumed)" if pour.mark("shrinkage_percent") else ""
     cut = f"{100 * (layout(spec).scale - 1):+.2f} %{shrinks}"
-    return Step(
+    return PourStep(
         f"{how}, where it stands{carried}.{hot} The cavity is cut {cut} so that the cured pad has its size.", (CURE,)
     )

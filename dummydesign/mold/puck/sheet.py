@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from dummydesign.mold.files.pour_sheet import Block, ratio_text, volume_blocks, weight_rows
+from dummydesign.mold.files.pour_sheet import SheetBlock, ratio_text, volume_blocks, weight_rows
 from dummydesign.mold.pour.bill_of_materials import (
     CUPS_LITRE,
     ONCE,
@@ -24,26 +24,28 @@ ROUND_MM, PARALLEL_SHARE, SIZE_SHARE = 0.5, 0.01, 0.02
 """Largest difference of three diameters [mm]; of four heights, over the height; of the size from the planned one."""
 
 
-def puck_sheet(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
+def puck_sheet(spec: PuckSpec, plan: PuckPlan) -> list[SheetBlock]:
     """Put together the sheet of some pucks, in the order of the work."""
     safety = "Gloves, goggles, extraction or a hood; read the safety data sheets of all products first."
     if spec.pour.has_isocyanate:
         safety = f"isocyanates harm the airways and can cause a lasting allergy. {safety}"
     blocks = [
-        Block("head", f"Pour sheet: {spec.title}"),
-        Block("text", f"Specification {spec.hash}. Date {BLANK}  Operator {BLANK}  Resin batch {BLANK}"),
-        Block("text", "A puck measures the modulus and the relaxation of a batch. Do not reject it for its modulus."),
-        Block("text", f"Safety: {safety}"),
-        Block("head", "1. The ring"),
-        Block("list", items=_ring_steps(spec)),
-        Block("head", "2. Weigh the resin"),
+        SheetBlock("head", f"Pour sheet: {spec.title}"),
+        SheetBlock("text", f"Specification {spec.hash}. Date {BLANK}  Operator {BLANK}  Resin batch {BLANK}"),
+        SheetBlock(
+            "text", "A puck measures the modulus and the relaxation of a batch. Do not reject it for its modulus."
+        ),
+        SheetBlock("text", f"Safety: {safety}"),
+        SheetBlock("head", "1. The ring"),
+        SheetBlock("list", items=_ring_steps(spec)),
+        SheetBlock("head", "2. Weigh the resin"),
         *_weighing(spec, plan),
-        Block("head", "3. Pour"),
-        Block("list", items=_pour_steps(spec, plan)),
-        Block("head", "4. Accept or reject, each puck"),
-        Block("table", rows=tuple(acceptance_rows(spec, plan))),
-        Block("head", "5. Press"),
-        Block(
+        SheetBlock("head", "3. Pour"),
+        SheetBlock("list", items=_pour_steps(spec, plan)),
+        SheetBlock("head", "4. Accept or reject, each puck"),
+        SheetBlock("table", rows=tuple(acceptance_rows(spec, plan))),
+        SheetBlock("head", "5. Press"),
+        SheetBlock(
             "list",
             items=protocol_steps(
                 max(ring.diameter_mm for ring in spec.rings),
@@ -57,10 +59,10 @@ def puck_sheet(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
             names = trace_names(ring.tag, number, ring.count)
             typed = command(names, "MEASURED", "MEASURED", spec.pour.ratio, spec.pour.resin)
             blocks += [
-                Block("table", rows=tuple(press_rows(names, ring.height_mm))),
-                Block("text", f"Then type, with the measured sizes in mm: {typed}"),
+                SheetBlock("table", rows=tuple(press_rows(names, ring.height_mm))),
+                SheetBlock("text", f"Then type, with the measured sizes in mm: {typed}"),
             ]
-    return [*blocks, Block("head", "What is needed"), Block("table", rows=tuple(needed(spec, plan)))]
+    return [*blocks, SheetBlock("head", "What is needed"), SheetBlock("table", rows=tuple(needed(spec, plan)))]
 
 
 def _ring_steps(spec: PuckSpec) -> tuple[str, ...]:
@@ -81,7 +83,7 @@ def _ring_steps(spec: PuckSpec) -> tuple[str, ...]:
     )
 
 
-def _weighing(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
+def _weighing(spec: PuckSpec, plan: PuckPlan) -> list[SheetBlock]:
     resolution, pour = spec.machines.balance_resolution_g, spec.pour
     digits = max(0, -math.floor(math.log10(resolution)))
     each = "; ".join(f"{mass:.1f} g into each ring {ring.tag}" for ring, mass in zip(spec.rings, plan.pour_g))
@@ -92,10 +94,12 @@ def _weighing(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
             f"does not weigh in the right ratio. {why} A finer balance saves resin."
         )
     return [
-        Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({ratio_text(pour)}); balance step {resolution:g} g."),
-        Block("table", rows=tuple(weight_rows([plan.mix], digits))),
+        SheetBlock(
+            "text", f"{pour.resin}, ratio {pour.ratio:.6g} ({ratio_text(pour)}); balance step {resolution:g} g."
+        ),
+        SheetBlock("table", rows=tuple(weight_rows([plan.mix], digits))),
         *volume_blocks(pour),
-        Block(
+        SheetBlock(
             "text", f"Mix {plan.mix.total_g:.{digits}f} g. Pour {each}. {why} {cup_words(pour, plan.cup_mm3 * 1e-6)}"
         ),
     ]

@@ -17,7 +17,7 @@ from dummydesign.core.parsing import one_of
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
 from dummydesign.geometry.interface import BASES, CONDITIONS, Interface
 from dummydesign.geometry.pad_shape import PadShape
-from dummydesign.pad.contact.axisymmetric import FlatPunch, Punch, Surface
+from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface, FlatPunch, RigidPunch
 from dummydesign.pad.contact.friction import CombinedSurface, RestingBase, weight_over_shear
 from dummydesign.pad.contact.penalty import GLUED_SLAB, ContactSurface
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
@@ -25,9 +25,9 @@ from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.fem.mixed_solid import Discretisation, Solid
 from dummydesign.pad.force_law import PadCurve
 from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, HyperelasticLaw
-from dummydesign.pad.solve.continuation import Path, cost
-from dummydesign.pad.solve.equilibrium import Problem
-from dummydesign.pad.specimen import SLAB, Pad
+from dummydesign.pad.pad_under_punch import SLAB, Pad
+from dummydesign.pad.solve.continuation import ForcePath, cost
+from dummydesign.pad.solve.equilibrium import ContactProblem
 
 Array = np.ndarray
 
@@ -155,11 +155,11 @@ def round_problem(
     case: Case,
     glued: Array,
     surface: ContactSurface | None = None,
-    punch: Punch | None = None,
+    punch: RigidPunch | None = None,
     face: Array | None = None,
     stabilisation: float = EDGE_STABILISATION,
     base: Array | None = None,
-) -> Problem:
+) -> ContactProblem:
     """Hold axis and base of a pad, or let it rest on friction, and move the ``glued`` nodes with the punch.
 
     ``face`` are the nodes that lie on the punch at first touch, ``base`` those on the base where it is not at -1.
@@ -178,7 +178,7 @@ def round_problem(
         surface = CombinedSurface(surface, resting)
     solid = Solid(mesh, case.law, case.poisson, stabilisation)
     carried = None if face is None else 2 * face + 1
-    return Problem(solid, held, 2 * glued + 1, 2 * base + 1, surface, punch, carried)
+    return ContactProblem(solid, held, 2 * glued + 1, 2 * base + 1, surface, punch, carried)
 
 
 def _check_smooth(case: Case) -> None:
@@ -187,7 +187,7 @@ def _check_smooth(case: Case) -> None:
     one_of("condition", case.condition, CONDITIONS)
 
 
-def sharp_problem(case: Case, resolution: Resolution, rings: int = 6, quarter_points: bool = True) -> Problem:
+def sharp_problem(case: Case, resolution: Resolution, rings: int = 6, quarter_points: bool = True) -> ContactProblem:
     """The sharp-edged punch, for the small-strain limit: quarter-point elements at the edge."""
     _check_smooth(case)
     half_box = resolution.box * case.scale
@@ -196,7 +196,7 @@ def sharp_problem(case: Case, resolution: Resolution, rings: int = 6, quarter_po
     return round_problem(mesh, case, np.nonzero(meshes.on_top(mesh) & (mesh.nodes[0] <= case.radius + 1e-9))[0])
 
 
-def rimmed_problem(case: Case, rim: float, resolution: Resolution) -> Problem:
+def rimmed_problem(case: Case, rim: float, resolution: Resolution) -> ContactProblem:
     """The punch with a small fillet at its edge, glued or frictionless under its flat face.
 
     The face far from the edge moves with the punch node by node. Within six fillet radii of the fillet, and
@@ -217,7 +217,7 @@ def rimmed_problem(case: Case, rim: float, resolution: Resolution) -> Problem:
     reach = case.radius + 0.8 * case.scale
     sides = meshes.edges_on(mesh, top & (r >= inner - 1e-9) & (r <= reach))
     film = partial(glue_film, punch=punch, shear_MPa=shear) if glued else None
-    surface = Surface(
+    surface = AxisymmetricSurface(
         mesh.nodes,
         sides,
         shear * GLUED_SLAB.contact / rim,
@@ -267,7 +267,7 @@ def end_note(reached: float, wanted: float, why: str | None) -> tuple[str, ...]:
     return (f"solved to d/h = {reached:.3f} of {wanted:.3f}: {why}",)
 
 
-def padded(path: Path, count: int) -> Array:
+def padded(path: ForcePath, count: int) -> Array:
     """Forces of a path at all wanted depths, shape (count,); NaN where it did not get to."""
     return np.concatenate([path.force, np.full(count - len(path.force), np.nan)])
 
@@ -278,7 +278,7 @@ def held_on(values: Array) -> Array:
     return np.maximum.accumulate(np.nan_to_num(values, nan=0.0)) if known else np.full(len(values), 0.01)
 
 
-def extend_path(path: Path, other: Path, tail: Array) -> Path:
+def extend_path(path: ForcePath, other: ForcePath, tail: Array) -> ForcePath:
     """Extend a path beyond its end by forces of another one; the cost is that of both."""
     steps, seconds = path.load_steps + other.load_steps, path.seconds + other.seconds
     iterations = path.newton_iterations + other.newton_iterations
@@ -320,7 +320,7 @@ def solve_on_lattice(
     return PadCurve(kept * pad.thickness_mm, force, np.interp(where, at, made["error"]) * force, made["solver"], notes)
 
 
-def of_two_meshes(coarse: Path, fine: Path, nodes: Array, least_error: float) -> dict[str, Any]:
+def of_two_meshes(coarse: ForcePath, fine: ForcePath, nodes: Array, least_error: float) -> dict[str, Any]:
     """F / d at the first of the nodes from two meshes: the finer one's, extrapolated by the one that got further."""
     both = min(len(coarse.force), len(fine.force))
     further = fine if len(fine.force) > both else coarse

@@ -16,8 +16,9 @@ from typing import Any
 
 import numpy as np
 
+from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.errors import out_of_range
-from dummydesign.core.process import one_blas_thread, tell_depth
+from dummydesign.core.progress import tell_depth
 from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS
 from dummydesign.geometry.interface import FACES, Interface
 from dummydesign.pad.axisymmetric.case import (
@@ -30,16 +31,16 @@ from dummydesign.pad.axisymmetric.case import (
     round_problem,
     solve_on_lattice,
 )
-from dummydesign.pad.contact.axisymmetric import FilletedPunch, Surface
+from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface, FilletedPunch
 from dummydesign.pad.contact.friction import RubbingSurface
 from dummydesign.pad.contact.penalty import FILLETED_PUNCH, RUBBING_PUNCH
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import columns
 from dummydesign.pad.fem.mixed_solid import Discretisation, Solid
 from dummydesign.pad.force_law import PadCurve
-from dummydesign.pad.solve.continuation import EASY, Path, cost, follow
-from dummydesign.pad.solve.equilibrium import Failure, Problem, Solution, find_equilibrium
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.solve.continuation import EASY, ForcePath, cost, follow
+from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium, Failure, find_equilibrium
 
 Array = np.ndarray
 
@@ -61,7 +62,7 @@ def lines(length: float, first: float, growth: float, largest: float, within: fl
     return np.array(nodes) * (length / nodes[-1])
 
 
-def filleted_problem(case: Case, sides: bool = True, coarser: float = 1.0) -> Problem:
+def filleted_problem(case: Case, sides: bool = True, coarser: float = 1.0) -> ContactProblem:
     """The slab under a punch with a fillet, what touches it glued; over a base with friction it may lift off."""
     check_fillet(case.edge, case.radius)
     fillet, shear = case.edge, case.law.shear_MPa
@@ -74,7 +75,7 @@ def filleted_problem(case: Case, sides: bool = True, coarser: float = 1.0) -> Pr
     under = np.nonzero(top & (radius <= flat + 1e-9))[0]
     free = meshes.edges_on(mesh, top & (radius >= flat - 1e-9) & (radius <= case.radius + 0.8 * case.scale))
     stiffness = shear * FILLETED_PUNCH.contact / coarser / fillet
-    surface = Surface(mesh.nodes, free, stiffness, grip=stiffness, grip_from=0.0, ties_within_step=True)
+    surface = AxisymmetricSurface(mesh.nodes, free, stiffness, grip=stiffness, grip_from=0.0, ties_within_step=True)
     return round_problem(mesh, case, under, surface, punch)
 
 
@@ -98,7 +99,7 @@ def check_fillet(fillet_mm: float, half_width_mm: float) -> None:
         raise out_of_range("edge_radius_mm", fillet_mm, 0.0, float(f"{largest:.4g}"))
 
 
-def follow_filleted(problem: Problem, nodes: Array) -> Path:
+def follow_filleted(problem: ContactProblem, nodes: Array) -> ForcePath:
     """Follow a glued fillet through depths on the lattice."""
     return follow(problem, nodes, FIRST_STEP, LATTICE, LATTICE / 256.0, lattice=True)
 
@@ -157,7 +158,7 @@ class SlidingMesh:
         depths = np.sort(np.concatenate([self._z, 0.5 * (self._z[1:] + self._z[:-1])]))
         self._column = np.argmin(np.abs(r[:, None] - self._middles(flat)), axis=1)
         self._row = np.argmin(np.abs(mesh.nodes[1][:, None] - depths), axis=1)
-        self.problem: Problem = round_problem(
+        self.problem: ContactProblem = round_problem(
             mesh,
             case,
             np.array([], dtype=int),
@@ -184,8 +185,10 @@ class SlidingMesh:
         points, quads, _ = columns(self._radii(self.edge), -self._z)
         return meshes.discretise(points, quads)
 
-    def _surface(self, mesh: Discretisation) -> Surface:
-        return Surface(mesh.nodes, self._sides, self.case.law.shear_MPa * FILLETED_PUNCH.contact / self.punch.rim)
+    def _surface(self, mesh: Discretisation) -> AxisymmetricSurface:
+        return AxisymmetricSurface(
+            mesh.nodes, self._sides, self.case.law.shear_MPa * FILLETED_PUNCH.contact / self.punch.rim
+        )
 
     def move(self, edge: float) -> None:
         """Put the columns where the fillet's first one is at a radius ``edge`` of the undeformed slab."""
@@ -226,7 +229,9 @@ def solve_sliding(case: Case, nodes: Array) -> dict[str, Any]:
 
 
 @one_blas_thread()
-def follow_sliding(mesh: SlidingMesh, depths: Array, visit: Callable[[float, Solution], None] | None = None) -> Path:
+def follow_sliding(
+    mesh: SlidingMesh, depths: Array, visit: Callable[[float, Equilibrium], None] | None = None
+) -> ForcePath:
     """Follow the slab through depths while the mesh's columns follow the fillet.
 
     The next state is extrapolated from the last two in the frame of the punch, in which it hardly changes.
@@ -275,7 +280,7 @@ def follow_sliding(mesh: SlidingMesh, depths: Array, visit: Callable[[float, Sol
         if answer.iterations <= EASY:
             step = min(1.4 * step, LATTICE)
     table = np.array(points).reshape(-1, 3)
-    return Path(
+    return ForcePath(
         table[:, 0], table[:, 1], table[:, 2], problem.pattern.n, steps, iterations, time.perf_counter() - began, stop
     )
 
@@ -315,7 +320,7 @@ def solve_rubbing(case: Case, nodes: Array) -> dict[str, Any]:
     return made | {"error": made["error"] + np.maximum.accumulate(own)[:count]}
 
 
-def rubbing_problem(case: Case, cells: int, grip: float = 1.0) -> Problem:
+def rubbing_problem(case: Case, cells: int, grip: float = 1.0) -> ContactProblem:
     """The slab under a punch with a fillet, contact and friction over the whole face."""
     fillet, friction = case.edge, Interface.parse(case.condition, "condition", FACES).friction
     punch = FilletedPunch(case.radius, fillet)
@@ -332,12 +337,14 @@ def rubbing_problem(case: Case, cells: int, grip: float = 1.0) -> Problem:
     return round_problem(mesh, case, np.array([], dtype=int), surface, punch, under)
 
 
-def follow_rubbing(problem: Problem, depths: Array, visit: Callable[[float, Solution], None] | None = None) -> Path:
+def follow_rubbing(
+    problem: ContactProblem, depths: Array, visit: Callable[[float, Equilibrium], None] | None = None
+) -> ForcePath:
     """Follow the problem through depths that are no further apart than the steps of the force's path."""
     return follow(problem, depths, FIRST_STEP, LATTICE, SMALLEST_STEP, visit=visit)
 
 
-def _extended(case: Case, cells: int, nodes: Array) -> tuple[Path, Array]:
+def _extended(case: Case, cells: int, nodes: Array) -> tuple[ForcePath, Array]:
     """A path, extended by that with a softer grip where it ends early, and the relative doubt in that."""
     path = follow_rubbing(rubbing_problem(case, cells, GRIPS[0]), nodes)
     count = len(path.force)

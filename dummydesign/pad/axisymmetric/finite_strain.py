@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.cache import cached
-from dummydesign.core.process import tell_depth
+from dummydesign.core.progress import tell_depth
 from dummydesign.pad.axisymmetric.case import Case, rimmed_problem, unsolved
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace
 from dummydesign.pad.axisymmetric.shaped_problem import FLAT_STEP, LARGEST_STEP, RIMS, shaped_problem
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.material.relaxation import PronyTerm, Viscoelastic, relaxed_force
+from dummydesign.pad.pad_under_punch import SLAB
 from dummydesign.pad.solve.continuation import add_costs, cost
-from dummydesign.pad.solve.equilibrium import Failure, Problem, explain, find_equilibrium
-from dummydesign.pad.specimen import SLAB
+from dummydesign.pad.solve.equilibrium import ContactProblem, Failure, explain, find_equilibrium
 
 Array = np.ndarray
 
@@ -44,7 +44,7 @@ class MotionPath:
 
 
 def follow_motion(
-    problem: Problem,
+    problem: ContactProblem,
     time_s: Array,
     depth: Array,
     largest_step: float,
@@ -201,7 +201,7 @@ def _of_shape(case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Ar
     step = (FLAT_STEP if flat else LARGEST_STEP) * 16.0 / cells
 
     def follow(twin: bool, rims: Sequence[float]) -> RatioPath:
-        def problem(own: Case, rim: float) -> Problem:
+        def problem(own: Case, rim: float) -> ContactProblem:
             return shaped_problem(own, cells, rim, twin, refinement=1.0)
 
         return _ratio_path(problem, case, prony, time_s, depth, rims, step, not (twin or flat))
@@ -218,7 +218,7 @@ def _of_shape(case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Ar
 
 
 def _ratio_path(
-    problem: Callable[[Case, float], Problem],
+    problem: Callable[[Case, float], ContactProblem],
     case: Case,
     prony: tuple[PronyTerm, ...],
     time_s: Array,

@@ -14,15 +14,15 @@ from numpy.typing import ArrayLike
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.interface import FACES, Interface
 from dummydesign.pad.axisymmetric.case import Case, held_on, padded, relative_depths, round_problem, unsolved
-from dummydesign.pad.contact.axisymmetric import FlatPunch, ProfilePunch, Punch, Surface
+from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface, FlatPunch, ProfilePunch, RigidPunch
 from dummydesign.pad.contact.penalty import PROFILE_PUNCH, SLIDING_EDGE, Penalty
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import columns, graded
 from dummydesign.pad.fem.mixed_solid import STABILISATION
 from dummydesign.pad.force_law import PadCurve
-from dummydesign.pad.solve.continuation import Path, cost, follow
-from dummydesign.pad.solve.equilibrium import Problem
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.solve.continuation import ForcePath, cost, follow
+from dummydesign.pad.solve.equilibrium import ContactProblem
 
 Array = np.ndarray
 
@@ -123,7 +123,9 @@ class Region:
         return self.start + (np.array(r) - self.start) * (self.stop - self.start) / (r[-1] - self.start)
 
 
-def indentation_problem(punch: Punch, region: Region, case: Case, penalty: Penalty = SLIDING_EDGE) -> Problem:
+def indentation_problem(
+    punch: RigidPunch, region: Region, case: Case, penalty: Penalty = SLIDING_EDGE
+) -> ContactProblem:
     """A slab of unit thickness under a rigid punch, contact over the whole top."""
     face, cell = Interface.parse(case.condition, "condition", FACES), region.cell
     inner = graded(region.start, 0.0, cell, GROWTH)[::-1] if region.start > 0.0 else np.array([0.0])
@@ -133,7 +135,7 @@ def indentation_problem(punch: Punch, region: Region, case: Case, penalty: Penal
     mesh = meshes.discretise(points, quads)
     sides = meshes.edges_on(mesh, meshes.on_top(mesh) & (mesh.nodes[0] <= region.stop + 0.5))
     contact = case.law.shear_MPa * penalty.contact
-    surface = Surface(
+    surface = AxisymmetricSurface(
         mesh.nodes,
         sides,
         lambda radius: contact / np.maximum(cell, region.share * radius),
@@ -148,14 +150,16 @@ def indentation_problem(punch: Punch, region: Region, case: Case, penalty: Penal
     return round_problem(mesh, case, np.array([], dtype=int), surface, punch, None, STABILISATION)
 
 
-def edge_problem(case: Case) -> Problem:
+def edge_problem(case: Case) -> ContactProblem:
     """A slab under a flat punch with a small fillet ``case.edge``, contact over the whole face."""
     start = max(0.0, case.radius - EDGE_INWARDS * case.edge)
     region = Region(start, case.radius + EDGE_BEYOND * case.edge, case.edge / EDGE_CELLS)
     return indentation_problem(FlatPunch(case.radius, case.edge), region, case)
 
 
-def press(problem: Problem, depths: ArrayLike, first_step: float, largest_step: float, lattice: bool = False) -> Path:
+def press(
+    problem: ContactProblem, depths: ArrayLike, first_step: float, largest_step: float, lattice: bool = False
+) -> ForcePath:
     """Follow the contact through depths; raise when not even the first is reached."""
     path = follow(problem, depths, first_step, largest_step, first_step / 64.0, lattice=lattice)
     if not len(path.depth):
@@ -217,7 +221,7 @@ def before_the_step(punch: ProfilePunch, reach: float, depth: Array, unit_mm: fl
     return kept, message
 
 
-def profile_problem(case: Case, punch: ProfilePunch, first: float, cells: int = CELLS) -> Problem:
+def profile_problem(case: Case, punch: ProfilePunch, first: float, cells: int = CELLS) -> ContactProblem:
     """A slab under a profile in thicknesses, meshed for the contact at a first depth."""
     return indentation_problem(punch, tip_region(punch, case.radius, first, cells), case, PROFILE_PUNCH)
 

@@ -30,16 +30,16 @@ from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import FACES, FRICTION, Interface
 from dummydesign.pad.axisymmetric.case import unsolved
-from dummydesign.pad.contact.axisymmetric import Punch, SideContact
+from dummydesign.pad.contact.axisymmetric import RigidPunch, SideContact
 from dummydesign.pad.contact.penalty import PUCK_PLATES
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import columns
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.force_law import NO_COST, PadCurve
 from dummydesign.pad.material.hyperelastic import HyperelasticLaw
-from dummydesign.pad.solve.continuation import Path, cost, follow
-from dummydesign.pad.solve.equilibrium import Problem
-from dummydesign.pad.specimen import Puck
+from dummydesign.pad.pad_under_punch import Puck
+from dummydesign.pad.solve.continuation import ForcePath, cost, follow
+from dummydesign.pad.solve.equilibrium import ContactProblem
 
 Array = np.ndarray
 
@@ -83,14 +83,14 @@ class RoughPlate(SideContact):
         self._touched = points[..., 1] > -1e-9
         self._spot = points[..., 0].copy()
 
-    def settle(self, u: Array, punch: Punch | None, depth: float) -> None:
+    def settle(self, u: Array, punch: RigidPunch | None, depth: float) -> None:
         """Remember where points first touched, so that their slip is counted from there."""
         points = self.points(u)
         new = (points[..., 1] + depth >= 0.0) & ~self._touched
         self._spot[new] = points[..., 0][new]
         self._touched |= new
 
-    def forces(self, u: Array, punch: Punch | None, depth: float) -> tuple[Array, Array]:
+    def forces(self, u: Array, punch: RigidPunch | None, depth: float) -> tuple[Array, Array]:
         """Internal force (full length) and its derivative (per side) of contact and friction."""
         points = self.points(u)
         penetration = points[..., 1] + depth
@@ -119,7 +119,7 @@ def puck_problem(
     poisson: float = 0.5,
     corner: float = CORNER_CELLS[0],
     slip_scale: float = SLIP_SCALE,
-) -> Problem:
+) -> ContactProblem:
     """Upper half of a cylinder of unit height under a plate; the plate's depth is half the compression."""
     r = meshes.graded(puck.radius, 0.0, corner, GROWTH)[::-1]
     z = meshes.graded(0.0, -0.5, corner, GROWTH)
@@ -132,7 +132,7 @@ def puck_problem(
     held[2 * middle + 1] = True
     solid = Solid(mesh, law, poisson)
     if puck.friction == 0.0:
-        return Problem(solid, held, 2 * top + 1, 2 * middle + 1)
+        return ContactProblem(solid, held, 2 * top + 1, 2 * middle + 1)
     sides, driven = meshes.edges_on(mesh, np.abs(mesh.nodes[0] - puck.radius) < 1e-9), np.array([], dtype=int)
     if puck.plates == "bonded":
         held[2 * top] = True
@@ -141,7 +141,7 @@ def puck_problem(
         sides = np.concatenate([meshes.edges_on(mesh, meshes.on_top(mesh)), sides])
     stiffness = PUCK_PLATES.contact * law.shear_MPa
     plate = RoughPlate(mesh.nodes, sides, stiffness, puck.friction, slip_scale)
-    return Problem(solid, held, driven, 2 * middle + 1, plate, None, 2 * top + 1)
+    return ContactProblem(solid, held, driven, 2 * middle + 1, plate, None, 2 * top + 1)
 
 
 def solve_puck(puck: Puck, compression_mm: Sequence[float] | Array) -> PadCurve:
@@ -191,7 +191,7 @@ def compress(
     poisson: float = 0.5,
     corner: float = CORNER_CELLS[0],
     slip_scale: float = SLIP_SCALE,
-) -> Path:
+) -> ForcePath:
     """Follow a puck of unit height through relative compressions; a Path whose depth is HALF of them."""
     problem = puck_problem(puck, law, poisson, corner, slip_scale)
     first = 0.02 if problem.surface is None else slip_scale

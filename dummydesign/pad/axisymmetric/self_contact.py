@@ -12,8 +12,8 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
-from dummydesign.pad.solve.continuation import Path
-from dummydesign.pad.solve.equilibrium import Problem
+from dummydesign.pad.solve.continuation import ForcePath
+from dummydesign.pad.solve.equilibrium import ContactProblem
 
 Array = np.ndarray
 
@@ -63,7 +63,7 @@ class FoldWatch:
             return stop
         return f"{self.face.notch} is folded to {self.opening:.0f} degrees, and {stop}"
 
-    def with_stop_reason(self, path: Path, last: Array | None = None) -> Path:
+    def with_stop_reason(self, path: ForcePath, last: Array | None = None) -> ForcePath:
         """The path with the reason of its end; ``last`` is where it came to, beyond the last wanted depth."""
         if last is not None and self.folded is None:
             self.opening = min(self.opening, self.face.opening_deg(last))
@@ -100,7 +100,7 @@ class RoundFace:
         "flatter flank stays open"
     )
 
-    def __init__(self, problem: Problem, thickness_mm: float) -> None:
+    def __init__(self, problem: ContactProblem, thickness_mm: float) -> None:
         mesh = problem.solid.mesh
         node = meshes.cell_nodes(mesh)
         # The face is the upper side of the first row of cells, which no other cell has.

@@ -42,8 +42,8 @@ from dummydesign.pad.axisymmetric.sharp_edge import RIM_POWER, extrapolate_to_sh
 from dummydesign.pad.contact.friction import SLIP_SCALE
 from dummydesign.pad.force_law import NO_COST, PadCurve
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.solve.continuation import Path, add_costs, cost, follow
-from dummydesign.pad.specimen import SLAB, Pad
+from dummydesign.pad.pad_under_punch import SLAB, Pad
+from dummydesign.pad.solve.continuation import ForcePath, add_costs, cost, follow
 from dummydesign.pad.tables.filleted import POWER, slab_table
 
 Array = np.ndarray
@@ -71,7 +71,7 @@ def solve_flat(pad: Pad, depth_mm: ArrayLike) -> PadCurve:
     return PadCurve(glued.depth_mm[:count], force, error, solver, (*made["notes"], *glued.notes))
 
 
-def _follow_rim(case: Case, depths: Array, slides: bool) -> Path:
+def _follow_rim(case: Case, depths: Array, slides: bool) -> ForcePath:
     """Follow one fillet: contact over the whole face where it slides, else a face that moves with the punch."""
     if slides:
         problem = edge_problem(case)
@@ -175,7 +175,7 @@ def _climbs(case: Case, deepest: float, cells: int, solved: PathCache, twin: boo
     return [solved.climb(case, deepest, grid, twin, SOUND_J * (grid[0] < cells)) for grid in grids(cells, case)]
 
 
-def _doubt(path: Path, count: int) -> Array:
+def _doubt(path: ForcePath, count: int) -> Array:
     """Relative error of a path's forces between the ends of its steps, shape (count,); held at the last one."""
     known = np.zeros(len(path.force)) if path.doubt is None else path.doubt
     return last_known(np.concatenate([known, np.full(count - len(known), np.nan)]), 0.0)
@@ -257,7 +257,7 @@ def _slab_curve(pad: Pad, case: Case, depths: Array) -> PadCurve:
 
 
 def _curve(
-    case: Case, depths: Array, force: Array, error: Array, paths: list[Path], stops: Sequence[str | None]
+    case: Case, depths: Array, force: Array, error: Array, paths: list[ForcePath], stops: Sequence[str | None]
 ) -> PadCurve:
     """The curve of forces to the first that is not known, and why it ends there."""
     count = int(np.isfinite(force).sum())

@@ -13,19 +13,19 @@ import numpy as np
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError
 from dummydesign.core.parsing import one_of
-from dummydesign.core.process import tell_depth
+from dummydesign.core.progress import tell_depth
 from dummydesign.geometry.interface import BASES, FACES, Interface
 from dummydesign.pad.axisymmetric.case import FILM_REACH, Case, glue_film, round_problem
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace
-from dummydesign.pad.contact.axisymmetric import GROWN_SLIP, FilletedPunch, FlatPunch, Surface
+from dummydesign.pad.contact.axisymmetric import GROWN_SLIP, AxisymmetricSurface, FilletedPunch, FlatPunch
 from dummydesign.pad.contact.friction import CombinedSurface
 from dummydesign.pad.contact.penalty import ROUND_SHAPED_PAD
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import Sizes, columns, height_lines, lines_by_size, stretch
 from dummydesign.pad.fem.mixed_solid import STABILISATION
-from dummydesign.pad.solve.continuation import WITHOUT_TIES, Path, VisitedState, follow, force_between
-from dummydesign.pad.solve.equilibrium import Problem, Solution
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.solve.continuation import WITHOUT_TIES, ForcePath, VisitedState, follow, force_between
+from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium
 
 Array = np.ndarray
 
@@ -44,7 +44,7 @@ FAR, FAR_SLOPE = 1.0, 0.5
 
 def shaped_problem(
     case: Case, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False, refinement: float = EDGE_REFINEMENT
-) -> Problem:
+) -> ContactProblem:
     """The pad under a punch with an edge fillet; its ``twin`` is the slab on the same cells."""
     face = Interface.parse(case.condition, "condition", FACES)
     one_of("base", case.base, BASES)
@@ -80,7 +80,7 @@ def shaped_problem(
         inside = radius.max(axis=1) <= inner
         glued, near = np.unique(top[inside]), near & ~inside
         film = partial(glue_film, punch=punch, shear_MPa=shear)
-    surface = Surface(
+    surface = AxisymmetricSurface(
         mesh.nodes,
         top[near],
         strength,
@@ -172,14 +172,14 @@ class Climb:
     """A path as far as it was followed: ends of its steps, why it ends where no depth was reached, and its cost."""
 
     ends: tuple[VisitedState, ...]
-    path: Path
+    path: ForcePath
 
     @property
     def reached(self) -> float:
         """The deepest end of a step."""
         return self.ends[-1].depth if self.ends else 0.0
 
-    def at(self, depths: Array) -> Path:
+    def at(self, depths: Array) -> ForcePath:
         """Forces at the depths that were reached, between the ends of steps."""
         kept = depths[depths <= self.reached * (1.0 + 1e-9)]
         force, doubt = force_between(self.ends, kept) if len(kept) else (kept, kept)
@@ -195,7 +195,7 @@ def climb(
     cells: int = CELLS,
     rim: float = RIMS[-1],
     twin: bool = False,
-    visit: Callable[[Problem, VisitedState], None] | None = None,
+    visit: Callable[[ContactProblem, VisitedState], None] | None = None,
     smaller: Climb | None = None,
     sound_J: float = 0.0,
 ) -> Climb:
@@ -243,17 +243,17 @@ def climb(
 FAR_ENOUGH, LEAST_ENDS = "far enough", 4
 
 
-def _inside(problem: Problem, end: VisitedState) -> bool:
+def _inside(problem: ContactProblem, end: VisitedState) -> bool:
     """Whether a contact, under whatever fillet, is inside the flat face of a problem's punch."""
     points = _face(problem).points(end.u)
     assert isinstance(problem.punch, FlatPunch)
     return bool(np.all(points[..., 0][points[..., 1] + end.depth >= 0.0] < problem.punch.flat_radius))
 
 
-def _face(problem: Problem) -> Surface:
+def _face(problem: ContactProblem) -> AxisymmetricSurface:
     """The surface that the punch presses."""
     surface = problem.surface.face if isinstance(problem.surface, CombinedSurface) else problem.surface
-    assert isinstance(surface, Surface)
+    assert isinstance(surface, AxisymmetricSurface)
     return surface
 
 
@@ -263,8 +263,8 @@ def solve_path(
     cells: int = CELLS,
     rim: float = RIMS[-1],
     twin: bool = False,
-    visit: Callable[[Problem, VisitedState], None] | None = None,
-) -> Path:
+    visit: Callable[[ContactProblem, VisitedState], None] | None = None,
+) -> ForcePath:
     """Forces of the pad under a punch with one edge fillet at depths."""
     return climb(case, float(np.max(depths)), cells, rim, twin, visit).at(np.asarray(depths, float))
 
@@ -291,11 +291,11 @@ class PathCache:
             self._climbs[key] = climb(case, deepest, *grid, twin, visit, smaller, sound_J)
         return self._climbs[key]
 
-    def _touch(self, problem: Problem, end: VisitedState) -> None:
+    def _touch(self, problem: ContactProblem, end: VisitedState) -> None:
         self.touched.append((end.depth, *radius_touched(problem, end.depth, end.u)))
 
 
-def radius_touched(problem: Problem, depth: float, u: Array) -> tuple[float, bool]:
+def radius_touched(problem: ContactProblem, depth: float, u: Array) -> tuple[float, bool]:
     """Radius of the contact at displacements, and whether it has reached the fillet of the punch's edge."""
     punch, points = problem.punch, _face(problem).points(u)
     assert punch is not None
@@ -355,7 +355,7 @@ def _touch(case: Case, depths: Array, cells: int) -> dict[str, Any]:
     problem = shaped_problem(case, cells)
     rows: list[tuple[float, bool]] = []
 
-    def measure(depth: float, solution: Solution) -> None:
+    def measure(depth: float, solution: Equilibrium) -> None:
         rows.append(radius_touched(problem, depth, solution.u))
 
     path = follow(problem, depths, 0.25 * float(depths[0]), FREE_STEP, SMALLEST_STEP, visit=measure)

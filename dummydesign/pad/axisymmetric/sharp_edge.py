@@ -22,8 +22,8 @@ from dummydesign.pad.axisymmetric.case import (
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.force_law import PadCurve
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.solve.continuation import Path, cost, follow
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.solve.continuation import ForcePath, cost, follow
 from dummydesign.pad.tables.slab import ResponseTable, load_edge_correction, load_table, sharp_edge_doubt
 
 Array = np.ndarray
@@ -241,7 +241,7 @@ REACH_OF_TABLE = 0.58
 CLOSER = (1, 2)
 
 
-def solve_path(case: Case, depths: Array, rim: float, resolution: Resolution) -> Path:
+def solve_path(case: Case, depths: Array, rim: float, resolution: Resolution) -> ForcePath:
     """Follow the slab under a punch with one fillet."""
     problem = rimmed_problem(case, rim, resolution)
     # Under a small rim the first touch is steep: steps down to a tenth of it.
@@ -249,7 +249,9 @@ def solve_path(case: Case, depths: Array, rim: float, resolution: Resolution) ->
     return follow(problem, depths, rim, 0.05 * case.scale, smallest, most_wasted=MOST_WASTED)
 
 
-def solve_rims(case: Case, depths: Array, rims: Sequence[float], resolution: Resolution) -> tuple[Samples, list[Path]]:
+def solve_rims(
+    case: Case, depths: Array, rims: Sequence[float], resolution: Resolution
+) -> tuple[Samples, list[ForcePath]]:
     """Solve every fillet at the depths that are large against it."""
     values, paths = [np.zeros((3, 0))], []
     for rim in rims:

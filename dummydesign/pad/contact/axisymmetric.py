@@ -28,7 +28,7 @@ GROWN_SLIP = 2.0 / 3.0
 TOUCHING = 1e-12
 
 
-class Punch(Protocol):
+class RigidPunch(Protocol):
     """A rigid punch, round or in space; lengths in the unit of the mesh."""
 
     def gap(self, points: Array, depth: float) -> tuple[Array, Array, Array]:
@@ -166,7 +166,7 @@ class SideContact(ContactSurface):
         return matrix.transpose(0, 1, 3, 2, 4).reshape(len(self.dofs), 6, 6)
 
 
-class Surface(SideContact):
+class AxisymmetricSurface(SideContact):
     """Sides of the pad that may touch the punch; stiffness and film of the glued face by radius."""
 
     def __init__(
@@ -214,7 +214,7 @@ class Surface(SideContact):
         """Take back a ``memory``."""
         self._held, self._spot, self._along = (part.copy() for part in memory)
 
-    def tie(self, u: Array, punch: Punch, depth: float) -> bool:
+    def tie(self, u: Array, punch: RigidPunch, depth: float) -> bool:
         """Tie points that came to touch in this step where the gap closed; True when there are new ones."""
         if not self._within:
             return False
@@ -242,7 +242,7 @@ class Surface(SideContact):
         part = part.reshape(room.shape)[..., None]
         return rest + part * (points + np.array([0.0, depth]) - rest)
 
-    def settle(self, u: Array, punch: Punch, depth: float) -> None:
+    def settle(self, u: Array, punch: RigidPunch, depth: float) -> None:
         """Accept a step: free points that do not touch; without ties within the step, tie those that do."""
         points = self.points(u)
         gap, normal, _ = punch.gap(points, depth)
@@ -252,12 +252,12 @@ class Surface(SideContact):
         self._before = self._held.copy()
         self._last = (places, gap)
 
-    def forces(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Array]:
+    def forces(self, u: Array, punch: RigidPunch, depth: float) -> tuple[Array, Array]:
         """Gradient (full length) and second derivative (per side) of the contact and film energy."""
         force, matrix = self.pressed(u, punch, depth)
         return force, matrix()
 
-    def pressed(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Callable[[], Array]]:
+    def pressed(self, u: Array, punch: RigidPunch, depth: float) -> tuple[Array, Callable[[], Array]]:
         """Gradient of the energy, and what gives its second derivative."""
         points = self.points(u)
         gap, normal, bend = punch.gap(points, depth)

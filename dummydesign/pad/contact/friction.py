@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.pad.contact.axisymmetric import TOUCHING, Punch, SideContact, Surface
+from dummydesign.pad.contact.axisymmetric import TOUCHING, AxisymmetricSurface, RigidPunch, SideContact
 from dummydesign.pad.contact.penalty import RESTING_BASE, ContactSurface
 from dummydesign.pad.fem.mixed_solid import Discretisation
 
@@ -39,7 +39,7 @@ class RestingBase(SideContact):
         self._stiffness, self._friction = area * RESTING_BASE.contact * shear, friction
         self._pull, self._pressure = area * weight * shear, weight
 
-    def forces(self, u: Array, punch: Punch | None, depth: float) -> tuple[Array, Array]:
+    def forces(self, u: Array, punch: RigidPunch | None, depth: float) -> tuple[Array, Array]:
         """Force (full length) and its derivative (per side) of contact, friction and weight."""
         local = u[self.dofs].reshape(-1, 3, 2)
         slip, gap = (local[:, :, k] @ self._shape.T for k in (0, 1))
@@ -86,16 +86,16 @@ class CombinedSurface(ContactSurface):
         for part, kept in zip(self._parts, memory):
             part.restore(kept)
 
-    def tie(self, u: Array, punch: Punch, depth: float) -> bool:
+    def tie(self, u: Array, punch: RigidPunch, depth: float) -> bool:
         """As of each."""
         return any([part.tie(u, punch, depth) for part in self._parts])
 
-    def settle(self, u: Array, punch: Punch, depth: float) -> None:
+    def settle(self, u: Array, punch: RigidPunch, depth: float) -> None:
         """As of each."""
         for part in self._parts:
             part.settle(u, punch, depth)
 
-    def forces(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Array]:
+    def forces(self, u: Array, punch: RigidPunch, depth: float) -> tuple[Array, Array]:
         """Sum of the forces, and all matrices in the order of ``dofs``."""
         parts = [part.forces(u, punch, depth) for part in self._parts]
         return parts[0][0] + parts[1][0], np.concatenate([matrix for _, matrix in parts])
@@ -114,7 +114,7 @@ def coulomb_drag(pull: Array, limit: Array) -> tuple[Array, Array, Array]:
     return limit * share, slope, share - x * slope
 
 
-class RubbingSurface(Surface):
+class RubbingSurface(AxisymmetricSurface):
     """Sides of the pad that may touch a punch and rub along its outline."""
 
     def __init__(self, nodes: Array, sides: Array, stiffness: float, spring_share: float, friction: float) -> None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dummydesign.pad.contact.axisymmetric import TOUCHING, Punch
+from dummydesign.pad.contact.axisymmetric import TOUCHING, RigidPunch
 from dummydesign.pad.contact.penalty import ContactSurface
 
 Array = np.ndarray
@@ -84,7 +84,7 @@ class FaceContact(ContactSurface):
     def _points(self, u: Array) -> Array:
         return np.einsum("qi,eic->eqc", self._shape, self._corners + u[self.dofs].reshape(self._corners.shape))
 
-    def settle(self, u: Array, punch: Punch, depth: float) -> None:
+    def settle(self, u: Array, punch: RigidPunch, depth: float) -> None:
         """Let points that touch at the end of a load step stick where they are; free those that do not."""
         points = self._points(u)
         gap, normal, _ = punch.gap(points, depth)
@@ -95,7 +95,7 @@ class FaceContact(ContactSurface):
         self._plane[new] = (np.eye(3) - unit[..., :, None] * unit[..., None, :])[new]
         self._held = touching
 
-    def forces(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Array]:
+    def forces(self, u: Array, punch: RigidPunch, depth: float) -> tuple[Array, Array]:
         """Gradient (full length) and second derivative (per face) of the contact and grip energy."""
         points = self._points(u)
         gap, normal, bend = punch.gap(points, depth)

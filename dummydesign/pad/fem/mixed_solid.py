@@ -136,7 +136,7 @@ class Discretisation:
 
 
 @dataclass
-class State:
+class SolidState:
     """Residual at one displacement and pressure; ``at`` holds deformation, cofactor and slope for the tangent."""
 
     internal_force: Array
@@ -205,7 +205,7 @@ class Solid:
         both[:, :, self.mesh.kinematics.order] = stress
         return (self._back @ both.reshape(elements, -1, self._along)).reshape(elements, -1)
 
-    def state(self, u: Array, p: Array) -> State | None:
+    def state(self, u: Array, p: Array) -> SolidState | None:
         """Evaluate the solid; None where an element is inverted at a quadrature point (J <= 0)."""
         mesh, kin = self.mesh, self.mesh.kinematics
         F = self.deformation(u)
@@ -220,9 +220,9 @@ class Solid:
         force = self._forces(stress)
         internal = np.bincount(mesh.dofs.ravel(), force.ravel(), minlength=mesh.size)
         pressure = (weight * (J - 1.0)) @ basis - np.einsum("eab,eb->ea", self.compliance, p)
-        return State(internal, pressure, J, (F, cofactor, slope))
+        return SolidState(internal, pressure, J, (F, cofactor, slope))
 
-    def linearise(self, state: State) -> Tangent:
+    def linearise(self, state: SolidState) -> Tangent:
         """Return the condensed tangent at a state."""
         F, cofactor, slope = state.at
         mesh = self.mesh
@@ -278,12 +278,12 @@ class Solid:
             blocks[:, :, i, :, k] += matrix[:, :, p]
             blocks[:, :, k, :, i] -= matrix[:, :, p]
 
-    def force_of_pressure(self, tangent: Tangent, state: State) -> Array:
+    def force_of_pressure(self, tangent: Tangent, state: SolidState) -> Array:
         """What the eliminated pressure of a state adds to the load, by the tangent of that state or of one near it."""
         extra = (tangent.half @ state.pressure_residual[:, :, None])[:, :, 0]
         return np.bincount(self.mesh.dofs.ravel(), extra.ravel(), minlength=self.mesh.size)
 
-    def pressure_step(self, tangent: Tangent, state: State, du: Array) -> Array:
+    def pressure_step(self, tangent: Tangent, state: SolidState, du: Array) -> Array:
         """Pressure increment that belongs to a displacement increment of the linearised equations."""
         load = -state.pressure_residual - (du[self.mesh.dofs][:, None, :] @ tangent.coupling)[:, 0]
         return (load[:, None, :] @ self.inverse)[:, 0]

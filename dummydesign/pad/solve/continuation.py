@@ -11,15 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.interpolation import cubic_by_slopes, monotone_slopes
-from dummydesign.core.process import one_blas_thread, tell_depth
+from dummydesign.core.progress import tell_depth
 from dummydesign.pad.force_law import NO_COST
 from dummydesign.pad.solve.equilibrium import (
     RESIDUAL_TOLERANCE,
     TIED,
+    ContactProblem,
+    Equilibrium,
     Failure,
-    Problem,
-    Solution,
     explain,
     find_equilibrium,
 )
@@ -36,7 +37,7 @@ WITHOUT_TIES = 4.0
 
 
 @dataclass(frozen=True)
-class Path:
+class ForcePath:
     """Forces at the depths that were reached, and what the solve cost.
 
     ``stop`` is None when every depth was reached, else the reason in words; ``doubt`` the relative error of forces
@@ -90,7 +91,7 @@ def force_between(ends: Sequence[VisitedState], depths: Array) -> tuple[Array, A
     return np.exp(log), np.abs(bend * far * (step - far))
 
 
-def state_between(problem: Problem, passed: Sequence[VisitedState], depth: float) -> Solution | Failure:
+def state_between(problem: ContactProblem, passed: Sequence[VisitedState], depth: float) -> Equilibrium | Failure:
     """Equilibrium at a depth that a path has passed, from the ends of the steps before and after it."""
     after = next(i for i, end in enumerate(passed) if end.depth >= depth * (1.0 - 1e-9))
     before = passed[after - 1] if after else VisitedState(0.0, *problem.start(), None)
@@ -115,18 +116,18 @@ def add_costs(*costs: Mapping[str, float]) -> dict[str, float]:
 
 @one_blas_thread()
 def follow(
-    problem: Problem,
+    problem: ContactProblem,
     depths: ArrayLike,
     first_step: float,
     largest_step: float,
     smallest_step: float,
     sound_J: float = 0.0,
     lattice: bool = False,
-    visit: Callable[[float, Solution], str | None] | None = None,
+    visit: Callable[[float, Equilibrium], str | None] | None = None,
     keep: Callable[[VisitedState], str | None] | None = None,
     most_wasted: float = math.inf,
     after: Sequence[VisitedState] = (),
-) -> Path:
+) -> ForcePath:
     """Follow the equilibrium from first touch through ``depths`` (increasing, in the mesh's unit of length).
 
     Every depth is met exactly. A step that fails is halved and tried again from the last good state;
@@ -187,7 +188,7 @@ def follow(
             continue
         passed = [goal for goal in targets[len(points) :] if goal <= trial_depth * (1.0 + 1e-12)]
         tied = problem.surface.memory() if problem.surface is not None and passed else None
-        between: Solution | Failure = answer
+        between: Equilibrium | Failure = answer
         for goal in passed:
             between = answer
             if goal < trial_depth * (1.0 - 1e-9):
@@ -223,7 +224,7 @@ def follow(
         if answer.iterations <= EASY + EASY_PER_TIE * answer.ties:
             step = min(1.4 * step, largest_step if answer.ties or not lattice else WITHOUT_TIES * largest_step)
     table = np.array(points).reshape(-1, 3)
-    return Path(
+    return ForcePath(
         table[:, 0],
         table[:, 1],
         table[:, 2],

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dummydesign.core.process import one_blas_thread
-from dummydesign.pad.contact.axisymmetric import Punch
+from dummydesign.core.blas_threads import one_blas_thread
+from dummydesign.pad.contact.axisymmetric import RigidPunch
 from dummydesign.pad.contact.penalty import ContactSurface
-from dummydesign.pad.fem.mixed_solid import Solid, State, Tangent
+from dummydesign.pad.fem.mixed_solid import Solid, SolidState, Tangent
 from dummydesign.pad.solve.sparse import Pattern
 
 Array = np.ndarray
@@ -40,7 +40,7 @@ HELD = 3
 LEAST_FRACTION = 0.05
 
 
-class Problem:
+class ContactProblem:
     """A solid, the unknowns that move with the punch or are held, and the surface in contact."""
 
     def __init__(
@@ -50,7 +50,7 @@ class Problem:
         driven: Array,
         base: Array,
         surface: ContactSurface | None = None,
-        punch: Punch | None = None,
+        punch: RigidPunch | None = None,
         carried: Array | None = None,
         solver: Callable[[list[Array], Array, int], Any] | None = None,
     ) -> None:
@@ -72,7 +72,7 @@ class Problem:
         force, matrix = self.surface.pressed(u, self.punch, depth)
         return force, lambda: [matrix()]
 
-    def force(self, state: State) -> float:
+    def force(self, state: SolidState) -> float:
         """Force that the pad carries, from the reaction of its base."""
         return float(state.internal_force[self.base].sum())
 
@@ -114,12 +114,12 @@ class Problem:
 
 
 @dataclass
-class Solution:
+class Equilibrium:
     """A state in equilibrium, the relative residuals on the way to it, ties of contact, and factorised tangents."""
 
     u: Array
     p: Array
-    state: State
+    state: SolidState
     residuals: tuple[float, ...]
     ties: int
     iterations: int
@@ -134,13 +134,13 @@ class Failure:
 
 
 def find_equilibrium(
-    problem: Problem,
+    problem: ContactProblem,
     u: Array,
     p: Array,
     depth: float,
     tolerance: float = RESIDUAL_TOLERANCE,
     without_ties: bool = False,
-) -> Solution | Failure:
+) -> Equilibrium | Failure:
     """Newton's method at one depth, from a predicted state."""
     found = newton_search(problem, u, p, depth, tolerance, without_ties, HELD)
     if isinstance(found, Failure) and found.iterations >= MAX_ITERATIONS:
@@ -151,8 +151,8 @@ def find_equilibrium(
 
 
 def newton_search(
-    problem: Problem, u: Array, p: Array, depth: float, tolerance: float, without_ties: bool, most_held: int
-) -> Solution | Failure:
+    problem: ContactProblem, u: Array, p: Array, depth: float, tolerance: float, without_ties: bool, most_held: int
+) -> Equilibrium | Failure:
     """One search, the solid's tangent kept for up to ``most_held`` factorisations."""
     solid, surface = problem.solid, problem.surface
     u = u.copy()
@@ -204,7 +204,7 @@ def newton_search(
                     tangent = None
                 continue
         if at.residual < tolerance and at.fraction == 1.0:
-            return Solution(at.u, at.p, at.state, tuple(residuals), ties, factorised)
+            return Equilibrium(at.u, at.p, at.state, tuple(residuals), ties, factorised)
         good = at.residual < (contraction * last if again else REUSE_BELOW)
         again = at.fraction == 1.0 and good and factorised <= REUSE_UP_TO
         if not again and (held >= most_held or at.residual < REUSE_BELOW):
@@ -219,14 +219,14 @@ class _Trial(NamedTuple):
     fraction: float
     u: Array
     p: Array
-    state: State
+    state: SolidState
     contact: Array
     matrices: Callable[[], list[Array]]
     residual: float
     unbalanced: float
 
 
-def _met(problem: Problem, depth: float, fraction: float, u: Array, p: Array, state: State) -> _Trial:
+def _met(problem: ContactProblem, depth: float, fraction: float, u: Array, p: Array, state: SolidState) -> _Trial:
     """Displacements and pressures with the contact as it is now."""
     contact, matrices = problem.pressed(u, depth)
     unbalanced = _size((state.internal_force + contact)[problem.pattern.free])
@@ -239,7 +239,7 @@ def _size(forces: Array) -> float:
     return math.sqrt(float(forces @ forces))
 
 
-def _tried(problem: Problem, at: _Trial, du: Array, dp: Array, depth: float, fraction: float) -> _Trial | None:
+def _tried(problem: ContactProblem, at: _Trial, du: Array, dp: Array, depth: float, fraction: float) -> _Trial | None:
     """The state after a share of a step; None when it inverts an element."""
     u, p = at.u + fraction * du, at.p + fraction * dp
     state = problem.solid.state(u, p)
@@ -248,7 +248,7 @@ def _tried(problem: Problem, at: _Trial, du: Array, dp: Array, depth: float, fra
     return _met(problem, depth, fraction, u, p, state)
 
 
-def _sound(problem: Problem, at: _Trial, du: Array, dp: Array, depth: float) -> _Trial | None:
+def _sound(problem: ContactProblem, at: _Trial, du: Array, dp: Array, depth: float) -> _Trial | None:
     """The largest of 1, 1/2, ... of a step that inverts no element; None below a twentieth."""
     fraction = 1.0
     while fraction >= LEAST_FRACTION:
@@ -259,7 +259,7 @@ def _sound(problem: Problem, at: _Trial, du: Array, dp: Array, depth: float) -> 
     return None
 
 
-def _shortened(problem: Problem, at: _Trial, du: Array, dp: Array, depth: float, trial: _Trial) -> _Trial:
+def _shortened(problem: ContactProblem, at: _Trial, du: Array, dp: Array, depth: float, trial: _Trial) -> _Trial:
     """Halves of a step while the residual falls.
 
     A whole step from where the punch is met leaves places that should touch, and presses others: points change sides
@@ -273,7 +273,7 @@ def _shortened(problem: Problem, at: _Trial, du: Array, dp: Array, depth: float,
     return trial
 
 
-def explain(problem: Problem, u: Array, p: Array, depth: float, reason: str) -> str:
+def explain(problem: ContactProblem, u: Array, p: Array, depth: float, reason: str) -> str:
     """Say where a path ended, with the worst element, for the user who has to act on it."""
     state = problem.solid.state(u, p)
     assert state is not None

@@ -14,7 +14,7 @@ WIDEST = 250
 ASYMMETRY = 1e-12
 
 
-class Band:
+class BandLayout:
     """Places of entries in the lower band of a symmetric matrix, after Cuthill and McKee's order or a narrower one."""
 
     def __init__(self, row: Array, column: Array, n: int, orders: Sequence[Array] = ()) -> None:
@@ -108,7 +108,7 @@ class Pattern:
         self._keep = (row >= 0) & (column >= 0)
         self._row, self._column = row[self._keep], column[self._keep]
         orders = [] if nodes is None else _sweeps(nodes[:, self._kept // len(nodes)])
-        self._band = Band(row, column, len(self._kept), orders)
+        self._band = BandLayout(row, column, len(self._kept), orders)
         self._order: Array | None = None
         self._to: Array | None = None
         self._whole: Array | None = None

@@ -42,10 +42,10 @@ from dummydesign.pad.fem.mesh_axisymmetric import Sizes, lines_by_size
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.force_law import PadCurve
 from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, HyperelasticLaw
-from dummydesign.pad.solve.continuation import Path, cost, follow
-from dummydesign.pad.solve.equilibrium import Problem, Solution
+from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.solve.continuation import ForcePath, cost, follow
+from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium
 from dummydesign.pad.solve.multifrontal import Dissection
-from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.bumped import RIM
 
 Array = np.ndarray
@@ -112,7 +112,7 @@ class SpatialFace:
 
     def __init__(
         self,
-        problem: Problem,
+        problem: ContactProblem,
         faces: Array,
         mirrored: tuple[bool, bool],
         thickness_mm: float,
@@ -164,11 +164,11 @@ class SpatialFace:
         return min(opening_deg(points[..., [0, 2]].swapaxes(0, 1)), opening_deg(points[..., [1, 2]]))
 
 
-def watched(problem: Problem, face: SpatialFace, depths: Array, largest_step: float) -> Path:
+def watched(problem: ContactProblem, face: SpatialFace, depths: Array, largest_step: float) -> ForcePath:
     """Follow a problem through depths, to where its face folds on to itself at the most."""
     watch, first = FoldWatch(face), 0.25 * float(depths[0])
 
-    def check(depth: float, solution: Solution) -> str | None:
+    def check(depth: float, solution: Equilibrium) -> str | None:
         return watch.check(depth, solution.u)
 
     return watch.with_stop_reason(follow(problem, depths, first, largest_step, first / 64.0, visit=check))
@@ -183,7 +183,7 @@ SPARE = 0.3
 
 
 @dataclass(frozen=True)
-class Grid:
+class GridFineness:
     """How fine the grid is."""
 
     cells: int = 7
@@ -191,7 +191,7 @@ class Grid:
     slope: float = 0.7
     height_growth: float = 1.6
 
-    def coarser(self) -> Grid:
+    def coarser(self) -> GridFineness:
         """Cells about 1.5 times as large, the same fillet."""
         return replace(self, cells=max(3, round(self.cells / 1.5)), slope=1.2 * self.slope)
 
@@ -296,7 +296,7 @@ def _tip(load: Load, axis: int) -> float:
     return np.inf if fall <= 0.0 else 1e-6 / (2.0 * fall)
 
 
-def axis_lines(load: Load, grid: Grid, axis: int) -> Array:
+def axis_lines(load: Load, grid: GridFineness, axis: int) -> Array:
     """Grid lines along one side of the pad."""
     half, shift, extent = load.half_sides[axis], load.offset[axis], load.half_extents[axis]
     rim = grid.rim * load.scale
@@ -311,7 +311,7 @@ def axis_lines(load: Load, grid: Grid, axis: int) -> Array:
     return lines_by_size(0.0 if shift == 0.0 else -extent, extent, (places[0], places[1], 0.0), wanted.at, SPARE)
 
 
-def levels(load: Load, grid: Grid) -> Array:
+def levels(load: Load, grid: GridFineness) -> Array:
     """Levels of the reference slab from -1 to 0; one lies between the layers."""
     first = min(min(load.half_sides), HEIGHT_CELLS) / grid.cells
     layers = load.shape.layers()
@@ -329,7 +329,7 @@ REACH = 0.8
 CHECKED_AT = 0.02
 
 
-def shaped_problem(load: Load, grid: Grid) -> Problem:
+def shaped_problem(load: Load, grid: GridFineness) -> ContactProblem:
     """The meshed part of the pad under the punch; the force of the whole is ``load.multiplicity`` times its."""
     x, y = (axis_lines(load, grid, axis) for axis in (0, 1))
     z = levels(load, grid)
@@ -348,7 +348,7 @@ def shaped_problem(load: Load, grid: Grid) -> Problem:
     return contact_problem(load, part, base, part.share * strength, grid.rim * load.scale)
 
 
-def contact_problem(load: Load, part: space.Quarter, base: Array, strength: Array, rim: float) -> Problem:
+def contact_problem(load: Load, part: space.Quarter, base: Array, strength: Array, rim: float) -> ContactProblem:
     """Hold base and planes of symmetry of a meshed pad; its face is in contact, ``strength`` stiff, with the punch."""
     mesh, nodes = part.mesh, part.mesh.nodes
     held = np.zeros((nodes.shape[1], 3), dtype=bool)
@@ -368,10 +368,10 @@ def contact_problem(load: Load, part: space.Quarter, base: Array, strength: Arra
         carried = 3 * on_face[punch.gap(nodes[:, on_face].T, 0.0)[0] < 1e-12] + 2
     solid, nothing = Solid(mesh, load.law, load.poisson), np.array([], dtype=int)
     solver = partial(Dissection, position=part.lattice)
-    return Problem(solid, held.ravel(), nothing, 3 * base + 2, surface, punch, carried, solver=solver)
+    return ContactProblem(solid, held.ravel(), nothing, 3 * base + 2, surface, punch, carried, solver=solver)
 
 
-def solve_path(load: Load, depths: Array, grid: Grid) -> Path:
+def solve_path(load: Load, depths: Array, grid: GridFineness) -> ForcePath:
     """Follow a pad through depths, to where its face folds on to itself at the most."""
     problem = shaped_problem(load, grid)
     mesh = problem.solid.mesh
@@ -382,13 +382,16 @@ def solve_path(load: Load, depths: Array, grid: Grid) -> Path:
 
 
 def solve_shaped_block(
-    pad: Pad, depth_mm: Sequence[float] | Array, grid: Grid | None = None, offset_mm: tuple[float, float] = (0.0, 0.0)
+    pad: Pad,
+    depth_mm: Sequence[float] | Array,
+    grid: GridFineness | None = None,
+    offset_mm: tuple[float, float] = (0.0, 0.0),
 ) -> PadCurve:
     """Static force of a shaped pad under a flat punch with a filleted edge."""
-    h, depths, grid = pad.thickness_mm, relative_depths(depth_mm, pad.thickness_mm), grid or Grid()
+    h, depths, grid = pad.thickness_mm, relative_depths(depth_mm, pad.thickness_mm), grid or GridFineness()
     load = Load.of(pad, float(depths[0]), offset_mm)
     wanted, folds = _open_depths(load, depths)
-    paths: list[Path] = []
+    paths: list[ForcePath] = []
     for fineness in (grid.coarser(), grid):
         paths.append(solve_path(load, wanted, fineness))
         if not len(paths[-1].depth):
@@ -468,7 +471,7 @@ def field_lines(pitch_mm: float, rim_mm: float, cells: int) -> Array:
     return lines_by_size(0.0, 0.5 * PAD_WIDTH_MM, [*halves, *edge], size, SPARE)
 
 
-def field_problem(shape: Bumped, thickness_mm: float, cells: int) -> tuple[Problem, SpatialFace]:
+def field_problem(shape: Bumped, thickness_mm: float, cells: int) -> tuple[ContactProblem, SpatialFace]:
     """An eighth of a field of caps under the punch, what touches sticks; unit shear modulus, lengths in thicknesses."""
     h, half, extent = thickness_mm, HALF_SIDE_MM / thickness_mm, 0.5 * PAD_WIDTH_MM / thickness_mm
     load = Load(shape, h, (half, half), (extent, extent))

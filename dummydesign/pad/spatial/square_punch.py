@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
+from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.core.parsing import one_of
-from dummydesign.core.process import one_blas_thread
 from dummydesign.geometry.interface import BASES, CONDITIONS
-from dummydesign.pad.contact.axisymmetric import FlatPunch, Surface
+from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface, FlatPunch
 from dummydesign.pad.contact.penalty import BEADED_SQUARE, ContactSurface
 from dummydesign.pad.contact.spatial import BeadedPunch, FaceContact
 from dummydesign.pad.fem import mesh_axisymmetric as plane
@@ -26,7 +26,7 @@ from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mixed_solid import Discretisation, Solid
 from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, HyperelasticLaw
 from dummydesign.pad.solve.continuation import add_costs, cost, follow
-from dummydesign.pad.solve.equilibrium import Problem
+from dummydesign.pad.solve.equilibrium import ContactProblem
 from dummydesign.pad.solve.multifrontal import Dissection
 from dummydesign.pad.solve.sparse import Pattern
 from dummydesign.pad.tables.square import HELD_ERROR, SIDE_OVER_RADIUS
@@ -49,7 +49,7 @@ FILLETED_SOUND_J = 0.03
 
 
 @dataclass(frozen=True)
-class Block:
+class SquareProblem:
     """A rectangular punch on a rectangular slab, in thicknesses, and the slab's material."""
 
     half_sides: tuple[float, float]
@@ -105,14 +105,14 @@ class Block:
 
 
 @dataclass(frozen=True)
-class Cells:
+class CornerCells:
     """Corner cell in units of the smaller of punch radius and thickness, and growth away from it."""
 
     corner: float = 0.12
     growth: float = 2.0
 
 
-def _grid(block: Block, cells: Cells, rim: float) -> tuple[list[Array], Array, Array]:
+def _grid(block: SquareProblem, cells: CornerCells, rim: float) -> tuple[list[Array], Array, Array]:
     """Lines of the grid along x, y and z, the edges of the flat face, and the lines up to which it is glued."""
     # Of a square and its twin the corner cell is then the same share of the punch.
     first, bead = (share * block.scale * SIDE_OVER_RADIUS for share in (cells.corner, rim))
@@ -124,7 +124,7 @@ def _grid(block: Block, cells: Cells, rim: float) -> tuple[list[Array], Array, A
     return [x, y, _levels(block, cells)], core, np.array([_last_glued(x, core[0], rim), _last_glued(y, core[1], rim)])
 
 
-def _levels(block: Block, cells: Cells) -> Array:
+def _levels(block: SquareProblem, cells: CornerCells) -> Array:
     return -space.lines(1.0, cells.corner * block.scale, cells.growth)[::-1]
 
 
@@ -133,7 +133,7 @@ def _last_glued(lines: Array, edge: float, rim: float) -> float:
     return float(lines[max(int(np.argmin(np.abs(lines - edge))) - (FILM_CELLS if rim else 0), 0)])
 
 
-def block_problem(block: Block, cells: Cells, rim: float = 0.0, folded: bool = False) -> Problem:
+def block_problem(block: SquareProblem, cells: CornerCells, rim: float = 0.0, folded: bool = False) -> ContactProblem:
     """The quarter of a slab under a rectangular punch, sharp or with a fillet; its force is a quarter of the whole."""
     (x, y, z), core, last = _grid(block, cells, rim)
     part = space.quarter(x, y, z, folded)
@@ -151,7 +151,7 @@ def block_problem(block: Block, cells: Cells, rim: float = 0.0, folded: bool = F
     return _problem(mesh, block, core, last, surface, punch, partial(Dissection, position=part.lattice))
 
 
-def twin_problem(block: Block, cells: Cells, rim: float = 0.0) -> Problem:
+def twin_problem(block: SquareProblem, cells: CornerCells, rim: float = 0.0) -> ContactProblem:
     """The axisymmetric slab under the round punch of equal area, with the same edge on the same cells in r and z."""
     bead = rim * block.scale
     core = block.radius - bead
@@ -162,7 +162,7 @@ def twin_problem(block: Block, cells: Cells, rim: float = 0.0) -> Problem:
         return _problem(mesh, block, np.array([core]), np.array([last]), solver=Pattern)
     inside = (mesh.nodes[0] >= last - _TOLERANCE) & (mesh.nodes[0] <= block.radius + REACH * block.scale)
     strength = block.law.shear_MPa / bead
-    surface = Surface(
+    surface = AxisymmetricSurface(
         mesh.nodes,
         plane.edges_on(mesh, plane.on_top(mesh) & inside),
         BEADED_SQUARE.contact * strength,
@@ -174,13 +174,13 @@ def twin_problem(block: Block, cells: Cells, rim: float = 0.0) -> Problem:
 
 def _problem(
     mesh: Discretisation,
-    block: Block,
+    block: SquareProblem,
     core: Array,
     last: Array,
     surface: ContactSurface | None = None,
     punch: Any = None,
     solver: Callable[..., Any] | None = None,
-) -> Problem:
+) -> ContactProblem:
     """Hold the planes of symmetry, base and inner face; what lies on the face at first touch sticks at once."""
     plan, level, dimension = mesh.nodes[:-1], mesh.nodes[-1], len(mesh.nodes)
     held = np.zeros((mesh.nodes.shape[1], dimension), dtype=bool)
@@ -196,7 +196,7 @@ def _problem(
     if surface is not None:
         surface.settle(np.zeros(mesh.size), punch, 0.0)
     down, solid = dimension - 1, Solid(mesh, block.law, block.poisson)
-    return Problem(
+    return ContactProblem(
         solid,
         held.ravel(),
         dimension * driven + down,
@@ -223,17 +223,17 @@ class Ratios:
     solver: dict[str, Any]
 
 
-def depth_of_corner(block: Block, cells: Cells) -> float:
+def depth_of_corner(block: SquareProblem, cells: CornerCells) -> float:
     """Depth over thickness beyond which the corner cells of a glued punch have folded, by experience."""
     return 1.3 * cells.corner**0.55 * block.scale
 
 
-def useful_depths(block: Block, depths: Array, rim: float) -> Array:
+def useful_depths(block: SquareProblem, depths: Array, rim: float) -> Array:
     """Depths that are large against the fillet's own scale: 4 depth^2 > rim, both in units of ``block.scale``."""
     return depths[depths >= 0.5 * np.sqrt(rim) * block.scale]
 
 
-def solve_ratios(block: Block, depths: Array, cells: Cells, rim: float = 0.0) -> Ratios:
+def solve_ratios(block: SquareProblem, depths: Array, cells: CornerCells, rim: float = 0.0) -> Ratios:
     """Follow a rectangular punch and its round twin on the same cells through ``depths`` (in thicknesses).
 
     Depths at which a cell is near folding (volume ratio at a quadrature point below ``SOUND_J``, in either) are left
@@ -307,7 +307,7 @@ def _off(depth: Array, reach: dict[float, float], correction: Array) -> Array:
 
 
 @one_blas_thread()
-def solve_factor(block: Block, deepest: float) -> FactorCurve:
+def solve_factor(block: SquareProblem, deepest: float) -> FactorCurve:
     """Solve a rectangular punch and its twin with several corner cells and fillets, and fit the limit at size 0."""
     outline = 1.0
     if not block.mirrors and block.middle_extents != block.half_extents:
@@ -317,7 +317,7 @@ def solve_factor(block: Block, deepest: float) -> FactorCurve:
     step = min(STEP * block.scale, deepest / 4.0)
     sharp: dict[float, Ratios] = {}
     for corner in CORNERS:
-        cells = Cells(corner)
+        cells = CornerCells(corner)
         end = min(deepest, depth_of_corner(block, cells))
         count = max(1, round(end / step))
         depths: Array = end * np.arange(1, count + 1) / count
@@ -327,14 +327,14 @@ def solve_factor(block: Block, deepest: float) -> FactorCurve:
         # Values of fillets scatter: some more than the curve's own depths.
         depths = deepest * np.arange(1, 13) / 12.0
         for rim in RIMS:
-            beaded[rim] = solve_ratios(block, useful_depths(block, depths, rim), Cells(rim), rim)
+            beaded[rim] = solve_ratios(block, useful_depths(block, depths, rim), CornerCells(rim), rim)
     curve = _fitted(sharp, beaded, step)
     return replace(curve, coefficients=curve.coefficients + np.log(outline) * np.eye(1, len(curve.coefficients))[0])
 
 
-def outline_factor(block: Block, square: Block) -> float:
+def outline_factor(block: SquareProblem, square: SquareProblem) -> float:
     """Force at first touch on a rectangular slab over that on the square one of its area, on the same cells."""
-    cells = Cells(CORNERS[0])
+    cells = CornerCells(CORNERS[0])
     quarter, eighth = block_problem(block, cells), block_problem(square, cells, folded=True)
     return quarter.stiffness() / (2.0 * eighth.stiffness())
 

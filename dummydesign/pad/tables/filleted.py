@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dummydesign.core import library as json_table
+from dummydesign.core import user_library as json_table
 from dummydesign.core.errors import out_of_range
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS

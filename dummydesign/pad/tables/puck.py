@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core import library as json_table
+from dummydesign.core import user_library as json_table
 from dummydesign.core.errors import InputError, out_of_range
 
 Array = np.ndarray

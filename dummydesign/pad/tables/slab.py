@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.core import library as json_table
+from dummydesign.core import user_library as json_table
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.interpolation import between, locate_on_grid
-from dummydesign.core.library import fill_table
+from dummydesign.core.user_library import fill_table
 from dummydesign.geometry.interface import BASES
 from dummydesign.pad.force_law import ForceAndStiffness
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dummydesign.core import library as json_table
+from dummydesign.core import user_library as json_table
 from dummydesign.core.errors import InputError
 from dummydesign.core.interpolation import between
-from dummydesign.core.library import fill_table
+from dummydesign.core.user_library import fill_table
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.punch import punch_sides_mm
 from dummydesign.pad.force_law import ForceLaw, ScaledLaw

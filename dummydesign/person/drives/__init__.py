@@ -1,4 +1,4 @@
-"""The drives that are known: each module here with a subclass of ``Drive`` is one; nothing else lists them."""
+"""The drives that are known: each module here with a subclass of ``RobotDrive`` is one; nothing else lists them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pkgutil
 from typing import Any
 
 from dummydesign.core.errors import unknown_name
-from dummydesign.person.drives.drive import Drive
+from dummydesign.person.drives.drive import RobotDrive
 
 ORDER = ("position", "steady", "force", "mass", "spring")
 
@@ -20,13 +20,13 @@ def _below(kind: type[Any]) -> list[type[Any]]:
 for entry in pkgutil.iter_modules(__path__):
     importlib.import_module(f"{__name__}.{entry.name}")
 _rank = dict(zip(ORDER, range(9)))
-DRIVES: dict[str, type[Drive]] = {
-    one.name: one for one in sorted(_below(Drive), key=lambda one: (_rank.get(one.name, 9), one.name))
+DRIVES: dict[str, type[RobotDrive]] = {
+    one.name: one for one in sorted(_below(RobotDrive), key=lambda one: (_rank.get(one.name, 9), one.name))
 }
 """Drives by name."""
 
 
-def read_drive(text: str) -> Drive:
+def read_drive(text: str) -> RobotDrive:
     """Read a drive as it is typed: ``position``, ``mass:KG``, ``spring:N_PER_MM,KG[,DAMPING_RATIO]``.
 
     Raises

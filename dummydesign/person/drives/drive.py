@@ -9,27 +9,27 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.core.parsing import Purpose, read_number
-from dummydesign.person.integrate import FOUR, Response
+from dummydesign.core.parsing import QuantitySpec, read_number
+from dummydesign.person.integrate import FOUR, PersonResponse
 from dummydesign.person.press import Press
 
 if TYPE_CHECKING:
+    from dummydesign.person.drive_diagnostics import TraceSigns
     from dummydesign.person.people import People
-    from dummydesign.person.ringing import Arm
-    from dummydesign.person.signs import TraceSigns
+    from dummydesign.person.ringing import RobotArm
 
 FASTER = 20.0
 """Factor of the tolerance where only the four numbers of many draws are wanted."""
-DAMPING = Purpose("damping ratio", "", (0.0, 1.0))
-MASS = Purpose("mass in kg", "kg", (0.05, 500.0))
-STIFFNESS = Purpose("stiffness in N/mm", "N/mm", (0.1, 10_000.0))
+DAMPING = QuantitySpec("damping ratio", "", (0.0, 1.0))
+MASS = QuantitySpec("mass in kg", "kg", (0.05, 500.0))
+STIFFNESS = QuantitySpec("stiffness in N/mm", "N/mm", (0.1, 10_000.0))
 MASSES, STIFFNESSES = (1e-3, 1e4), (1e-3, 1e6)
 """Masses and stiffnesses that are allowed with their unit. [kg, N/mm]"""
 DAMPINGS = (0.0, 2.0)
 """Damping ratios of an arm that are allowed."""
 
 
-class Drive(ABC):
+class RobotDrive(ABC):
     """One way in which a robot moves; an own one is a module of this folder with one subclass.
 
     Attributes
@@ -50,7 +50,7 @@ class Drive(ABC):
 
     name: ClassVar[str]
     form: ClassVar[str]
-    numbers: ClassVar[tuple[tuple[Purpose, tuple[float, float]], ...]] = ()
+    numbers: ClassVar[tuple[tuple[QuantitySpec, tuple[float, float]], ...]] = ()
     defaults: ClassVar[tuple[float, ...]] = ()
     curves: ClassVar[bool] = False
     words: ClassVar[str]
@@ -64,7 +64,7 @@ class Drive(ABC):
         self.values = values
 
     @classmethod
-    def read(cls, text: str) -> Drive:
+    def read(cls, text: str) -> RobotDrive:
         """Make the drive from what stands behind the colon."""
         parts = text.split(",") if text else []
         if not len(cls.numbers) - len(cls.defaults) <= len(parts) <= len(cls.numbers):
@@ -81,7 +81,7 @@ class Drive(ABC):
         return self.name + (":" + ",".join(f"{value:g}" for value in given) if given else "")
 
     @property
-    def arm(self) -> Arm | None:
+    def arm(self) -> RobotArm | None:
         """The arm that may ring in the trace; None where the drive has none."""
         return None
 
@@ -94,7 +94,7 @@ class Drive(ABC):
         return press
 
     @abstractmethod
-    def respond(self, press: Press, people: People, keep: bool = True) -> Response:
+    def respond(self, press: Press, people: People, keep: bool = True) -> PersonResponse:
         """Press people as the robot pressed the pad.
 
         Parameters
@@ -106,7 +106,7 @@ class Drive(ABC):
             Whether the curves are wanted, and not the four numbers alone.
         """
 
-    def on_curves(self, press: Press, people: Sequence[Any]) -> Response:
+    def on_curves(self, press: Press, people: Sequence[Any]) -> PersonResponse:
         """Press persons who are measured curves; refused unless ``curves``."""
         raise InputError(
             f"drive = {self.name} needs the force under any motion, and the tissue is measured curves without a law; "

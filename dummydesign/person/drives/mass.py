@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.person.drives.drive import FASTER, MASS, MASSES, Drive
-from dummydesign.person.integrate import TOLERANCE, Response, run_robot
+from dummydesign.person.drive_diagnostics import TraceSigns
+from dummydesign.person.drives.drive import FASTER, MASS, MASSES, RobotDrive
+from dummydesign.person.integrate import TOLERANCE, PersonResponse, run_robot
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
-from dummydesign.person.ringing import Arm
-from dummydesign.person.signs import TraceSigns
+from dummydesign.person.ringing import RobotArm
 
 LONGEST_S, AFTER_STOP = 60.0, 1.0
 CURVE_STEPS = 400
@@ -23,7 +23,7 @@ SAME_MASS = 1.3
 """Factor within which a mass agrees with the one that the trace shows."""
 
 
-class Mass(Drive):
+class Mass(RobotDrive):
     """M x'' = -F from the speed at contact on; the press ends where the body stops."""
 
     name, form = "mass", "mass:KG"
@@ -71,7 +71,7 @@ class Mass(Drive):
             f"{needed:.3g} mJ"
         )
 
-    def respond(self, press: Press, people: People, keep: bool = True) -> Response:
+    def respond(self, press: Press, people: People, keep: bool = True) -> PersonResponse:
         """Integrate until every body has stopped; with curves, as long again for the rebound."""
         mass, speed = self.values[0], press.contact_mm_s * np.ones(len(people))
         scale = people.depth_taking(float(0.5e-3 * mass * np.max(speed) ** 2))
@@ -83,12 +83,12 @@ class Mass(Drive):
         given = speed, scale, longest
         looser = TOLERANCE * (1.0 if keep else FASTER)
         run = run_robot(
-            people, Arm(0.0, mass), _nothing, LONGEST_S, *given, until_stop=True, keep=False, tolerance=looser
+            people, RobotArm(0.0, mass), _nothing, LONGEST_S, *given, until_stop=True, keep=False, tolerance=looser
         )
         if not keep:
             return run
         end = (1.0 + AFTER_STOP) * float(np.max(run.stop_s))
-        curve = run_robot(people, Arm(0.0, mass), _nothing, end, *given)
+        curve = run_robot(people, RobotArm(0.0, mass), _nothing, end, *given)
         names = ("time_s", "depth_curve_mm", "force_curve_N")
         return replace(run, **{name: getattr(curve, name) for name in names})
 

@@ -5,20 +5,20 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.person.drives.drive import DAMPING, DAMPINGS, FASTER, MASS, MASSES, STIFFNESS, STIFFNESSES, Drive
-from dummydesign.person.integrate import RINGS, TOLERANCE, Input, Response, run_robot
-from dummydesign.person.known_range import short_number
+from dummydesign.person.drive_diagnostics import TraceSigns
+from dummydesign.person.drives.drive import DAMPING, DAMPINGS, FASTER, MASS, MASSES, STIFFNESS, STIFFNESSES, RobotDrive
+from dummydesign.person.integrate import RINGS, TOLERANCE, Input, PersonResponse, run_robot
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
-from dummydesign.person.ringing import Arm
-from dummydesign.person.signs import TraceSigns
+from dummydesign.person.ringing import RobotArm
+from dummydesign.person.validity_range import short_number
 
 STEPS, FEWER = 48.0, 32.0
 """Steps a period of the arm after the stop, with curves and for draws. They are even: steps that grow and shrink with
 the ringing would drive it."""
 
 
-class Spring(Drive):
+class SpringDrive(RobotDrive):
     """M x'' = K (x_c - x) + D (x_c' - x') - F with the command x_c that the trace on the pad implies.
 
     D is 2 zeta sqrt(K M) of the damping ratio zeta, 0 by itself.
@@ -40,17 +40,17 @@ class Spring(Drive):
             return f"{fell}; an arm of {self.values[0]:g} N/mm moves {short_number(follows, 2)} mm"
         return ""
 
-    def respond(self, press: Press, people: People, keep: bool = True) -> Response:
+    def respond(self, press: Press, people: People, keep: bool = True) -> PersonResponse:
         """Integrate from contact to the end of the hold, in the difference to the path on the pad."""
         return press_by_spring(press, people, self.arm, keep)
 
     @property
-    def arm(self) -> Arm:
+    def arm(self) -> RobotArm:
         """Stiffness, mass and damping."""
-        return Arm(*self.values)
+        return RobotArm(*self.values)
 
 
-def press_by_spring(press: Press, people: People, arm: Arm, keep: bool = True) -> Response:
+def press_by_spring(press: Press, people: People, arm: RobotArm, keep: bool = True) -> PersonResponse:
     """Press people by a spring and a mass; a stiffness of 0 leaves the mass with the force that acted on it."""
     count, nodes = len(people), press.time_s
     even, calm = arm.period_s / (STEPS if keep else FEWER), press.stop_s + RINGS * arm.period_s

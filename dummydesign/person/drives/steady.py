@@ -11,17 +11,17 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import Motion, work_to_deepest_mJ
 from dummydesign.measurement.robot_path import RobotPath
-from dummydesign.person.drives.drive import Drive, not_kept
-from dummydesign.person.integrate import LATE_POINTS, Response
+from dummydesign.person.drive_diagnostics import TraceSigns
+from dummydesign.person.drives.drive import RobotDrive, not_kept
+from dummydesign.person.integrate import LATE_POINTS, PersonResponse
 from dummydesign.person.people import People
 from dummydesign.person.press import LATE, SHORTEST_HOLD_S, Press
-from dummydesign.person.signs import TraceSigns
 
 SAME_SPEED = 0.95
 """Share of the speed of the approach from which on the robot counts as not yet braking at contact."""
 
 
-class Steady(Drive):
+class SteadyDrive(RobotDrive):
     """Approach, stop and hold as in the trace, to the depth at which the force at the end of the hold is the pad's."""
 
     name = form = "steady"
@@ -45,7 +45,7 @@ class Steady(Drive):
         """Where the path was not kept."""
         return not_kept(signs)
 
-    def respond(self, press: Press, people: People, keep: bool = True) -> Response:
+    def respond(self, press: Press, people: People, keep: bool = True) -> PersonResponse:
         """Find each depth, and press with the path of the trace, shifted along its way."""
         path = path_of(press, press_of(press)[1])
         forces = np.broadcast_to(np.maximum(np.asarray(press.steady_N), 1e-6), len(people))
@@ -55,7 +55,7 @@ class Steady(Drive):
         force = np.maximum(people.law.force(motion, *parts), 0.0)
         return _response(motion, force, own_late_mean(motion, force, LATE * press.hold_s))
 
-    def on_curves(self, press: Press, people: Sequence[Any]) -> Response:
+    def on_curves(self, press: Press, people: Sequence[Any]) -> PersonResponse:
         """The presses that were made, between their forces."""
         from dummydesign.tissue.model.laws.curves import CURVES
 
@@ -88,6 +88,6 @@ def own_late_mean(motion: Motion, force: NDArray, last_s: float) -> NDArray:
     return np.array([np.interp(*row).mean() for row in zip(at, motion.time_s, force)])
 
 
-def _response(motion: Motion, force: NDArray, steady: NDArray) -> Response:
+def _response(motion: Motion, force: NDArray, steady: NDArray) -> PersonResponse:
     x = motion.displacement_mm
-    return Response.of_curves(motion.time_s, x, force, steady, work_to_deepest_mJ(x, force))
+    return PersonResponse.of_curves(motion.time_s, x, force, steady, work_to_deepest_mJ(x, force))

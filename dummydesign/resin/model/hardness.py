@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import out_of_range, unknown_name
-from dummydesign.core.library import find
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.serialise import Serialised
-from dummydesign.core.toml_schema import Table, read_table
+from dummydesign.core.toml_schema import TomlTable, read_table
+from dummydesign.core.user_library import find
 
 if TYPE_CHECKING:
     from dummydesign.resin.model.resin import Resin
@@ -238,7 +238,7 @@ def _read(path: Path, changed_ns: int) -> HardnessLaw:
     )
 
 
-def _law(table: Table) -> _ShoreA:
+def _law(table: TomlTable) -> _ShoreA:
     table.only(("name", "form", "young_0_kPa", "rise"))
     punch = table.string("form", choices=("punch", "exponential")) == "punch"
     return _ShoreA(table.string("name"), punch, table.quantity("young_0_kPa").value, table.quantity("rise").value)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from dummydesign.core.toml_schema import Table
+from dummydesign.core.toml_schema import TomlTable
 
 RATIO_BY = ("weight", "volume")
 """What the parts of a recipe are measured by."""
@@ -34,7 +34,7 @@ _OF_THE_MIX = re.compile(
 _TO_OTHERS = re.compile(r"\bper\s+100\s+(?!(parts\s+)?(of\s+)?(the\s+)?(whole|total|mix|blend|batch|solution))", re.I)
 
 
-def read_ratio_meaning(top: Table, also: str = "") -> tuple[str, str, str]:
+def read_ratio_meaning(top: TomlTable, also: str = "") -> tuple[str, str, str]:
     """Read the meaning, ``ratio_by`` and ``ratio_per``; refuse words that contradict, and volume not declared.
 
     Parameters

@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.core.files import write_text
-from dummydesign.core.library import toml_table
 from dummydesign.core.quantity import HALF_WIDTH, Quantity, value_at
 from dummydesign.core.serialise import Serialised, to_plain
+from dummydesign.core.user_library import toml_table
 from dummydesign.resin.model.modulus_laws import ModulusLaw, check_young
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ class Interval(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Arm(Serialised):
+class ResinArm(Serialised):
     """One relaxing arm at the reference ratio, relative to the LONG-TERM modulus."""
 
     tau_s: Quantity
@@ -150,7 +150,7 @@ class PuckPoint:
     diameter_mm: float
     height_mm: float
     seen_s: tuple[float, float] | None = None
-    arms: tuple[Arm, ...] = ()
+    arms: tuple[ResinArm, ...] = ()
     plates: str = ""
 
     def has(self, sha256: str) -> bool:
@@ -231,7 +231,7 @@ class Resin:
     liquids: tuple[Liquid, ...]
     law: ModulusLaw
     numbers: Mapping[str, Quantity]
-    arms: tuple[Arm, ...]
+    arms: tuple[ResinArm, ...]
     relaxation_ratio_ref: float
     softness_exponent: Quantity
     properties: Mapping[str, Quantity]
@@ -241,7 +241,7 @@ class Resin:
     contradictions: tuple[str, ...] = ()
     posterior: Mapping[str, NDArray] | None = field(default=None, repr=False)
     prior_numbers: Mapping[str, Quantity] | None = field(default=None, repr=False)
-    prior_relaxation: tuple[tuple[Arm, ...], float] | None = field(default=None, repr=False)
+    prior_relaxation: tuple[tuple[ResinArm, ...], float] | None = field(default=None, repr=False)
     joint_relaxation: RelaxationGivenModulus | None = field(default=None, repr=False)
     ratio_by: str = "weight"
     ratio_per: str = "others"

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.library import Entry, find
 from dummydesign.core.quantity import Quantity
-from dummydesign.core.toml_schema import REQUIRED, Table, read_table
+from dummydesign.core.toml_schema import REQUIRED, TomlTable, read_table
+from dummydesign.core.user_library import Entry, find
 from dummydesign.resin.model.chemistry import CHEMISTRIES, guessed_chemistry
 from dummydesign.resin.model.modulus_laws import LAWS, ModulusLaw
 from dummydesign.resin.model.ratio_meaning import read_ratio_meaning
-from dummydesign.resin.model.resin import Arm, Liquid, Point, PuckPoint, Resin
+from dummydesign.resin.model.resin import Liquid, Point, PuckPoint, Resin, ResinArm
 
 if TYPE_CHECKING:
     from dummydesign.measurement.trace import Trace
@@ -146,7 +146,7 @@ def read_points(path: Path) -> tuple[str, str, list[Point]]:
     return top.string("base", DEFAULT), top.string("name", path.stem), points
 
 
-def _positive(table: Table, key: str, zero: bool = False) -> Quantity:
+def _positive(table: TomlTable, key: str, zero: bool = False) -> Quantity:
     quantity = table.quantity(key)
     if quantity.low < 0 or (quantity.low == 0 and not zero):
         words = f"has low = {quantity.low}; it must be {'at least 0' if zero else 'above 0'}"
@@ -154,7 +154,7 @@ def _positive(table: Table, key: str, zero: bool = False) -> Quantity:
     return quantity
 
 
-def _liquids(top: Table) -> tuple[Liquid, ...]:
+def _liquids(top: TomlTable) -> tuple[Liquid, ...]:
     """Read the components; exactly one of them is weighed by the ratio."""
     liquids = []
     for item in top.tables("component"):
@@ -173,7 +173,7 @@ def _liquids(top: Table) -> tuple[Liquid, ...]:
 Numbers = dict[str, Quantity]
 
 
-def _modulus(table: Table) -> tuple[ModulusLaw, Numbers, dict[str, NDArray] | None, Numbers | None]:
+def _modulus(table: TomlTable) -> tuple[ModulusLaw, Numbers, dict[str, NDArray] | None, Numbers | None]:
     """Read the law of the modulus, its numbers and, after an update, its joint draws and prior."""
     law = LAWS[table.string("law", choices=LAWS)]
     table.only({"law", "posterior", "prior", *law.parameters})
@@ -188,14 +188,14 @@ def _modulus(table: Table) -> tuple[ModulusLaw, Numbers, dict[str, NDArray] | No
     return law, numbers, columns, {key: _positive(prior, key) for key in law.parameters}
 
 
-def _arms(table: Table, low: float, high: float, default: Any = REQUIRED) -> tuple[tuple[Arm, ...], float]:
+def _arms(table: TomlTable, low: float, high: float, default: Any = REQUIRED) -> tuple[tuple[ResinArm, ...], float]:
     """Read arms and the ratio they belong to."""
     ratio_ref = table.number("ratio_ref", default, low=low, high=high)
     terms = [item.only(("tau_s", "beta")) for item in table.tables("term", required=False)]
-    return tuple(Arm(_positive(item, "tau_s"), _positive(item, "beta", zero=True)) for item in terms), ratio_ref
+    return tuple(ResinArm(_positive(item, "tau_s"), _positive(item, "beta", zero=True)) for item in terms), ratio_ref
 
 
-def _point(table: Table) -> Point:
+def _point(table: TomlTable) -> Point:
     """Read one measured modulus: a ratio, a quantity and, where it is known, the puck's recording."""
     table.only(("ratio", "young_kPa", "puck"))
     ratio, young = table.number("ratio"), _positive(table, "young_kPa")
@@ -205,13 +205,13 @@ def _point(table: Table) -> Point:
     seen = puck.numbers("seen_s", None)
     if seen is not None and len(seen) != 2:
         raise puck.fault("seen_s", "must be the shortest and the longest time", "malformed")
-    arms = tuple(Arm(arm.quantity("tau_s"), arm.quantity("beta")) for arm in puck.tables("arm", required=False))
+    arms = tuple(ResinArm(arm.quantity("tau_s"), arm.quantity("beta")) for arm in puck.tables("arm", required=False))
     size = puck.number("diameter_mm"), puck.number("height_mm")
     plates = puck.string("plates", "")
     return Point(ratio, young, PuckPoint(puck.string("sha256"), puck.string("file"), *size, seen, arms, plates))
 
 
-def _check_physics(resin: Resin, modulus: Table) -> None:
+def _check_physics(resin: Resin, modulus: TomlTable) -> None:
     """Refuse a law whose central curve is not positive or does not run its law's way over the range."""
     central = {name: np.asarray(value) for name, value in resin.central.items()}
     if not np.all(resin.law.valid(resin.ratio_min, central)):

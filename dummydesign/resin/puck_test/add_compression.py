@@ -11,17 +11,17 @@ import numpy as np
 
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.files import output_folder
-from dummydesign.core.library import check_name, entries, hidden_by, user_folder
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.serialise import Serialised, to_plain
-from dummydesign.resin.model.resin import Arm, Interval, Point, PuckPoint, save_resin
+from dummydesign.core.user_library import check_name, entries, hidden_by, user_folder
+from dummydesign.resin.model.resin import Interval, Point, PuckPoint, ResinArm, save_resin
 from dummydesign.resin.model.resin_file import DEFAULT, KIND, load_resin, recording_sha256
 from dummydesign.resin.puck_test.plates import OPEN, Plates, read_plates
 from dummydesign.resin.update.modulus import known_puck, with_point, without_puck
 from dummydesign.resin.update.relaxation import ArmUpdate
 
 if TYPE_CHECKING:
-    from dummydesign.measurement.landmarks import Hold
+    from dummydesign.measurement.ramp_detection import Hold
     from dummydesign.measurement.trace import Trace
     from dummydesign.pad.tables.puck import PuckTable
 
@@ -229,7 +229,7 @@ def _round_up(value: float) -> float:
 
 def _holds(trace: Trace, window: Window) -> tuple[Hold, ...]:
     """Holds of a trace inside the compressions that are used."""
-    from dummydesign.measurement.landmarks import find_holds
+    from dummydesign.measurement.ramp_detection import find_holds
 
     seen = find_holds(trace.time_s, trace.displacement_mm)
     holds = tuple(hold for hold in seen if window[0] < hold.displacement_mm <= window[1])
@@ -336,10 +336,10 @@ def _fit_holds(
     source = f"holds of puck {puck.diameter_mm:g} x {puck.height_mm:g} mm, {puck.file}"
     known = [arm for arm in fit.arms if not arm.reason]
     reasons = [arm.reason for arm in fit.arms if arm.reason]
-    arms = tuple(Arm(*(Quantity(*one, "fitted", source) for one in (arm.tau_s, arm.beta))) for arm in known)
+    arms = tuple(ResinArm(*(Quantity(*one, "fitted", source) for one in (arm.tau_s, arm.beta))) for arm in known)
     within = f"{source}; what relaxes within them, the time may be longer"
     arms += tuple(
-        Arm(*(Quantity(*one, "inferred", within) for one in (arm.tau_s, arm.beta))) for arm in fit.arms if arm.slow
+        ResinArm(*(Quantity(*one, "inferred", within) for one in (arm.tau_s, arm.beta))) for arm in fit.arms if arm.slow
     )
     relaxation = {
         "holds": [hold for holds in held for hold in holds],

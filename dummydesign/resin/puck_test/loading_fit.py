@@ -25,7 +25,7 @@ from dummydesign.inference import noise as inference
 from dummydesign.inference.binning import cut, distinct, hold_edges, mean_around
 from dummydesign.inference.least_squares import CHI_SQUARE_95, solve_by_differences, within
 from dummydesign.inference.noise import white_noise
-from dummydesign.measurement.landmarks import Hold
+from dummydesign.measurement.ramp_detection import Hold
 from dummydesign.pad.tables.puck import PuckTable, friction_of, uniaxial
 from dummydesign.resin.puck_test.plates import OPEN, Plates
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.library import data_folder
 from dummydesign.core.quantity import HALF_WIDTH, Quantity
 from dummydesign.core.toml_schema import read_table
+from dummydesign.core.user_library import data_folder
 from dummydesign.pad.tables.puck import friction_of, grip
 
 Array = np.ndarray

@@ -49,7 +49,7 @@ KEPT = 256
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class FitTrial:
     """Best parameters at one friction, with whitened residuals (bins,) and Jacobian (bins, parameters)."""
 
     grip: float
@@ -152,7 +152,7 @@ class PuckProblem:
         starts.sort(key=lambda pair: pair[0])
         return [np.array(q) for _, q in starts[:count]]
 
-    def fit(self, starts: list[Array], grip: float) -> Trial:
+    def fit(self, starts: list[Array], grip: float) -> FitTrial:
         """Trust-region least squares of the whitened residuals; arms in the order of their times."""
         arms, first = self.arms(starts[0]), self.first
         best = solve_by_differences(
@@ -161,9 +161,9 @@ class PuckProblem:
         assert best.residual is not None and best.jacobian is not None
         order = np.argsort(best.parameters[first + arms :])
         columns = np.r_[np.arange(first), first + order, first + arms + order]
-        return Trial(grip, best.parameters[columns], best.chi_square, best.residual, best.jacobian[:, columns])
+        return FitTrial(grip, best.parameters[columns], best.chi_square, best.residual, best.jacobian[:, columns])
 
-    def aicc(self, trial: Trial) -> float:
+    def aicc(self, trial: FitTrial) -> float:
         """Corrected Akaike criterion under the whitening of now; friction and two sizes of noise are counted."""
         fit = trial.chi_square - 2.0 * float(np.log(np.diag(self.factor)).sum())
         return aicc(fit, len(trial.parameters) + 3, len(trial.residual))
@@ -235,7 +235,7 @@ def fit_relaxation(
 ) -> PuckRelaxation:
     """Fit presses of one puck, each with a hold or more."""
     problem = PuckProblem(presses, diameter_mm, height_mm, table)
-    rivals: dict[int, Trial] = {}
+    rivals: dict[int, FitTrial] = {}
     for arms in range(MOST_ARMS, -1, -1):
         grips = (rivals[MOST_ARMS].grip,) if plates and rivals else COARSE
         tried = [problem.fit(problem.starts(arms, grip), grip) for grip in grips]
@@ -259,9 +259,9 @@ def fit_relaxation(
     return _summarise(problem, profile, comparison, noise, plates, misfit)
 
 
-def _profile(problem: PuckProblem, grips: Array, start: Trial) -> list[Trial]:
+def _profile(problem: PuckProblem, grips: Array, start: FitTrial) -> list[FitTrial]:
     """Best fits at some grips, from the nearest that was fitted; by rising grip."""
-    profile: list[Trial] = []
+    profile: list[FitTrial] = []
     warm = start.parameters
     for grip in grips[np.argsort(np.abs(grips - start.grip))]:
         nearest = min(profile, key=lambda one: abs(one.grip - grip)).parameters if profile else warm
@@ -269,22 +269,22 @@ def _profile(problem: PuckProblem, grips: Array, start: Trial) -> list[Trial]:
     return sorted(profile, key=lambda one: one.grip)
 
 
-def _noise(problem: PuckProblem, trial: Trial) -> PuckNoise:
+def _noise(problem: PuckProblem, trial: FitTrial) -> PuckNoise:
     lower = np.linalg.inv(problem.factor)
     return loading.estimate(problem.presses, problem.height_mm, lower @ trial.residual, lower @ trial.jacobian)
 
 
-def _misfit(problem: PuckProblem, trial: Trial) -> float:
+def _misfit(problem: PuckProblem, trial: FitTrial) -> float:
     """Root mean square of the residuals of ln force."""
     return float(np.sqrt(np.mean(problem.residual(trial.parameters, trial.grip) ** 2)))
 
 
-def _rmse(problem: PuckProblem, trial: Trial) -> float:
+def _rmse(problem: PuckProblem, trial: FitTrial) -> float:
     error = problem.predict(trial.parameters, trial.grip) - problem.force_N
     return float(np.sqrt(np.mean(error**2)))
 
 
-def _spreads(trial: Trial) -> Array:
+def _spreads(trial: FitTrial) -> Array:
     """Standard deviations of the parameters from the Jacobian; an undetermined one has a very large one."""
     _, singular, turn = np.linalg.svd(trial.jacobian, full_matrices=False)
     return np.sqrt(np.sum((turn / np.maximum(singular, 1e-10 * singular[0])[:, None]) ** 2, axis=0))
@@ -292,7 +292,7 @@ def _spreads(trial: Trial) -> Array:
 
 def _summarise(
     problem: PuckProblem,
-    profile: list[Trial],
+    profile: list[FitTrial],
     comparison: Comparison,
     noise: PuckNoise,
     plates: Plates,
@@ -345,7 +345,9 @@ def _summarise(
     )
 
 
-def _elastic(problem: PuckProblem, profile: list[Trial], best: Trial, plates: Plates) -> tuple[Interval, Interval]:
+def _elastic(
+    problem: PuckProblem, profile: list[FitTrial], best: FitTrial, plates: Plates
+) -> tuple[Interval, Interval]:
     """Modulus [kPa] and friction with cautious intervals: the puck is one independent number."""
     squares = [_misfit(problem, one) ** 2 for one in profile]
     own = squares[profile.index(best)]
@@ -375,7 +377,7 @@ SHOWN = 0.05
 be seen."""
 
 
-def _seen(problem: PuckProblem, best: Trial, arms: Sequence[PuckArm]) -> tuple[float, float]:
+def _seen(problem: PuckProblem, best: FitTrial, arms: Sequence[PuckArm]) -> tuple[float, float]:
     """Shortest and longest time that the presses show; a fast arm without a value bounds them."""
     shortest, longest = _fastest_seen(problem, best), 0.5 * problem.longest
     known = [arm.tau_s.value for arm in arms if not arm.reason]
@@ -386,7 +388,7 @@ def _seen(problem: PuckProblem, best: Trial, arms: Sequence[PuckArm]) -> tuple[f
     return min(shortest, longest), longest
 
 
-def _fastest_seen(problem: PuckProblem, best: Trial) -> float:
+def _fastest_seen(problem: PuckProblem, best: FitTrial) -> float:
     """Shortest time at which an arm alone would have a strength known to :data:`SHOWN` or better. [s]
 
     By the noise of the bins, with modulus, stiffening and offsets free: a ramp that is slow against the time or noise

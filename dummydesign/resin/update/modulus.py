@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import output_folder
-from dummydesign.core.library import Entry, make_room, read_toml, user_folder
 from dummydesign.core.quantity import Quantity, value_at
+from dummydesign.core.user_library import Entry, make_room, read_toml, user_folder
 from dummydesign.resin.model.resin import Point, Resin, save_resin
 from dummydesign.resin.model.resin_file import KIND, Numbers, load_resin, read_points, read_resin
 from dummydesign.resin.update.relaxation import NOTE, Updated, update_relaxation

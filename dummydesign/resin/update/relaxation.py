@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.quantity import HALF_WIDTH, Quantity
-from dummydesign.resin.model.resin import SMALLEST_SPREAD, Arm, Interval, Resin
+from dummydesign.resin.model.resin import SMALLEST_SPREAD, Interval, Resin, ResinArm
 
 SAME_TIME = 3.0
 GUESSES = ("assumed", "inferred")
@@ -64,11 +64,11 @@ Updated = tuple[Resin, tuple[ArmUpdate, ...], tuple[str, ...]]
 """A resin, what became of its arms, and notices."""
 
 
-def update_relaxation(resin: Resin, measured: Sequence[Arm], ratio: float, seen_s: tuple[float, float]) -> Updated:
+def update_relaxation(resin: Resin, measured: Sequence[ResinArm], ratio: float, seen_s: tuple[float, float]) -> Updated:
     """Put measured arms into a resin."""
     base = [_carried(column) for column in resin.draw(DRAWS).beta(ratio).T]
     taken: set[int] = set()
-    arms: list[Arm] = []
+    arms: list[ResinArm] = []
     updates: list[ArmUpdate] = []
     for tau, beta in sorted(((arm.tau_s, arm.beta) for arm in measured), key=lambda pair: pair[0].value):
         free = [at for at in range(len(base)) if at not in taken]
@@ -89,7 +89,7 @@ def update_relaxation(resin: Resin, measured: Sequence[Arm], ratio: float, seen_
                         f"({carried.value:.3g}); both were widened {widening:.1f} times so that they agree"
                     )
         updates.append(ArmUpdate(tau.value, came_from, carried, own, value, notice))
-        arms.append(Arm(tau, Quantity(*value, beta.kind, source)))
+        arms.append(ResinArm(tau, Quantity(*value, beta.kind, source)))
     for index, arm in enumerate(resin.arms):
         if index in taken:
             continue
@@ -100,7 +100,7 @@ def update_relaxation(resin: Resin, measured: Sequence[Arm], ratio: float, seen_
             continue
         value = base[index] or Interval(0.0, 0.0, 0.0)
         source = f"{arm.beta.source}; carried to ratio {ratio:g}"
-        arms.append(Arm(arm.tau_s, Quantity(*value, arm.beta.kind, source)))
+        arms.append(ResinArm(arm.tau_s, Quantity(*value, arm.beta.kind, source)))
         notice = (
             f"the base's arm at {time:g} s, {value.value:.3g} ({value.low:.3g} to {value.high:.3g}), is kept: "
             f"the presses show {seen_s[0]:.2g} to {seen_s[1]:.3g} s"

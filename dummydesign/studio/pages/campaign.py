@@ -13,13 +13,13 @@ from dummydesign.core.errors import InputError
 from dummydesign.measurement.campaign_from_files import read_trials, write_trial_values
 from dummydesign.measurement.campaign_status import CampaignStatus, check_campaign
 from dummydesign.project.folder import Project
-from dummydesign.studio import choices, file_transfer, jobs, made, parts
+from dummydesign.studio import file_transfer, jobs, project_index, select_options, widgets
 from dummydesign.studio import incoming_presses as incoming
-from dummydesign.studio import project_files as bin
-from dummydesign.studio.manage import DropList, manage, undo_bar
-from dummydesign.studio.parts import html, open_page
+from dummydesign.studio import trash as bin
+from dummydesign.studio.file_actions import DropList, manage, undo_bar
+from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.state import State, page_link
-from dummydesign.studio.work_panel import Work
+from dummydesign.studio.widgets import html, open_page
 
 FIELDS = {
     "young": "Modulus of the pads [kPa]",
@@ -45,17 +45,22 @@ class BringIn:
             "one, campaign.toml or a table trials.csv.",
             "campaign",
         )
-        self.name = ui.input("Name of the campaign", value=choices.free_name(root, "campaigns", "earlier"))
+        self.name = ui.input("Name of the campaign", value=select_options.free_name(root, "campaigns", "earlier"))
         self.name.props('data-test="bring-name"').on_value_change(self.renew)
-        self.problem, self.as_it_is, self.by_table, self.files = parts.area(), parts.area(), parts.area(), parts.area()
+        self.problem, self.as_it_is, self.by_table, self.files = (
+            widgets.area(),
+            widgets.area(),
+            widgets.area(),
+            widgets.area(),
+        )
         with self.as_it_is:
             html("<p>campaign.toml is among the files. They are taken as they are.</p>")
-            parts.button("Bring it in", self.bring, "bring", main=True)
+            widgets.button("Bring it in", self.bring, "bring", main=True)
         with self.by_table:
             html(
                 "<p>No campaign.toml: say of each press what it was. Pad and speed are needed; empty means unknown.</p>"
             )
-            self.table_problem, self.table = parts.area(live=True), parts.area()
+            self.table_problem, self.table = widgets.area(live=True), widgets.area()
             start = {
                 "ratio": f"{state.ratio:g}",
                 "punch": state.punch,
@@ -65,13 +70,13 @@ class BringIn:
                 "contact": "bonded",
             }
             with ui.element("div").classes("fields"):
-                resins = {"": "unknown", **choices.resins()}
-                self.fields: dict[str, Any] = {"resin": parts.select("Resin of the pads", resins, state.resin)}
+                resins = {"": "unknown", **select_options.resins()}
+                self.fields: dict[str, Any] = {"resin": widgets.select("Resin of the pads", resins, state.resin)}
                 for key, label in FIELDS.items():
                     self.fields[key] = ui.input(label, value=start.get(key, "")).props(f'data-test="bring-{key}"')
-            self.work = Work(root, "fromfiles", "Make the campaign", self.words, self.done, self.belongs)
-            parts.on_change(self.work.renew, *self.fields.values())
-        self.empty = parts.button("Remove these files", self.remove, "bring-remove")
+            self.work = JobPanel(root, "fromfiles", "Make the campaign", self.words, self.done, self.belongs)
+            widgets.on_change(self.work.renew, *self.fields.values())
+        self.empty = widgets.button("Remove these files", self.remove, "bring-remove")
         self.show()
 
     def show(self) -> None:
@@ -82,12 +87,12 @@ class BringIn:
         # what was made stays in sight once its files are gone
         self.by_table.set_visibility(not as_it_is)
         self.empty.set_visibility(bool(names))
-        with parts.fresh(self.files):
+        with widgets.fresh(self.files):
             if names:
                 first = escape(", ".join(names[:8])) + " …" * (len(names) > 8)
                 html(f'<p data-test="waiting">{len(names)} files wait: {first}</p>')
         self.rows = [] if as_it_is else incoming.table(self.root)
-        with parts.fresh(self.table):
+        with widgets.fresh(self.table):
             if self.rows:
                 value_table(incoming.KEYS, self.rows, self.changed, self.table_problem)
                 incoming.write_table(self.root, self.rows)
@@ -95,7 +100,7 @@ class BringIn:
 
     def changed(self, row: int, key: str, text: str) -> None:
         """Take over a value of the table."""
-        self.rows[row][key] = parts.number_of(text, f"{self.rows[row]['file']}: {HEADS[key]}", key)
+        self.rows[row][key] = widgets.number_of(text, f"{self.rows[row]['file']}: {HEADS[key]}", key)
         incoming.write_table(self.root, self.rows)
 
     def renew(self) -> None:
@@ -120,21 +125,21 @@ class BringIn:
         folder = folder_of(job)
         if not folder:
             return
-        parts.warnings(job.answer)
+        widgets.warnings(job.answer)
         rows = [[str(one.get(key)) for key in ("what", "value", "why")] for one in job.answer.get("decisions", [])]
         if rows:
-            parts.table(["file", "taken as", "because"], rows, words=True, under=f"how {len(rows)} files were read")
+            widgets.table(["file", "taken as", "because"], rows, words=True, under=f"how {len(rows)} files were read")
         link = page_link("/campaign", f"Go on with {folder}", self.state.changed(campaign=folder), "brought")
         html(f'<p class="note">{link}. The files that waited can be removed.</p>')
 
     def bring(self) -> None:
         """Make a campaign of the files as they are."""
-        with parts.problems_in(self.problem):
+        with widgets.problems_in(self.problem):
             open_page("/campaign", self.state.changed(campaign=incoming.bring_in(self.root, self.name.value or "")))
 
     def remove(self) -> None:
         """Move the files that wait to the bin."""
-        with parts.problems_in(self.problem):
+        with widgets.problems_in(self.problem):
             bin.delete(self.root, incoming.FOLDER)
             self.drop.listed.clear()
             self.show()
@@ -145,7 +150,7 @@ def show_campaigns(project: Project, state: State, query: Mapping[str, str]) -> 
     root = project.root
     html("<p>What to press of the pads that were cast, in random order. The model is then compared with it.</p>")
     undo_bar(root)
-    known = choices.campaigns(root)
+    known = select_options.campaigns(root)
     with ui.expansion("Plan a new campaign", value=not known).props('data-test="plan-new"'):
         PlanForm(root, state)
     with ui.expansion("Bring in a campaign that was pressed earlier").props('data-test="bring-in"'):
@@ -154,14 +159,14 @@ def show_campaigns(project: Project, state: State, query: Mapping[str, str]) -> 
     if not known:
         html("<p>No campaign yet.</p>")
         return
-    chosen = parts.select("Campaign", known, state.campaign, "campaign")
+    chosen = widgets.select("Campaign", known, state.campaign, "campaign")
     chosen.on_value_change(lambda: open_page("/campaign", state.changed(campaign=chosen.value)))
     if (root / state.campaign / "campaign.toml").is_file():
         manage(root, state.campaign, "plan", lambda old, new: open_page("/campaign", state.changed(campaign=new)))
-        Presses(root, state)
+        CampaignPresses(root, state)
 
 
-class Presses:
+class CampaignPresses:
     """The presses of the campaign that is chosen."""
 
     def __init__(self, root: Path, state: State) -> None:
@@ -173,20 +178,20 @@ class Presses:
             for name in ("sheet.html", "sheet.csv")
             if (self.folder / name).is_file()
         ]
-        parts.file_links([*links, ("campaign.toml", f"{self.campaign}/campaign.toml")])
-        parts.zip_link(self.campaign)
+        widgets.file_links([*links, ("campaign.toml", f"{self.campaign}/campaign.toml")])
+        widgets.zip_link(self.campaign)
         DropList(
             self.take,
             self.renew,
             "Drop the presses (CSV). A file with a planned name takes its place; the "
             "earlier one goes to the bin. Any other file is assigned to a press below.",
         )
-        self.undone, self.held, self.status_area = parts.area(), parts.area(), parts.area("state")
-        self.holder = parts.area()
+        self.undone, self.held, self.status_area = widgets.area(), widgets.area(), widgets.area("state")
+        self.holder = widgets.area()
         with ui.expansion("Values of the presses: order, age, temperature, rest") as expansion:
-            self.values = parts.area()
+            self.values = widgets.area()
         expansion.props('data-test="values"').on_value_change(self.show_values)
-        self.change = parts.area()
+        self.change = widgets.area()
         self.show_held()
         status = check_campaign(self.folder)
         self.show(status)
@@ -207,7 +212,7 @@ class Presses:
         gone, name = taken.gone, taken.gone.path.rpartition("/")[2]
 
         def undo() -> None:
-            with parts.problems_in(line):
+            with widgets.problems_in(line):
                 bin.take_back(self.root, gone)
                 with line:
                     html(f"The earlier {escape(name)} is back. The other one is in the bin.")
@@ -215,17 +220,17 @@ class Presses:
 
         with self.undone, ui.element("p").classes("note") as line:
             html(f"{escape(name)} took the place of an earlier file.")
-            parts.button(f"Bring back the earlier {name}", undo, "bring-back")
+            widgets.button(f"Bring back the earlier {name}", undo, "bring-back")
 
     def show_held(self) -> None:
         """Files without a planned name, each with the presses it may be."""
-        with parts.fresh(self.held):
+        with widgets.fresh(self.held):
             for name in incoming.held(self.root, self.campaign):
                 self._held(name)
 
     def _held(self, name: str) -> None:
         def assign() -> None:
-            with parts.problems_in(self.undone):
+            with widgets.problems_in(self.undone):
                 taken = incoming.assign(self.root, self.campaign, name, pressed.value or "")
                 with self.undone:
                     html(f'<p class="note" role="status">{escape(taken.text)}</p>')
@@ -241,13 +246,13 @@ class Presses:
         with ui.element("div").classes("fields").props('data-test="held"'):
             planned = incoming.presses_for(self.root, self.campaign, name)
             pressed = ui.select(planned, label=f"{name} is the press").props('data-test="assign-to"')
-            parts.button("Assign", assign, "assign", f"assign {name}", main=True)
-            parts.button("Move to the bin", discard, "discard", f"move {name} to the bin")
+            widgets.button("Assign", assign, "assign", f"assign {name}", main=True)
+            widgets.button("Move to the bin", discard, "discard", f"move {name} to the bin")
 
     def show_values(self) -> None:
         """The table of values, once it is opened."""
         if not self.values.default_slot.children:
-            with parts.problems_in(self.values), self.values:
+            with widgets.problems_in(self.values), self.values:
                 TrialTable(self.folder, self.renew)
 
     def renew(self) -> None:
@@ -269,8 +274,8 @@ class Presses:
                 if status is not None:
                     self.show(status)
         except InputError as problem:
-            with parts.fresh(self.status_area):
-                parts.tell_problem(str(problem))
+            with widgets.fresh(self.status_area):
+                widgets.tell_problem(str(problem))
         finally:
             self.at_work = False
 
@@ -278,8 +283,8 @@ class Presses:
         """How far the campaign is."""
         if status.pressed:
             self.change.clear()
-        with parts.fresh(self.status_area):
-            parts.command_line(["campaign", "check", self.campaign])
+        with widgets.fresh(self.status_area):
+            widgets.command_line(["campaign", "check", self.campaign])
             _show_status(status, self.state)
 
 
@@ -290,7 +295,7 @@ def _show_status(status: CampaignStatus, chosen: State) -> None:
     if left:
         html(f"<p>To press: {escape(', '.join(status.missing[:6]))}{' …' * (left > 6)}</p>")
     if status.wrong:
-        parts.table(["file", "looks wrong"], [[one["file"], one["message"]] for one in status.wrong], words=True)
+        widgets.table(["file", "looks wrong"], [[one["file"], one["message"]] for one in status.wrong], words=True)
     for one in status.warnings:
         html(f'<p class="note">{escape(one["message"])}</p>')
     if done:
@@ -349,7 +354,7 @@ def value_table(
         row, key, text = event.args
         if key in keys and isinstance(row, int) and 0 <= row < len(rows):
             mark = "setAttribute('aria-invalid', true)"
-            with parts.problems_in(refusal):
+            with widgets.problems_in(refusal):
                 changed(row, key, str(text))
                 mark = "removeAttribute('aria-invalid')"
             cell = f'#{shown.html_id} [data-row="{row}"][data-key="{key}"]'
@@ -370,11 +375,11 @@ class TrialTable:
         self.folder, self.then = folder, then
         html("<p>Empty means unknown. Each value is written into campaign.toml when you leave its field.</p>")
         with ui.element("div").classes("fields"):
-            self.day = parts.select("Fill in for", {ALL: ALL}, ALL, "fill-day")
-            self.key = parts.select("Value", {key: HEADS[key] for key in OFTEN}, OFTEN[0], "fill-key")
+            self.day = widgets.select("Fill in for", {ALL: ALL}, ALL, "fill-day")
+            self.key = widgets.select("Value", {key: HEADS[key] for key in OFTEN}, OFTEN[0], "fill-key")
             self.value = ui.input("The same for all of them").props('data-test="fill-value"')
-            parts.button("Fill in", self.fill, "fill")
-        self.message, self.table = parts.area("values-said", live=True), parts.area()
+            widgets.button("Fill in", self.fill, "fill")
+        self.message, self.table = widgets.area("values-said", live=True), widgets.area()
         self.read()
 
     def read(self) -> None:
@@ -384,19 +389,19 @@ class TrialTable:
         self.day.set_options(days, value=self.day.value if self.day.value in days else ALL)
         aim = "target_depth_mm" if all(row["target_force_N"] is None for row in self.rows) else "target_force_N"
         keys = ("sequence", "thickness_mm", "velocity_mm_s", aim, "age_days", "temperature_C", "rest_s")
-        with parts.fresh(self.table):
+        with widgets.fresh(self.table):
             value_table(keys, self.rows, self.changed, self.message)
 
     def changed(self, row: int, key: str, text: str) -> None:
         """Write one value."""
         file = self.rows[row]["file"]
-        self.write({row: {key: parts.number_of(text, f"{file}: {key}", key)}}, f"{HEADS[key]} of {file} is kept.")
+        self.write({row: {key: widgets.number_of(text, f"{file}: {key}", key)}}, f"{HEADS[key]} of {file} is kept.")
 
     def fill(self) -> None:
         """Write one value for all presses of a day."""
         rows, key = rows_of(self.rows, self.day.value), str(self.key.value)
-        with parts.problems_in(self.message):
-            value = parts.number_of(str(self.value.value or ""), key)
+        with widgets.problems_in(self.message):
+            value = widgets.number_of(str(self.value.value or ""), key)
             self.write({row: {key: value} for row in rows}, f"{HEADS[key]} of {len(rows)} presses is kept.")
             self.read()
 
@@ -441,7 +446,9 @@ class PlanForm:
         given = {**incoming.FIELDS, "resin": state.resin, "ratio": state.ratio, "punch": state.punch}
         given |= incoming.plan_of(root, replaced) if replaced else {}
         self.punch = given["punch"]
-        known = {one.folder: f"{one.folder.partition('/')[2]}: {one.label}" for one in reversed(made.moulds(root))}
+        known = {
+            one.folder: f"{one.folder.partition('/')[2]}: {one.label}" for one in reversed(project_index.moulds(root))
+        }
         self.fields: dict[str, Any] = {}
 
         def add(key: str, label: str) -> None:
@@ -449,29 +456,29 @@ class PlanForm:
 
         with ui.element("div").classes("fields"):
             if not replaced:
-                self.name = ui.input("Name", value=choices.free_name(root, "campaigns", "first"))
+                self.name = ui.input("Name", value=select_options.free_name(root, "campaigns", "first"))
                 self.name.props('data-test="plan-name"').on_value_change(self.renew)
             sources = {one: one for one in ((MOULDED, TYPED) if known else (TYPED,))}
-            self.source = parts.select("Pads are those of", sources, MOULDED if usual else TYPED, f"{name}-source")
-        self.moulds = parts.select_several("Moulds", known, usual, f"{name}-moulds")
+            self.source = widgets.select("Pads are those of", sources, MOULDED if usual else TYPED, f"{name}-source")
+        self.moulds = widgets.select_several("Moulds", known, usual, f"{name}-moulds")
         self.typed = ui.element("div").classes("fields")
         with self.typed:
             add("pads", "Pads, thickness [mm]")
             add("shape", "Shape with its lengths")
             add("pad", "Outline, length x width [mm]")
-            self.fields["resin"] = parts.select("Resin", choices.resins(), given["resin"])
-            self.fields["ratio"] = parts.NumberField("Ratio", given["ratio"])
+            self.fields["resin"] = widgets.select("Resin", select_options.resins(), given["resin"])
+            self.fields["ratio"] = widgets.NumberField("Ratio", given["ratio"])
         with ui.element("div").classes("fields"):
             add("speeds", "Speeds [mm/s]")
             add("forces", "Steady forces [N]")
-            self.fields["repeats"] = parts.NumberField("Repeats", given["repeats"], 1, 9)
+            self.fields["repeats"] = widgets.NumberField("Repeats", given["repeats"], 1, 9)
             add("ages", "Age of the pads on each day [days]")
-            self.fields["hold"] = parts.NumberField("Hold [s]", given["hold"], 1, 600)
+            self.fields["hold"] = widgets.NumberField("Hold [s]", given["hold"], 1, 600)
         for key in ("pads", "shape", "speeds", "forces", "repeats", "ages"):
             self.fields[key].props(f'data-test="{"re" if replaced else ""}plan-{key}"')
         label = "Change the plan" if replaced else "Plan it"
-        self.work = Work(root, name, label, self.words, self.show, self.belongs, needs="trials")
-        parts.on_change(self.renew, self.source, self.moulds, *self.fields.values())
+        self.work = JobPanel(root, name, label, self.words, self.show, self.belongs, needs="trials")
+        widgets.on_change(self.renew, self.source, self.moulds, *self.fields.values())
         self.renew()
 
     def renew(self) -> None:
@@ -483,7 +490,7 @@ class PlanForm:
 
     def words(self) -> list[str]:
         """The plan as a command."""
-        given = parts.values_of(self.fields)
+        given = widgets.values_of(self.fields)
         for key in ("repeats", "ratio"):
             if given[key] is None:
                 raise InputError(f"{key} is empty", "missing", key)
@@ -507,7 +514,7 @@ class PlanForm:
         html(f'<p data-test="planned">{len(answer["trials"])} presses planned in {escape(folder)}</p>')
         if power := answer.get("power"):
             html(f"<p>Effects that this plan can detect: {escape(', '.join(power['seen']) or 'none')}.</p>")
-        parts.warnings(answer)
+        widgets.warnings(answer)
         link = page_link("/campaign", "Go on to the presses", self.state.changed(campaign=folder), "presses")
         html(f'<p class="note">{link}</p>')
 

@@ -12,58 +12,60 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import read_json
-from dummydesign.core.parsing import Purpose
+from dummydesign.core.parsing import QuantitySpec
 from dummydesign.person.drives import DRIVES, read_drive
 from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
 from dummydesign.report import on_person_facts as people
-from dummydesign.studio import choices, file_transfer, made, parts
+from dummydesign.studio import file_transfer, project_index, select_options, widgets
+from dummydesign.studio.file_actions import DropList
+from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, changed_since, options
-from dummydesign.studio.made import PressedPad
-from dummydesign.studio.manage import DropList
-from dummydesign.studio.parts import NumberField, html
+from dummydesign.studio.project_index import PadWithPresses
 from dummydesign.studio.state import State, page_link
-from dummydesign.studio.work_panel import Work
+from dummydesign.studio.widgets import NumberField, html
 
 
 def show_cast_pad(project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page."""
     html("<p>Is the cast pad right? First its thickness and mass, then its presses against the tissue.</p>")
     html("<h2>What was cast</h2>")
-    cast = parts.area()
+    cast = widgets.area()
     html("<h2>Its presses against the tissue</h2>")
-    kept = parts.Kept(state, **{name: text for name, text in query.items() if name.startswith(TYPED)})
-    comparison = Comparison(project.root, kept)
+    kept = widgets.Kept(state, **{name: text for name, text in query.items() if name.startswith(TYPED)})
+    comparison = PressComparison(project.root, kept)
     with cast:
         record_form(project.root, kept, comparison.find_pads)
 
 
-class Comparison:
+class PressComparison:
     """Presses of one pad, the tissue, the calibration, and what the comparison says."""
 
-    def __init__(self, root: Path, kept: parts.Kept) -> None:
+    def __init__(self, root: Path, kept: widgets.Kept) -> None:
         self.root, self.kept = root, kept
         self.state = state = kept.state
-        self.pads: list[PressedPad] = []
+        self.pads: list[PadWithPresses] = []
         DropList(
-            lambda name, content: f"{made.keep_press(self.root, name, content)} was added.",
+            lambda name, content: f"{project_index.keep_press(self.root, name, content)} was added.",
             lambda: self.find_pads(dropped=True),
             "Drop presses of the pad: CSV with time_s, displacement_mm, "
             "force_N. Bring files in another form in under Measured first.",
             "cast",
         )
         self.pad = ui.select({}, label="Pad").props('data-test="pad"')
-        self.files = parts.select_several("Its presses", {}, [], "presses")
+        self.files = widgets.select_several("Its presses", {}, [], "presses")
         with ui.element("div").classes("fields"):
-            self.tissue = parts.select("Tissue", choices.tissues(self.root), state.tissue, "tissue")
-            self.record = parts.select("Record of the cast pad", {"": "none"}, "", "record")
-        self.work = Work(root, "compare", "Compare with the tissue", self.words, self.show, needs="verdict")
-        self.model = parts.area()
+            self.tissue = widgets.select("Tissue", select_options.tissues(self.root), state.tissue, "tissue")
+            self.record = widgets.select("Record of the cast pad", {"": "none"}, "", "record")
+        self.work = JobPanel(root, "compare", "Compare with the tissue", self.words, self.show, needs="verdict")
+        self.model = widgets.area()
         with self.model:
             html("<h2>By the calibration</h2>")
-            known = choices.calibrations(root)
-            self.calibration = parts.select("Calibration", known, state.calibration, "calibration").style("width:auto")
-            self.replay = Work(
+            known = select_options.calibrations(root)
+            self.calibration = widgets.select("Calibration", known, state.calibration, "calibration").style(
+                "width:auto"
+            )
+            self.replay = JobPanel(
                 root,
                 "replay",
                 "Predict its presses and compare",
@@ -76,27 +78,27 @@ class Comparison:
         self._list_earlier()
         self.find_pads()
         self.pad.on_value_change(self.new_pad)
-        parts.on_change(self.renew_lines, self.files, self.record)
-        parts.on_change(self.renew, self.tissue, self.calibration)
+        widgets.on_change(self.renew_lines, self.files, self.record)
+        widgets.on_change(self.renew, self.tissue, self.calibration)
 
     def find_pads(self, dropped: bool = False) -> None:
         """Read which pads were pressed; the one that is chosen stays, unless presses were dropped."""
         before = self.pad.value
-        self.pads = made.pads(self.root, self.state)
+        self.pads = project_index.pads(self.root, self.state)
         named = {one.label: one.label for one in self.pads}
-        first = made.nearest(self.pads, self.state)
+        first = project_index.nearest(self.pads, self.state)
         if dropped:
-            first, before = next(one for one in self.pads if one.files[0].startswith(made.DROPPED)), None
+            first, before = next(one for one in self.pads if one.files[0].startswith(project_index.DROPPED)), None
         kept = before if before in named else first.label if first else None
         self.pad.set_options(named, value=kept)
         self.pad.set_enabled(bool(named))
         self.new_pad()
 
-    def chosen(self) -> PressedPad | None:
+    def chosen(self) -> PadWithPresses | None:
         """The pad that is chosen."""
         return next((one for one in self.pads if one.label == self.pad.value), None)
 
-    def presses(self) -> tuple[PressedPad, list[str]]:
+    def presses(self) -> tuple[PadWithPresses, list[str]]:
         """The pad and those of its presses that are chosen (InputError without any)."""
         pad = self.chosen()
         if pad is None or not self.files.value:
@@ -109,7 +111,7 @@ class Comparison:
         names = {path: path.rpartition("/")[2] for path in pad.files} if pad else {}
         self.files.set_options(names, value=list(names))
         self.files.set_enabled(bool(names))
-        records = made.records(self.root, pad) if pad else []
+        records = project_index.records(self.root, pad) if pad else []
         kept = self.record.value if self.record.value in records else ""
         self.record.set_options({"": "none"} | {one: one for one in records}, value=kept)
         self.model.set_visibility(bool(pad and pad.campaign))
@@ -158,7 +160,7 @@ class Comparison:
         answer, pad = job.answer, self.chosen()
         if pad is None:
             return
-        parts.facts(
+        widgets.facts(
             [
                 (f"{answer['rmse_N']:.3g} N", "error of the calibrated model (rms)"),
                 (f"{answer['base_rmse_N']:.3g} N", "error of the plain model (rms)"),
@@ -173,13 +175,13 @@ class Comparison:
         names = {path.rpartition("/")[2] for path in pad.files}
         keys = ("file", "rmse_N", "base_rmse_N", "peak_error_N")
         rows = [[one[key] for key in keys] for one in answer["trials"] if one["file"] in names]
-        parts.table(["press", "calibrated, rms N", "plain model, rms N", "peak off by N"], rows)
-        parts.warnings(answer)
+        widgets.table(["press", "calibrated, rms N", "plain model, rms N", "peak off by N"], rows)
+        widgets.warnings(answer)
 
     def show(self, job: Job) -> None:
         """Verdict, correction, each press, and the report of a comparison."""
         answer, files = job.answer, job.answer.get("files") or {}
-        parts.tell_changes(self.root, str(files.get("manifest") or ""), "Compare again.")
+        widgets.tell_changes(self.root, str(files.get("manifest") or ""), "Compare again.")
         show_verdict(answer["verdict"])
         html(f'<p data-test="correction">{escape(correction(answer["verdict"]))}</p>')
         if pad := answer.get("pad"):
@@ -205,9 +207,9 @@ class Comparison:
             "inside_fraction",
         )
         rows = [[Path(one["file"]).name, *(one[key] for key in keys)] for one in answer.get("by_trace", [])]
-        parts.table(head, rows)
-        parts.warnings(answer)
-        parts.show_report(self.root, files, "report of the comparison")
+        widgets.table(head, rows)
+        widgets.warnings(answer)
+        widgets.show_report(self.root, files, "report of the comparison")
 
     def _list_earlier(self) -> None:
         """Comparisons and presses on people in the folder, also those made on the terminal."""
@@ -215,14 +217,14 @@ class Comparison:
         if earlier:
             html("<h2>Earlier in this project</h2>")
         for one in reversed(earlier):
-            html(f"<p>{escape(choices.file_line(one))}</p>")
+            html(f"<p>{escape(select_options.file_line(one))}</p>")
             if (self.root / one.folder / "report.html").is_file():
-                parts.file_links([(f"report of {one.folder}", f"{one.folder}/report.html")])
+                widgets.file_links([(f"report of {one.folder}", f"{one.folder}/report.html")])
 
 
 def show_verdict(verdict: Mapping[str, Any]) -> None:
     """The verdict of an answer."""
-    parts.tell_verdict(str(verdict["light"]), str(verdict["text"]), test="verdict")
+    widgets.tell_verdict(str(verdict["light"]), str(verdict["text"]), test="verdict")
 
 
 def correction(verdict: Mapping[str, Any]) -> str:
@@ -241,16 +243,16 @@ TYPED = "cast_"
 """Beginning of the names under which the address keeps what was typed of a cast pad."""
 
 
-def record_form(root: Path, kept: parts.Kept, then: Callable[[], None]) -> None:
+def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> None:
     """Fields for what was really cast, and the verdict of the record."""
-    moulds = [one for one in reversed(made.moulds(root)) if made.gauge_points(root / one.folder)]
+    moulds = [one for one in reversed(project_index.moulds(root)) if project_index.gauge_points(root / one.folder)]
     if not moulds:
         html(f'<p class="note">No mould in this project yet: {page_link("/mould", "make one")}.</p>')
         return
     known = {one.folder: f"{one.folder}: {one.label}" for one in moulds}
     first = next((one for one in moulds if one.is_of(kept.state)), moulds[0]).folder
     before = kept.own.get(f"{TYPED}mould", "")
-    chosen = parts.select("Mould it was cast in", known, before if before in known else first, "record-mould")
+    chosen = widgets.select("Mould it was cast in", known, before if before in known else first, "record-mould")
     fields: dict[str, Any] = {}
     points = ui.element("div").classes("fields")
 
@@ -268,7 +270,7 @@ def record_form(root: Path, kept: parts.Kept, then: Callable[[], None]) -> None:
     others = dict(fields)
 
     def words() -> list[str]:
-        values = parts.values_of(fields)
+        values = widgets.values_of(fields)
         gauged = {name: value for name, value in values.items() if name not in others}
         if empty := [name for name, value in gauged.items() if value is None]:
             raise InputError(f"thickness at {', '.join(empty)} is empty", "missing", "thickness")
@@ -283,7 +285,7 @@ def record_form(root: Path, kept: parts.Kept, then: Callable[[], None]) -> None:
         then()
 
     def list_records() -> None:
-        with parts.fresh(records):
+        with widgets.fresh(records):
             _records(root, chosen.value)
 
     def renew() -> None:
@@ -292,14 +294,16 @@ def record_form(root: Path, kept: parts.Kept, then: Callable[[], None]) -> None:
         )
         work.renew()
 
-    work = Work(root, "record", "Keep this record", words, show, ended=lambda job, mine: list_records(), needs="limits")
-    records = parts.area()
+    work = JobPanel(
+        root, "record", "Keep this record", words, show, ended=lambda job, mine: list_records(), needs="limits"
+    )
+    records = widgets.area()
 
     def new_mould() -> None:
         for name in fields.keys() - others.keys():
             del fields[name]
-        with parts.fresh(points):
-            for one in made.gauge_points(root / chosen.value):
+        with widgets.fresh(points):
+            for one in project_index.gauge_points(root / chosen.value):
                 add(
                     one.name,
                     f"Thickness, {one.name} [mm]",
@@ -313,7 +317,7 @@ def record_form(root: Path, kept: parts.Kept, then: Callable[[], None]) -> None:
     new_mould()
     for follow in (new_mould, renew):
         chosen.on_value_change(follow)
-    parts.on_change(renew, *others.values())
+    widgets.on_change(renew, *others.values())
 
 
 def _records(root: Path, folder: str) -> None:
@@ -325,7 +329,7 @@ def _records(root: Path, folder: str) -> None:
             verdict = "accepted" if one["accepted"] else f"not accepted: {', '.join(one['missed'])}"
             rows.append([path.name, f"{one['thickness_mm']:.2f}", f"{one['mass_g']:g}", verdict])
     if rows:
-        parts.table(["record", "thickness mm", "mass g", ""], rows, words=True)
+        widgets.table(["record", "thickness mm", "mass g", ""], rows, words=True)
 
 
 def show_record(answer: Mapping[str, Any]) -> None:
@@ -341,7 +345,7 @@ def show_record(answer: Mapping[str, Any]) -> None:
         allowed = f"at most {one['high']:.4g}" if one["low"] is None else f"{one['low']:.4g} to {one['high']:.4g}"
         advice = ("missed", one["advice"]) if one["missed"] else ("kept", "")
         rows.append([one["what"], one["value"], one["unit"], allowed, *advice])
-    parts.table(["what", "value", "", "allowed", "", "what to do"], rows, words=True)
+    widgets.table(["what", "value", "", "allowed", "", "what to do"], rows, words=True)
 
 
 LIMITS = "limits"
@@ -359,7 +363,7 @@ SHORT = {
 class PeopleOfPad:
     """Drive, limits, and what the presses would have been on people."""
 
-    def __init__(self, comparison: Comparison) -> None:
+    def __init__(self, comparison: PressComparison) -> None:
         self.root, self.comparison = comparison.root, comparison
         html("<h2>The same presses on people</h2>")
         html(
@@ -368,20 +372,20 @@ class PeopleOfPad:
         )
         with ui.element("div").classes("fields"):
             known = {name: f"{name}: {SHORT[name]}" if name in SHORT else name for name in DRIVES}
-            self.drive = parts.select("What moves the robot", known, "position", "drive")
+            self.drive = widgets.select("What moves the robot", known, "position", "drive")
             self.numbers: dict[str, NumberField] = {}
             for purpose, usual in _numbers().items():
                 name = purpose.quantity.partition(" in ")[0]
                 label = f"{name[0].upper()}{name[1:]}" + (f" [{purpose.unit}]" if purpose.unit else "")
                 self.numbers[purpose.quantity] = NumberField(label, usual, test=f"drive-{name}")
-            self.limits = parts.select("Your limits", self._known_limits(), "", "limits")
+            self.limits = widgets.select("Your limits", self._known_limits(), "", "limits")
         DropList(
             self._keep_limits,
             self._find_limits,
             "Drop your limits of force and pressure with their source: a TOML file as 'suggest --limits' takes it.",
             "limits",
         )
-        self.work = Work(
+        self.work = JobPanel(
             self.root,
             "on-person",
             "Compute the presses on people",
@@ -390,7 +394,7 @@ class PeopleOfPad:
             needs="presses",
         )
         self.drive.on_value_change(self._new_drive)
-        parts.on_change(self.work.renew, self.limits, *self.numbers.values())
+        widgets.on_change(self.work.renew, self.limits, *self.numbers.values())
         self._new_drive()
 
     def words(self) -> list[str]:
@@ -442,9 +446,9 @@ class PeopleOfPad:
         return f"{chosen} was added."
 
 
-def _numbers() -> dict[Purpose, float | None]:
+def _numbers() -> dict[QuantitySpec, float | None]:
     """Numbers of all drives, with the default of those that may be left out."""
-    numbers: dict[Purpose, float | None] = {}
+    numbers: dict[QuantitySpec, float | None] = {}
     for drive in DRIVES.values():
         usual = [None] * (len(drive.numbers) - len(drive.defaults)) + list(drive.defaults)
         numbers |= {purpose: value for (purpose, _), value in zip(drive.numbers, usual)}
@@ -454,19 +458,19 @@ def _numbers() -> dict[Purpose, float | None]:
 def show_people(root: Path, answer: Mapping[str, Any]) -> None:
     """Result, presses, limits, warnings and the report of an answer of ``on-person``."""
     files, result = answer.get("files") or {}, dict(answer)
-    parts.tell_changes(root, str(files.get("manifest") or ""), "Compute them again.")
+    widgets.tell_changes(root, str(files.get("manifest") or ""), "Compute them again.")
     word, text = people.headline(result)
     if wrong := people.mismatch(result):
-        parts.tell_verdict("amber", f"CAUTION. {wrong}", test="drive-mismatch")
+        widgets.tell_verdict("amber", f"CAUTION. {wrong}", test="drive-mismatch")
     beyond = people.worst_beyond(result["presses"])
     if beyond and beyond[1] > people.FAR:
         first = people.extrapolation_text(result["presses"])
-        parts.tell_verdict("red", text if first in text else f"{first}{text}", test="people")
+        widgets.tell_verdict("red", text if first in text else f"{first}{text}", test="people")
     elif word in LIGHTS:
-        parts.tell_verdict(LIGHTS[word], f"{word.upper()}. {text}", test="people")
+        widgets.tell_verdict(LIGHTS[word], f"{word.upper()}. {text}", test="people")
     else:
         html(f'<p data-test="people">{escape(text)}</p>')
-    parts.table(*people.press_table(result))
+    widgets.table(*people.press_table(result))
     rows = [
         [
             row["result"].upper(),
@@ -482,6 +486,6 @@ def show_people(root: Path, answer: Mapping[str, Any]) -> None:
     ]
     if rows:
         head = ["result", "limit of", "limit", "unit", "pad", "people, 95 %", "why", "press"]
-        parts.table(head, rows, words=True)
-    parts.warnings(answer)
-    parts.show_report(root, files, "report of the presses on people")
+        widgets.table(head, rows, words=True)
+    widgets.warnings(answer)
+    widgets.show_report(root, files, "report of the presses on people")

@@ -17,12 +17,12 @@ from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
-from dummydesign.studio import choices, figures, made, parts
+from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio import slider_model as sliders
 from dummydesign.studio.pages import search
-from dummydesign.studio.parts import html, keep_state, open_page
 from dummydesign.studio.slider_model import Slider
 from dummydesign.studio.state import State, absolute
+from dummydesign.studio.widgets import html, keep_state, open_page
 
 SETTLE_S = 0.35
 """After this time without a move the verdict counts what castings may turn out as. [s]"""
@@ -32,7 +32,7 @@ ESTIMATE = "Estimate by interpolation; a search solves the pad."
 
 
 @dataclass(frozen=True)
-class View:
+class PadView:
     """Everything that is drawn of a pad that can be pressed."""
 
     evaluator: PadEvaluator
@@ -59,20 +59,20 @@ class DesignPage:
         self.busy = self.setting = False
         self.lengths: dict[str, Slider] = {}
         self.kind_of_lengths: tuple[str, float] = ("", 0.0)
-        self.verdict = parts.area("verdict", live=True).classes("sticky")
+        self.verdict = widgets.area("verdict", live=True).classes("sticky")
         self.search = search.Search(project, lambda: self.state, self.take)
         with ui.element("div").classes("two"):
             with ui.element("div"):
                 self._controls()
             with ui.element("div"):
                 self.plots = html("").props('data-test="plots"').style("width:100%")
-                self.numbers = parts.area("numbers")
-                self.solid = parts.area("solid")
+                self.numbers = widgets.area("numbers")
+                self.solid = widgets.area("solid")
                 self.solved = search.SolvedPad(self.root, lambda: self.state, self._say)
         html("<h2>This pad by the command line</h2>")
-        self.same = parts.area("same")
+        self.same = widgets.area("same")
         html("<h2>Designs of this project</h2>")
-        search.Designs(self.root, lambda: self.state)
+        search.DesignList(self.root, lambda: self.state)
         self.stamp: object = None
         self.take(state)
         ui.timer(WATCH_S, self.watch)
@@ -84,7 +84,7 @@ class DesignPage:
             for name in ("tissue", "aim", "resin", "calibration")
         }
         self.punch = ui.input("Punch").props('data-test="punch"')
-        kinds = {name: words for name, words in choices.shapes().items() if name != "auto"}
+        kinds = {name: words for name, words in select_options.shapes().items() if name != "auto"}
         self.kind = ui.select(kinds, label="Shape").props('data-test="kind"')
         self.thickness = Slider("Thickness", "mm", 3.0, 30.0, 0.1, self.state.thickness_mm, self.moved)
         self.ratio = Slider("Ratio", "", self.state.ratio, self.state.ratio, 0.05, self.state.ratio, self.moved)
@@ -155,22 +155,22 @@ class DesignPage:
 
     def _aims(self, tissue: str) -> dict[str, str]:
         try:
-            return choices.aims(absolute(self.root, tissue))
+            return select_options.aims(absolute(self.root, tissue))
         except InputError:
             return {}
 
     def _set_choices(self, state: State) -> None:
         """Offer what there is; what is chosen and not there is offered as missing, and nothing takes its place."""
-        resins = choices.resins()
+        resins = select_options.resins()
         known = {
-            "tissue": choices.tissues(self.root),
+            "tissue": select_options.tissues(self.root),
             "aim": self._aims(state.tissue),
-            "resin": choices.offered(resins, state.resin) if (self.root / state.resin).is_file() else resins,
-            "calibration": choices.calibrations(self.root),
+            "resin": select_options.offered(resins, state.resin) if (self.root / state.resin).is_file() else resins,
+            "calibration": select_options.calibrations(self.root),
         }
         for name, offered in known.items():
             value = getattr(state, name)
-            self.fields[name].set_options(choices.offered(offered, value, f"{value} (missing)"), value=value)
+            self.fields[name].set_options(select_options.offered(offered, value, f"{value} (missing)"), value=value)
         self.kind.set_value(state.kind)
         self.punch.set_value(state.punch)
         self.shape.set_value(state.shape)
@@ -203,7 +203,7 @@ class DesignPage:
             values, lengths = {}, ()
         if set(self.lengths) != {one.name for one in lengths}:
             self.lengths = {}
-            with parts.fresh(self.length_box):
+            with widgets.fresh(self.length_box):
                 for one in lengths:
                     words, move = one.name.replace("_", " ").capitalize(), partial(self.length_moved, one.name)
                     self.lengths[one.name] = Slider(words, one.unit, one.low, one.high, one.step, one.low, move)
@@ -246,7 +246,7 @@ class DesignPage:
         if number == self.wanted and view is not None:
             await self.settle(state, view, number)
 
-    def view_of(self, state: State) -> View | Refusal:
+    def view_of(self, state: State) -> PadView | Refusal:
         """Press the pad of a state and draw it, apart from the page."""
         from dummydesign.design.suggestion import condition_rows
 
@@ -264,9 +264,9 @@ class DesignPage:
         large = figures.plots_html([figures.steady(inputs.tissue, targets, pad), section])
         small = figures.plots_html(figures.presses(targets, pad), small=True)
         rows = search.press_rows(condition_rows(pad.candidate, targets, shape))
-        return View(evaluator, shape, pad, large + small, rows)
+        return PadView(evaluator, shape, pad, large + small, rows)
 
-    def draw(self, state: State, view: View | Refusal) -> None:
+    def draw(self, state: State, view: PadView | Refusal) -> None:
         """Draw a pad, or why there is none: what belongs to another pad goes."""
         for area in (self.numbers, self.solid, self.same):
             area.clear()
@@ -281,21 +281,21 @@ class DesignPage:
         young = 1e3 * float(resin.young_MPa(state.ratio))
         with self.numbers:
             if (calibrated := view.evaluator.problem.calibrated) is not None:
-                parts.warnings({"warnings": calibrated.warnings})
-            parts.table(search.PRESS_HEAD, view.presses, under=f"the {len(view.presses)} presses in numbers")
+                widgets.warnings({"warnings": calibrated.warnings})
+            widgets.table(search.PRESS_HEAD, view.presses, under=f"the {len(view.presses)} presses in numbers")
             self.ratio.say(f"modulus {young:.3g} kPa")
 
-    async def settle(self, state: State, view: View | Refusal, number: int) -> None:
+    async def settle(self, state: State, view: PadView | Refusal, number: int) -> None:
         """After the last move: castings in the verdict, solid, command line, address, ends of the lengths."""
         keep_state(state)
         if (state.kind, state.thickness_mm) != self.kind_of_lengths:
             self._set_lengths()
         with self.same:
-            parts.command_lines(lambda: [self.pad_words()])
+            widgets.command_lines(lambda: [self.pad_words()])
         if isinstance(view, Refusal):
             with self.numbers:
                 if state.kind != "slab":
-                    parts.button("Use lengths that fit", lambda: self.choose_kind(state.kind), "fit-lengths")
+                    widgets.button("Use lengths that fit", lambda: self.choose_kind(state.kind), "fit-lengths")
             if view.solvable:
                 self.solved.offer()
             return
@@ -306,18 +306,18 @@ class DesignPage:
         with self.solid:
             size = f"{state.thickness_mm:g}"
             title = f"solid of {state.shape}, {size} mm"
-            parts.shown_file("/solid/pad", title, "shown solid", shape=state.shape, thickness=size)
+            widgets.shown_file("/solid/pad", title, "shown solid", shape=state.shape, thickness=size)
 
-    def _verdict(self, state: State, view: View) -> tuple[str, str, str]:
+    def _verdict(self, state: State, view: PadView) -> tuple[str, str, str]:
         """Light, sentence and source: the design of this pad where there is one, else an estimate by the table."""
-        if solved := made.verdict_of_design(self.root, state):
+        if solved := project_index.verdict_of_design(self.root, state):
             return *solved, ""
         verdict = view.evaluator.with_castings(view.pad, view.shape)
         return verdict.light, verdict.text, ESTIMATE
 
     def _say(self, state: State, light: str, text: str, shown: str, note: str = "") -> None:
-        with parts.fresh(self.verdict):
-            parts.tell_verdict(light, text, shown, note if shown else "(castings are being counted …)", state.label)
+        with widgets.fresh(self.verdict):
+            widgets.tell_verdict(light, text, shown, note if shown else "(castings are being counted …)", state.label)
 
     def pad_words(self) -> list[str]:
         """The pad under the sliders as a command: a search whose limits are this pad."""

@@ -11,12 +11,12 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
-from dummydesign.studio import choices, figures, made, parts
+from dummydesign.studio import figures, project_index, select_options, widgets
+from dummydesign.studio.file_actions import manage, undo_bar
+from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, options
-from dummydesign.studio.manage import manage, undo_bar
-from dummydesign.studio.parts import html, keep_state, open_page
 from dummydesign.studio.state import State, page_link
-from dummydesign.studio.work_panel import Work
+from dummydesign.studio.widgets import html, keep_state, open_page
 
 INTERVAL = ("value", "low", "high")
 
@@ -26,7 +26,7 @@ def show_learning(project: Project, state: State, query: Mapping[str, str]) -> N
     root = project.root
     html("<p>The model against a pressed campaign: what it lacks, how large that is, and what to measure next.</p>")
     undo_bar(root)
-    known = choices.campaigns(root)
+    known = select_options.campaigns(root)
     if known:
         Learning(root, state, known)
     else:
@@ -39,9 +39,11 @@ class Learning:
     def __init__(self, root: Path, state: State, known: Mapping[str, str]) -> None:
         self.root, self.state = root, state
         with ui.element("div").classes("fields"):
-            self.campaign = parts.select("Campaign", known, state.campaign, "campaign")
-            self.prior = parts.select("Earlier calibration of the same material", choices.calibrations(root), "")
-        self.work = Work(
+            self.campaign = widgets.select("Campaign", known, state.campaign, "campaign")
+            self.prior = widgets.select(
+                "Earlier calibration of the same material", select_options.calibrations(root), ""
+            )
+        self.work = JobPanel(
             root,
             "loop",
             "Learn from it",
@@ -51,9 +53,9 @@ class Learning:
             lambda job, mine: self.list_calibrations(),
             needs="answer",
         )
-        self.others = parts.area()
+        self.others = widgets.area()
         html("<h2 id=next>The next measurement</h2><p>Plans the presses that tell most, as a new campaign.</p>")
-        self.next = Work(
+        self.next = JobPanel(
             root,
             "next",
             "Plan the next measurement",
@@ -76,11 +78,11 @@ class Learning:
     def next_words(self) -> list[str]:
         """The loop with a plan of what to press next, as a command."""
         words = self.words()
-        name = choices.free_name(self.root, "campaigns", f"{self.campaign.value.partition('/')[2]}-next")
+        name = select_options.free_name(self.root, "campaigns", f"{self.campaign.value.partition('/')[2]}-next")
         # learned from the same files with the same prior: the same calibration, which needs no second folder
         same = any(
             one.folder == words[-1] and one.prior == self.prior.value and not one.outdated(self.root)
-            for one in made.calibrations(self.root, self.campaign.value)
+            for one in project_index.calibrations(self.root, self.campaign.value)
         )
         return [*words, *options({"plan": f"campaigns/{name}", "replace": same})]
 
@@ -113,20 +115,20 @@ class Learning:
         html(f'<p class="note next" data-test="verdict"><b>{escape(first)}</b></p>')
         html("".join(f"<p>{escape(text)}</p>" for text in more))
         errors = answer["after"]["error"]
-        parts.facts(
+        widgets.facts(
             [
                 (f"{errors['heldout_rmse_N']:.3g} N", "error on presses that were left out (rms)"),
                 (f"{errors['noise_floor_N']:.3g} N", "noise of the measurement (rms)"),
             ]
         )
         rows = [
-            [effect["name"].replace("_", " "), *made.name_and_unit(name), *(value[key] for key in INTERVAL)]
+            [effect["name"].replace("_", " "), *project_index.name_and_unit(name), *(value[key] for key in INTERVAL)]
             for effect in answer["effects"]
             for name, value in effect["parameters"].items()
         ]
         if rows:
-            parts.table(["effect", "parameter", "unit", "value", "95 % low", "95 % high"], rows)
-        parts.warnings(answer)
+            widgets.table(["effect", "parameter", "unit", "value", "95 % low", "95 % high"], rows)
+        widgets.warnings(answer)
         self._again(answer["calibration_file"])
         html('<p><a href="#next">Plan the next measurement</a></p>')
         _curves(self.root, folder)
@@ -136,7 +138,7 @@ class Learning:
         html(f'<p class="note next">{page_link("/design", "Design again with what was learned", again, "again")}</p>')
 
     def _outdated(self, folder: str) -> None:
-        known = made.calibrations(self.root, self.campaign.value)
+        known = project_index.calibrations(self.root, self.campaign.value)
         if any(one.folder == folder and one.outdated(self.root) for one in known):
             html(
                 '<p class="problem" role="alert" data-test="outdated">The campaign changed after this was learned. '
@@ -145,11 +147,11 @@ class Learning:
 
     def list_calibrations(self) -> None:
         """Calibrations of this campaign in the folder, also those made on the terminal."""
-        known = list(reversed(made.calibrations(self.root, self.campaign.value or "")))
+        known = list(reversed(project_index.calibrations(self.root, self.campaign.value or "")))
         job = self.work.shown
         shown = Path(job.answer["calibration_file"]).parent.as_posix() if job else ""
         newest = next((one for one in known if one.folder != shown), None)
-        with parts.fresh(self.others):
+        with widgets.fresh(self.others):
             if known:
                 html("<h2>Calibrations of this campaign</h2>")
             for one in known:
@@ -164,8 +166,8 @@ class Learning:
                 if one is newest:
                     _curves(self.root, one.folder)
                 else:
-                    parts.zip_link(one.folder)
-                    parts.file_links([("the whole report", f"{one.folder}/report.html")])
+                    widgets.zip_link(one.folder)
+                    widgets.file_links([("the whole report", f"{one.folder}/report.html")])
 
     def _moved(self, old: str, new: str) -> None:
         """A calibration was renamed, deleted or brought back."""
@@ -190,7 +192,7 @@ def _plan_folder(answer: Mapping[str, Any]) -> str:
 
 def _curves(root: Path, folder: str) -> None:
     """Measured over predicted force of each press; the report where the folder does not have the curves."""
-    parts.zip_link(folder)
+    widgets.zip_link(folder)
     report = f"{folder}/report.html"
     there = (root / report).is_file()
     try:
@@ -198,8 +200,8 @@ def _curves(root: Path, folder: str) -> None:
     except (OSError, ValueError, KeyError):
         plots = []
     if plots and there:
-        parts.file_links([("the whole report", report)])
+        widgets.file_links([("the whole report", report)])
     if plots:
         html(f'<div data-test="curves">{figures.plots_html(plots, small=True)}</div>')
     elif there:
-        parts.shown_file(f"/files/{report}", "report of the loop")
+        widgets.shown_file(f"/files/{report}", "report of the loop")

@@ -13,14 +13,14 @@ from nicegui import ui
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
 from dummydesign.project.status import TEXTS
-from dummydesign.studio import jobs, parts
-from dummydesign.studio import project_files as bin
+from dummydesign.studio import jobs, widgets
+from dummydesign.studio import trash as bin
 from dummydesign.studio.access import LARGEST_BYTES
-from dummydesign.studio.made import presses_text
-from dummydesign.studio.manage import DropList, manage, undo_bar
-from dummydesign.studio.parts import html, keep_state
+from dummydesign.studio.file_actions import DropList, manage, undo_bar
+from dummydesign.studio.job_panel import JobPanel
+from dummydesign.studio.project_index import presses_text
 from dummydesign.studio.state import State, page_link
-from dummydesign.studio.work_panel import Work
+from dummydesign.studio.widgets import html, keep_state
 
 OPEN = {
     "columns": "columns, as time=NAME,displacement=NAME,force=NAME",
@@ -52,15 +52,15 @@ class MeasuredPage:
         )
         for name in chosen:
             if wanted and name not in self._names():
-                parts.tell_problem(f"'{name}' is not in measured/ (any more). Choose another file, or bring it back.")
+                widgets.tell_problem(f"'{name}' is not in measured/ (any more). Choose another file, or bring it back.")
         self._bar = undo_bar(self._root)
         self._drop = DropList(self._take, lambda: None, test="measured")
-        self._chosen = parts.select_several("Files to read", {}, [], "files")
+        self._chosen = widgets.select_several("Files to read", {}, [], "files")
         with ui.expansion("What the file leaves open (only when asked)"), ui.element("div").classes("fields"):
             self._fields = {name: ui.input(words).props(f'data-test="open-{name}"') for name, words in OPEN.items()}
         self._change = ui.expansion("Rename, replace or delete files").props('data-test="change-files"')
         self._change.on_value_change(self._list_files)
-        self._work = Work(
+        self._work = JobPanel(
             self._root,
             "import",
             "Read the files",
@@ -71,8 +71,8 @@ class MeasuredPage:
             needs="files",
         )
         self._choose(chosen)
-        parts.on_change(self._renew, self._chosen, *self._fields.values())
-        self._imports = parts.area("imports")
+        widgets.on_change(self._renew, self._chosen, *self._fields.values())
+        self._imports = widgets.area("imports")
         self._list_imports()
         link = page_link("/resin", "find its modulus", test="resin")
         html(f'<p class="note">A puck of resin was pressed: {link}.</p>')
@@ -90,7 +90,7 @@ class MeasuredPage:
 
     def _offer_swap(self, stored: bin.Stored) -> None:
         def swap() -> None:
-            with parts.problems_in(problem):
+            with widgets.problems_in(problem):
                 done = bin.rename_over(self._root, self._folder, stored.name, stored.sent)
                 row.delete()
                 self._drop.tell(done.text)
@@ -102,7 +102,7 @@ class MeasuredPage:
             problem = ui.element("div")
             with ui.element("div").classes("note thing") as row:
                 html(f'<span role="status">{escape(stored.text)}</span>')
-                parts.button(f"Replace the earlier {stored.sent}", swap, "replace-earlier").props("dense")
+                widgets.button(f"Replace the earlier {stored.sent}", swap, "replace-earlier").props("dense")
 
     def _came_back(self, old: str, new: str) -> None:
         self._drop.listed.clear()
@@ -142,7 +142,7 @@ class MeasuredPage:
 
     def _list_files(self) -> None:
         names = self._names() if self._change.value else []
-        with parts.fresh(self._change):
+        with widgets.fresh(self._change):
             if self._change.value and not names:
                 html("<p>No files yet.</p>")
             for name in names:
@@ -165,7 +165,7 @@ class MeasuredPage:
 
     def _list_imports(self) -> None:
         folders = sorted(path for path in self._folder.glob("import-*") if path.is_dir())
-        with parts.fresh(self._imports):
+        with widgets.fresh(self._imports):
             if folders:
                 html("<h2>Presses that were read</h2>")
             for path in folders:
@@ -181,24 +181,24 @@ class MeasuredPage:
         with panel:
             manage(self._root, inner, "import", lambda old, new: self._list_imports())
             if (path / "preview.html").is_file():
-                with parts.area():
-                    parts.shown_file(f"/files/{inner}/preview.html", f"presses of {path.name}")
+                with widgets.area():
+                    widgets.shown_file(f"/files/{inner}/preview.html", f"presses of {path.name}")
 
     def _show(self, job: jobs.Job) -> None:
         answer = job.answer
         html(f"<p><b>{escape(', '.join(Path(one['source']).name for one in answer['files']))}</b></p>")
-        parts.tell_changes(self._root, f"{_out(job)}/manifest.json", "Read the files again.")
-        parts.warnings(answer)
+        widgets.tell_changes(self._root, f"{_out(job)}/manifest.json", "Read the files again.")
+        widgets.warnings(answer)
         if answer.get("preview") and (self._root / answer["preview"]).is_file():
-            parts.shown_file(f"/files/{answer['preview']}", "preview of the presses")
+            widgets.shown_file(f"/files/{answer['preview']}", "preview of the presses")
         keys = ("file", "samples", "velocity_mm_s", "hold_s", "depth_mm", "peak_force_N", "steady_force_N")
         head = ["press", "samples", "mm/s", "hold s", "depth mm", "peak N", "steady N"]
         for one in answer["files"]:
             html(f"<h2>{escape(Path(one['source']).name)}</h2>")
-            parts.table(head, [[trace[key] for key in keys] for trace in one["traces"]])
+            widgets.table(head, [[trace[key] for key in keys] for trace in one["traces"]])
             rows = [[made["what"], str(made["value"]), made["why"]] for made in one["decisions"]]
             under = f"how {len(rows)} things were decided, and why"
-            parts.table(["decided", "value", "because"], rows, words=True, under=under)
+            widgets.table(["decided", "value", "because"], rows, words=True, under=under)
         html(f'<p class="note">Next: {page_link("/tissue", "fit a tissue to these presses")}</p>')
 
 

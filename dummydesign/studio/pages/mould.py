@@ -14,12 +14,12 @@ from nicegui import ui
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.project.folder import Project
-from dummydesign.studio import choices, made, parts
+from dummydesign.studio import project_index, select_options, widgets
+from dummydesign.studio.file_actions import manage, undo_bar
+from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, holds_answer, options
-from dummydesign.studio.manage import manage, undo_bar
-from dummydesign.studio.parts import html, keep_state, open_page
 from dummydesign.studio.state import State, design_state, design_summary, page_link
-from dummydesign.studio.work_panel import Work
+from dummydesign.studio.widgets import html, keep_state, open_page
 
 OUTLINE_MM, OUTLINES_MM = (150.0, 120.0), (20.0, 300.0)
 OPTIONS = ("thickness", "length", "width", "shape", "preset", "resin", "ratio")
@@ -31,22 +31,24 @@ class MouldPage:
     def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
         self.root, self.state = project.root, state
         undo_bar(self.root)
-        self.source = parts.area()
-        mine = [one for one in made.moulds(self.root) if one.is_of(state)]
+        self.source = widgets.area()
+        mine = [one for one in project_index.moulds(self.root) if one.is_of(state)]
         length_mm, width_mm = (mine[-1].length_mm, mine[-1].width_mm) if mine else OUTLINE_MM
-        preset = mine[-1].preset if mine and mine[-1].preset in made.PRESETS else "open"
+        preset = mine[-1].preset if mine and mine[-1].preset in project_index.PRESETS else "open"
         with ui.element("div").classes("fields"):
             self.fields: dict[str, Any] = {
-                "thickness": parts.NumberField("Thickness [mm]", state.thickness_mm, *THICKNESS_MM, "thickness"),
-                "length": parts.NumberField("Length [mm]", length_mm, *OUTLINES_MM),
-                "width": parts.NumberField("Width [mm]", width_mm, *OUTLINES_MM),
+                "thickness": widgets.NumberField("Thickness [mm]", state.thickness_mm, *THICKNESS_MM, "thickness"),
+                "length": widgets.NumberField("Length [mm]", length_mm, *OUTLINES_MM),
+                "width": widgets.NumberField("Width [mm]", width_mm, *OUTLINES_MM),
                 "shape": ui.input("Shape", value=state.shape),
-                "ratio": parts.NumberField("Ratio", state.ratio),
-                "resin": parts.select("Resin", choices.resins(), state.resin),
-                "preset": parts.select("Kind of mould", {name: name for name in made.PRESETS}, preset, "preset"),
+                "ratio": widgets.NumberField("Ratio", state.ratio),
+                "resin": widgets.select("Resin", select_options.resins(), state.resin),
+                "preset": widgets.select(
+                    "Kind of mould", {name: name for name in project_index.PRESETS}, preset, "preset"
+                ),
             }
         self.kind = html("")
-        self.work = Work(
+        self.work = JobPanel(
             self.root,
             "mould",
             "Make the mould",
@@ -56,13 +58,13 @@ class MouldPage:
             lambda job, mine: self.list_moulds(),
             needs="pour",
         )
-        self.others = parts.area()
-        parts.on_change(self.renew, *self.fields.values())
+        self.others = widgets.area()
+        widgets.on_change(self.renew, *self.fields.values())
         self.show_pad()
 
     def words(self) -> list[str]:
         """The mould as a command."""
-        values = parts.values_of(self.fields)
+        values = widgets.values_of(self.fields)
         given = {name: values[name] for name in OPTIONS}
         for name in ("thickness", "length", "width", "ratio"):
             if given[name] is None:
@@ -95,9 +97,9 @@ class MouldPage:
     def show_pad(self) -> None:
         """Where the pad comes from, what kind of mould it gets, and which moulds there are."""
         now = self.chosen()
-        with parts.fresh(self.source):
+        with widgets.fresh(self.source):
             _source(self.root, now)
-        self.kind.set_content(f'<p class="note">{escape(made.PRESETS[self.fields["preset"].value])}</p>')
+        self.kind.set_content(f'<p class="note">{escape(project_index.PRESETS[self.fields["preset"].value])}</p>')
         self.work.renew()
         self.list_moulds()
 
@@ -109,8 +111,8 @@ class MouldPage:
         poured = [(f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in batch["components"]]
         poured.append((f"{batch['pour_g']:.1f} g", "of the mix, into the mould"))
         silicone = answer["pour"]["silicone_mass_g"]
-        parts.facts([*poured, *([(f"{silicone:.0f} g", "silicone for the mould")] if silicone else [])])
-        parts.warnings(answer)
+        widgets.facts([*poured, *([(f"{silicone:.0f} g", "silicone for the mould")] if silicone else [])])
+        widgets.warnings(answer)
         if folder:
             html(f"<h2>{escape(folder)}</h2>")
             self._files(folder)
@@ -134,8 +136,8 @@ class MouldPage:
         """Further moulds of this pad with their files, and moulds of other pads as links."""
         now, links = self.chosen(), []
         shown = folder_of(self.work.shown.answer) if self.work.shown else ""
-        with parts.fresh(self.others):
-            for one in reversed(made.moulds(self.root)):
+        with widgets.fresh(self.others):
+            for one in reversed(project_index.moulds(self.root)):
                 if one.folder != shown and one.is_of(now):
                     html(f'<h2 data-test="mould-of-this-pad">{escape(one.folder)}</h2><p>{escape(one.label)}</p>')
                     self._files(one.folder)
@@ -160,20 +162,20 @@ def folder_of(answer: Mapping[str, Any]) -> str:
 
 def verdict_of(root: Path, state: State) -> str:
     """Why the pad must not be cast, in a sentence; empty for one that may be, or that was not judged."""
-    design = made.design_of_pad(root, state)
+    design = project_index.design_of_pad(root, state)
     summary = design_summary(root, design) if design else {}
     return str(summary.get("text", "")) if summary.get("verdict") == "not_representative" else ""
 
 
 def _source(root: Path, state: State) -> None:
     """Where the pad comes from, with the verdict on it."""
-    design = made.design_of_pad(root, state)
+    design = project_index.design_of_pad(root, state)
     if not design:
         link = page_link("/design", "design one")
         html(f'<p class="note">This pad is not one of the designs. Check it, or {link}.</p>')
         return
     html(f"<p>This pad is the design <b>{escape(design)}</b>.</p>")
-    if not made.answers(root, design, state):
+    if not project_index.answers(root, design, state):
         words = State(**design_state(root, design)).label.partition("; ")[2]
         html(
             f'<p class="note" data-test="other-question">That design was judged for {escape(words)}. '
@@ -186,19 +188,19 @@ def _source(root: Path, state: State) -> None:
 def _links(root: Path, folder: str) -> None:
     """Two buttons, the solid, a table of parts by format; what is read seldom is folded."""
     names = [path.name for path in (root / folder).iterdir() if path.is_file() and not path.name.startswith(".")]
-    groups = dict(made.grouped_files(names))
+    groups = dict(project_index.grouped_files(names))
     start = [f"{folder}/{name}" for words, name in groups.get("Pour", []) if "start here" in words]
-    parts.zip_link(folder, start)
+    widgets.zip_link(folder, start)
     with ui.element("div").classes("pair"):
         for view in sorted((root / folder).glob("assembly_*.html"))[:1]:
-            parts.shown_file(f"/files/{folder}/{view.name}", "the parts as solids", "shown solid")
+            widgets.shown_file(f"/files/{folder}/{view.name}", "the parts as solids", "shown solid")
         made_of = groups.pop("Print or machine", []) + groups.pop("Draw", [])
         if made_of:
             html(_part_table(made_of, folder))
     with ui.expansion("Further files").props('data-test="further-files"'):
         for group, rows in groups.items():
             html(f"<h3>{escape(group)}</h3>")
-            parts.file_links([(words, f"{folder}/{name}") for words, name in rows])
+            widgets.file_links([(words, f"{folder}/{name}") for words, name in rows])
 
 
 def _part_table(rows: Sequence[tuple[str, str]], folder: str) -> str:
@@ -210,7 +212,7 @@ def _part_table(rows: Sequence[tuple[str, str]], folder: str) -> str:
         by_part.setdefault(part, []).append((kind, f"{folder}/{name}"))
     lines = ""
     for part, files in by_part.items():
-        links = " ".join(parts.file_link(*one) for one in files)
+        links = " ".join(widgets.file_link(*one) for one in files)
         lines += f"<tr><th scope=row>{escape(part)}</th><td>{links}</td></tr>"
     return f'<table class="files" data-test="parts"><tbody>{lines}</tbody></table>'
 
@@ -225,4 +227,4 @@ def _checks(folder: Path) -> None:
         return
     html(f"<p><b>{passed} of {len(checks)} checks passed</b></p>")
     if rest:
-        parts.table(["check", "", "because"], rest, words=True)
+        widgets.table(["check", "", "because"], rest, words=True)

@@ -16,10 +16,10 @@ from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project, make_project
 from dummydesign.project.status import STANDARD_RESIN, ProjectStatus, pads_of, status_of
-from dummydesign.studio import choices, figures, jobs, made, parts
-from dummydesign.studio.manage import deleted_files
-from dummydesign.studio.parts import html
+from dummydesign.studio import figures, jobs, project_index, select_options, widgets
+from dummydesign.studio.file_actions import deleted_files
 from dummydesign.studio.state import State, address, design_state, is_design, next_page, next_state, page_link
+from dummydesign.studio.widgets import html
 
 ROOMS = {
     "measured": ("/measured", "Measured files"),
@@ -39,27 +39,27 @@ def make_new(root: Path) -> None:
     )
     with ui.element("div").classes("fields"):
         name = ui.input("Name", value=root.name).props('data-test="name"')
-        tissue = parts.select("Tissue", {"": "decide later", **choices.tissues(root)}, "", "tissue")
-        resin = parts.select("Resin", choices.resins(), STANDARD_RESIN)
-    line = parts.area()
+        tissue = widgets.select("Tissue", {"": "decide later", **select_options.tissues(root)}, "", "tissue")
+        resin = widgets.select("Resin", select_options.resins(), STANDARD_RESIN)
+    line = widgets.area()
 
     def given() -> dict[str, str | None]:
         return {"name": name.value or None, "tissue": tissue.value or None, "resin": resin.value or None}
 
     def renew() -> None:
-        with parts.fresh(line):
-            parts.command_line(["init", ".", *jobs.options(given())])
+        with widgets.fresh(line):
+            widgets.command_line(["init", ".", *jobs.options(given())])
 
-    parts.on_change(renew, name, tissue, resin)
+    widgets.on_change(renew, name, tissue, resin)
     renew()
     problem = ui.element("div")
 
     def make() -> None:
-        with parts.problems_in(problem):
+        with widgets.problems_in(problem):
             make_project(root, **given())
             ui.navigate.to(address("/"))
 
-    parts.button("Make the project", make, "make", main=True)
+    widgets.button("Make the project", make, "make", main=True)
 
 
 def show_status(project: Project, state: State, query: Mapping[str, str]) -> None:
@@ -72,16 +72,16 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
             html(f'<p class="next">Next: <b>{escape(status.next_text)}</b></p>')
             link = f"{address(page)}?{escape(following.query())}"
             html(f'<a class="go" data-test="next" href="{link}">Go there</a>')
-            parts.command_line(shlex.split(status.next_command)[1:])
+            widgets.command_line(shlex.split(status.next_command)[1:])
             given = ", ".join(f"{name} {value}" for name, value in project.given().items()) or "nothing chosen yet"
             html(f"<p>Chosen for this project: {escape(given)}</p>")
         with ui.element("div"):
             _show_newest(project.root, status, state)
     for problem in status.problems:
-        parts.tell_problem(problem)
+        widgets.tell_problem(problem)
     links, cards, reports = links_of(project.root, status, state), "", []
     for room, (path, words) in ROOMS.items():
-        lines = [links.get(one.folder) or escape(choices.file_line(one)) for one in reversed(status.files[room])]
+        lines = [links.get(one.folder) or escape(select_options.file_line(one)) for one in reversed(status.files[room])]
         more = f"<details><summary>{len(lines) - 8} more</summary><ul>{_list(lines[8:])}</ul></details>"
         listed = f"<ul>{_list(lines[:8])}</ul>{more if lines[8:] else ''}" if lines else "<p>none yet</p>"
         cards += f"<div><h2>{page_link(path, words)}</h2>{listed}</div>"
@@ -91,7 +91,7 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
             reports.append((f"{one.folder.partition('/')[2]}: report", f"{one.folder}/report.html"))
     if reports:
         html("<h2>Reports</h2>")
-        parts.file_links(reports)
+        widgets.file_links(reports)
     with ui.expansion("Deleted").props('data-test="bin"'):
         deleted_files(project.root)
     with ui.expansion("What was run"):
@@ -123,7 +123,7 @@ def _strip(status: ProjectStatus, next_path: str, following: State) -> str:
         "/learn": (bool(learned), learned),
     }
     items = ""
-    for path, name in parts.STEPS[1:]:
+    for path, name in widgets.STEPS[1:]:
         done, what = words[path]
         mark = "next" if path == next_path else "done" if done else ""
         tick = "✓ " if done else ""
@@ -140,7 +140,7 @@ def _show_newest(root: Path, status: ProjectStatus, state: State) -> None:
         return
     newest, summary = state.changed(**design_state(root, designs[-1].folder)), designs[-1].summary or {}
     light = LIGHTS.get(str(summary.get("verdict")), "amber")
-    parts.tell_verdict(light, str(summary.get("text", "")), label=newest.label, test="newest")
+    widgets.tell_verdict(light, str(summary.get("text", "")), label=newest.label, test="newest")
     with suppress(InputError):
         plot = figures.section(read_shape(newest.shape), newest.thickness_mm, read_punch(newest.punch))
         html(f'<div class="plots">{plot.html()}</div>')
@@ -158,17 +158,17 @@ def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:
             states[one.folder] = ("/cast", state)
         elif inputs := design_state(root, one.folder):
             states[one.folder] = ("/design", state.changed(**inputs))
-    for mould in made.moulds(root):
+    for mould in project_index.moulds(root):
         states[mould.folder] = ("/mould", state.changed(**mould.pad, design=""))
     for one in status.files["campaigns"]:
         states[one.folder] = ("/campaign", state.changed(campaign=one.folder))
-        for learned in made.calibrations(root, one.folder):
+        for learned in project_index.calibrations(root, one.folder):
             states[learned.folder] = ("/learn", state.changed(campaign=one.folder, calibration=learned.file))
     for one in status.files["tissue"]:
         states[one.folder] = ("/tissue", state.changed(tissue=one.folder, aim="average"))
     known = {one.folder: one for room in status.files.values() for one in room}
     return {
-        folder: page_link(path, choices.file_line(known[folder]), of, f"open-{folder}")
+        folder: page_link(path, select_options.file_line(known[folder]), of, f"open-{folder}")
         for folder, (path, of) in states.items()
         if folder in known
     }

@@ -10,13 +10,13 @@ from typing import Any
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.library import entries
+from dummydesign.core.user_library import entries
 from dummydesign.project.folder import Project, change_project, project_of
 from dummydesign.project.status import witness_size
-from dummydesign.studio import choices, jobs, parts
-from dummydesign.studio.parts import html, keep_state, open_page
+from dummydesign.studio import jobs, select_options, widgets
+from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.state import State, page_link
-from dummydesign.studio.work_panel import Work
+from dummydesign.studio.widgets import html, keep_state, open_page
 
 OWN = ("puck", "diameter", "height", "mixed", "name", "base")
 """Choices of this page in the address."""
@@ -35,28 +35,30 @@ class PuckPage:
             "Its modulus makes a resin of the batch.</p>"
         )
         with ui.expansion("Print the ring of a puck", value=not known).props('data-test="ring"'):
-            Work(project.root, "ring", "Make the ring", self._ring_words, _show_ring, needs="files")
+            JobPanel(project.root, "ring", "Make the ring", self._ring_words, _show_ring, needs="files")
         if not known:
             html(f'<p class="note">No presses yet: {page_link("/measured", "bring in the file of a puck")} first.</p>')
             return
         first = start.get("puck") or next(iter(known))
         if first not in known:
-            parts.tell_problem(f"The press '{first}' is not there (any more). Choose another, or bring it back.")
-        bases = {"": "default: the batch itself, else polyurethane-nagoya", **choices.resins()}
+            widgets.tell_problem(f"The press '{first}' is not there (any more). Choose another, or bring it back.")
+        bases = {"": "default: the batch itself, else polyurethane-nagoya", **select_options.resins()}
         base = start.get("base", "")
-        name = start.get("name") or choices.free_library_name("resin", "my-batch")
+        name = start.get("name") or select_options.free_library_name("resin", "my-batch")
         with ui.element("div").classes("fields"):
             self._fields: dict[str, Any] = {
-                "puck": parts.select("Press of the puck", choices.offered(known, first, f"{first} (missing)"), first),
-                "diameter": parts.NumberField("Diameter [mm]", _number(start.get("diameter")), *SIZES_MM),
-                "height": parts.NumberField("Height [mm]", _number(start.get("height")), *SIZES_MM),
-                "mixed": parts.NumberField("Mixing ratio", _number(start.get("mixed")) or state.ratio),
+                "puck": widgets.select(
+                    "Press of the puck", select_options.offered(known, first, f"{first} (missing)"), first
+                ),
+                "diameter": widgets.NumberField("Diameter [mm]", _number(start.get("diameter")), *SIZES_MM),
+                "height": widgets.NumberField("Height [mm]", _number(start.get("height")), *SIZES_MM),
+                "mixed": widgets.NumberField("Mixing ratio", _number(start.get("mixed")) or state.ratio),
                 "name": ui.input("Name of the batch", value=name),
-                "base": parts.select("Resin whose law is updated", bases, base if base in bases else ""),
+                "base": widgets.select("Resin whose law is updated", bases, base if base in bases else ""),
             }
         for name, field in self._fields.items():
             field.props(f'data-test="{"puck" if name == "puck" else f"puck-{name}"}"')
-        self._work = Work(
+        self._work = JobPanel(
             project.root,
             "puck",
             "Find the modulus",
@@ -65,8 +67,8 @@ class PuckPage:
             ended=lambda job, mine: self._list(),
             needs="young_kPa",
         )
-        parts.on_change(self._renew, *self._fields.values())
-        self._own = parts.area()
+        widgets.on_change(self._renew, *self._fields.values())
+        self._own = widgets.area()
         self._list()
 
     def _renew(self) -> None:
@@ -79,14 +81,14 @@ class PuckPage:
         return ["mold", *jobs.options(given)]
 
     def _words(self) -> list[str]:
-        given = parts.values_of(self._fields)
+        given = widgets.values_of(self._fields)
         for name, words in (("diameter", "diameter"), ("height", "height"), ("mixed", "ratio")):
             if given[name] is None:
                 raise InputError(f"Enter the {words} of the puck.", "missing", words)
         name = (given["name"] or "").strip()
         if not name:
             raise InputError("Give the batch a name.", "missing", "name")
-        choices.check_name("resin", name)
+        select_options.check_name("resin", name)
         typed = {
             "diameter": given["diameter"],
             "height": given["height"],
@@ -101,7 +103,7 @@ class PuckPage:
         puck, friction = answer["young_kPa"], answer["friction"]
         html(f"<p><b>{escape(name)}</b> from {escape(Path(job.words[2]).name)}, ratio {answer['ratio']:g}.</p>")
         low, high = ("bonded" if friction[end] is None else f"{friction[end]:.2g}" for end in ("low", "high"))
-        parts.facts(
+        widgets.facts(
             [
                 (f"{puck['value']:.3g} kPa", f"modulus of this puck, 95 %: {puck['low']:.3g} to {puck['high']:.3g}"),
                 (f"{answer['rmse_N']:.2g} N", "residual, rms"),
@@ -111,15 +113,15 @@ class PuckPage:
         rows, problem = _moduli(self._root / job.words[2], answer)
         if problem:
             html(f'<p class="problem" role="alert">{escape(problem)}</p>')
-        parts.table(["", "modulus kPa", "95 % low", "95 % high"], rows)
+        widgets.table(["", "modulus kPa", "95 % low", "95 % high"], rows)
         if answer["action"] == "unchanged":
             html(f'<p class="note">{escape(name)} has this puck already. Nothing was changed.</p>')
         if answer.get("before"):
             html(f'<p class="note">The puck was known at {escape(str(answer["before"]))}. It was replaced.</p>')
-        parts.warnings(answer)
+        widgets.warnings(answer)
         html("<p>The resin is in your own library, for all projects. Add further pucks under its name.</p>")
         if not problem:
-            parts.button(f"Use {name} for this project", lambda: self._use(name), "use-resin", main=True)
+            widgets.button(f"Use {name} for this project", lambda: self._use(name), "use-resin", main=True)
 
     def _use(self, name: str) -> None:
         change_project(project_of(self._root) or self._project, resin=name)
@@ -127,7 +129,7 @@ class PuckPage:
 
     def _list(self) -> None:
         own = [entry for entry in entries("materials/resins").values() if entry.origin == "user"]
-        with parts.fresh(self._own):
+        with widgets.fresh(self._own):
             if own:
                 names = ", ".join(f"{one.name}{' (chosen)' * (one.name == self._state.resin)}" for one in own)
                 html(f"<h2>Your own resins</h2><p>{escape(names)}</p>")
@@ -136,13 +138,13 @@ class PuckPage:
 def _show_ring(job: jobs.Job) -> None:
     folder = Path(next(iter(job.answer["files"].values()))).parent.as_posix()
     html(f"<p>The ring is in <b>{escape(folder)}</b>, with its pour sheet and how the puck is pressed.</p>")
-    parts.zip_link(folder)
+    widgets.zip_link(folder)
 
 
 def pucks(root: Path) -> dict[str, str]:
     """Files that may be pucks: imported presses, and measured files that are traces as they are."""
     own = [path for path in sorted((root / "measured").glob("*.csv")) if _is_trace(path)]
-    return choices.traces(root) | {f"measured/{path.name}": path.name for path in own}
+    return select_options.traces(root) | {f"measured/{path.name}": path.name for path in own}
 
 
 def _is_trace(path: Path) -> bool:
@@ -186,6 +188,6 @@ def _last(root: Path) -> dict[str, str]:
 
 def _number(text: str | None) -> float | None:
     try:
-        return parts.number_of(text or "", "")
+        return widgets.number_of(text or "", "")
     except InputError:
         return None

@@ -19,12 +19,12 @@ from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
-from dummydesign.studio import choices, figures, jobs, parts
+from dummydesign.studio import figures, jobs, select_options, widgets
 from dummydesign.studio import slider_model as sliders
-from dummydesign.studio.manage import manage
-from dummydesign.studio.parts import html, open_page
+from dummydesign.studio.file_actions import manage
+from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.state import QUESTION_FIELDS, State, design_state, is_design, page_link
-from dummydesign.studio.work_panel import Work
+from dummydesign.studio.widgets import html, open_page
 
 PATIENCE_S = 2.0
 """How long a pad must stay chosen before it is solved in the background. [s]"""
@@ -84,11 +84,11 @@ class Search:
 
     def __init__(self, project: Project, state: Callable[[], State], take: Callable[[State], None]) -> None:
         self.root, self.state, self.take = project.root, state, take
-        known = choices.shapes()
+        known = select_options.shapes()
         wish = dict(project.asked).get("shape", "auto").partition(":")[0]
         with ui.element("div").classes("two"):
-            self.kinds = parts.select("Shapes to search", known, wish if wish in known else "auto", "searched")
-            self.work = Work(
+            self.kinds = widgets.select("Shapes to search", known, wish if wish in known else "auto", "searched")
+            self.work = JobPanel(
                 self.root,
                 "suggest",
                 "Find the best pad",
@@ -122,10 +122,10 @@ class Search:
     def show(self, job: jobs.Job) -> None:
         """What a search found: the pad and its mould; folded why this one, the other kinds, the presses."""
         answer = job.answer
-        parts.tell_changes(self.root, f"{_folder(job)}/{MANIFEST}", "Search again.")
+        widgets.tell_changes(self.root, f"{_folder(job)}/{MANIFEST}", "Search again.")
         best, light = answer["recommendation"], answer["verdict"]["light"]
         mixed = (best.get("batch") or best["recipe"])["components"]
-        parts.facts(
+        widgets.facts(
             [
                 (f"{best['thickness_mm']:g} mm", best["shape"]),
                 (f"{best['ratio']:g}", best["ratio_meaning"]),
@@ -135,29 +135,29 @@ class Search:
         designed = state_of_answer(self.state(), answer, _folder(job))
         red = "This pad is not representative: do not cast it. " if light == "red" else ""
         html(f'<p class="note next">{red}{page_link("/mould", "Make its mould", designed, "mould")}</p>')
-        parts.button("Put the sliders at this pad", lambda: self.take(designed))
-        parts.warnings(answer)
+        widgets.button("Put the sliders at this pad", lambda: self.take(designed))
+        widgets.warnings(answer)
         if answer.get("files", {}).get("report"):
-            parts.file_links([("the whole report", answer["files"]["report"])])
+            widgets.file_links([("the whole report", answer["files"]["report"])])
 
         def tell_why() -> None:
-            with parts.fresh(why):
+            with widgets.fresh(why):
                 if why.value:
                     self._compare_kinds(answer)
-                    parts.table(PRESS_HEAD, press_rows(best["conditions"]))
+                    widgets.table(PRESS_HEAD, press_rows(best["conditions"]))
 
         why = ui.expansion("Why this pad, the other kinds, the presses").props('data-test="why"')
         why.on_value_change(tell_why)
 
     def _compare_kinds(self, answer: dict[str, Any]) -> None:
         """The best pad of each kind, and why this one; the verdicts of the others come a moment later."""
-        sentences = "".join(f"<p>{parts.marked(one)}</p>" for one in figures.kind_sentences(answer))
+        sentences = "".join(f"<p>{widgets.marked(one)}</p>" for one in figures.kind_sentences(answer))
         html(sentences)
         rows, state = figures.kind_rows(answer), self.state()
         if len(rows) < 2:
             return
-        with parts.area("kinds") as box:
-            parts.table(figures.HEAD, rows)
+        with widgets.area("kinds") as box:
+            widgets.table(figures.HEAD, rows)
 
         def judge() -> dict[str, dict[str, Any]]:
             return figures.verdicts_of_kinds(sliders.evaluator_of(self.root, state), answer)
@@ -166,22 +166,22 @@ class Search:
             with suppress(InputError):
                 verdicts = await run.io_bound(judge)
                 if verdicts is not None and not box.is_deleted:
-                    with parts.fresh(box):
-                        parts.table(figures.HEAD, figures.kind_rows(answer, verdicts))
+                    with widgets.fresh(box):
+                        widgets.table(figures.HEAD, figures.kind_rows(answer, verdicts))
 
         ui.timer(0.1, fill, once=True)
 
 
-class Designs:
+class DesignList:
     """The designs of the project: open one again, or hold several side by side."""
 
     def __init__(self, root: Path, state: Callable[[], State]) -> None:
         self.root, self.state = root, state
         self.seen: list[str] | None = None
         self.stamps: list[tuple[Path, int]] | None = None
-        self.box = parts.area("designs")
-        self.chosen = parts.select_several("Designs to compare", {}, [], "to-compare")
-        self.work = Work(root, "compare-designs", "Compare them", self.words, self.show, self.belongs)
+        self.box = widgets.area("designs")
+        self.chosen = widgets.select_several("Designs to compare", {}, [], "to-compare")
+        self.work = JobPanel(root, "compare-designs", "Compare them", self.words, self.show, self.belongs)
         self.chosen.on_value_change(self.work.renew)
         self.renew()
         ui.timer(2.0, self.renew)
@@ -206,7 +206,7 @@ class Designs:
         if names == self.seen:
             return
         self.seen = names
-        with parts.fresh(self.box):
+        with widgets.fresh(self.box):
             if not designs:
                 html("<p>none yet</p>")
             for one in reversed(designs):
@@ -238,8 +238,8 @@ class Designs:
         """The page of the comparison."""
         report = job.answer.get("files", {}).get("report")
         if report:
-            parts.tell_changes(self.root, f"{COMPARED}/{MANIFEST}", "Compare again.")
-            parts.shown_file(f"/files/{report}", "designs side by side")
+            widgets.tell_changes(self.root, f"{COMPARED}/{MANIFEST}", "Compare again.")
+            widgets.shown_file(f"/files/{report}", "designs side by side")
 
 
 def predict_words(state: State, **more: str) -> list[str]:
@@ -260,8 +260,8 @@ class SolvedPad:
 
     def __init__(self, root: Path, state: Callable[[], State], judge: Callable[[State, str, str, str], None]) -> None:
         self.root, self.state, self.judge = root, state, judge
-        self.box = parts.area("solved")
-        self.work: Work | None = None
+        self.box = widgets.area("solved")
+        self.work: JobPanel | None = None
         self.hide()
 
     def hide(self) -> None:
@@ -274,7 +274,9 @@ class SolvedPad:
         if self.work is None:
             with self.box:
                 html("<p>No table holds this pad. It is solved by finite elements in the background.</p>")
-                self.work = Work(self.root, "pad", "Solve this pad", self.words, self.show, self.belongs, self.ended)
+                self.work = JobPanel(
+                    self.root, "pad", "Solve this pad", self.words, self.show, self.belongs, self.ended
+                )
         self.work.show_again()
         chosen = self.state()
         ui.timer(PATIENCE_S, lambda: self._begin(chosen), once=True)
@@ -309,6 +311,6 @@ class SolvedPad:
         if not answer.get("verdict"):
             return
         self.judge(self.state(), answer["verdict"]["light"], answer["verdict"]["text"], "solved")
-        parts.warnings(answer)
+        widgets.warnings(answer)
         rows = (answer.get("recommendation") or answer).get("conditions") or []
-        parts.table(PRESS_HEAD, press_rows([one for one in rows if "reads" in one]))
+        widgets.table(PRESS_HEAD, press_rows([one for one in rows if "reads" in one]))

@@ -14,11 +14,11 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project, change_project, project_of
-from dummydesign.studio import choices, figures, file_transfer, jobs, parts
-from dummydesign.studio.manage import manage, undo_bar
-from dummydesign.studio.parts import html, keep_state, open_page
+from dummydesign.studio import figures, file_transfer, jobs, select_options, widgets
+from dummydesign.studio.file_actions import manage, undo_bar
+from dummydesign.studio.job_panel import JobPanel, Steps
 from dummydesign.studio.state import State, absolute, page_link
-from dummydesign.studio.work_panel import Steps, Work
+from dummydesign.studio.widgets import html, keep_state, open_page
 
 OWN = ("presses", "name", "touched", "people", "group")
 """Choices of this page in the address."""
@@ -34,12 +34,12 @@ class TissuePage:
         html("<p>The tissue that the dummy imitates. Its band is the range of the subjects that were measured.</p>")
         self._chosen = ui.select({}, label="Tissue").props('data-test="tissue"')
         undo_bar(self.root)
-        parts.button("Use it for this project", lambda: self.use(self.tissue), "use", main=True)
-        self._problem, self._shown = parts.area(), parts.area()
+        widgets.button("Use it for this project", lambda: self.use(self.tissue), "use", main=True)
+        self._problem, self._shown = widgets.area(), widgets.area()
         self._renew()
         self._chosen.on_value_change(self._choose_shown)
         html("<h2>Fit a tissue to your own presses</h2>")
-        if not choices.traces(self.root):
+        if not select_options.traces(self.root):
             html(f'<p class="note">No presses yet: {page_link("/measured", "bring in files")} first.</p>')
             return
         fit_panel(self)
@@ -75,7 +75,7 @@ class TissuePage:
     def use(self, tissue: str) -> None:
         """Make a tissue the project's, and go on to the design."""
         self._problem.clear()
-        if tissue not in choices.tissues(self.root):
+        if tissue not in select_options.tissues(self.root):
             with self._problem:
                 _tell_missing(tissue)
             return
@@ -86,13 +86,13 @@ class TissuePage:
 
     def use_button(self, tissue: str) -> None:
         """A button that makes a fitted tissue the project's."""
-        parts.button(f"Use {tissue} for this project", lambda: self.use(tissue), "use-fitted", main=True)
+        widgets.button(f"Use {tissue} for this project", lambda: self.use(tissue), "use-fitted", main=True)
 
     def _renew(self) -> None:
-        known = choices.offered(choices.tissues(self.root), self.tissue, f"{self.tissue} (missing)")
+        known = select_options.offered(select_options.tissues(self.root), self.tissue, f"{self.tissue} (missing)")
         self._chosen.set_options(known, value=self.tissue)
         self._problem.clear()
-        with parts.fresh(self._shown):
+        with widgets.fresh(self._shown):
             if self.tissue.startswith("tissue/") and (self.root / self.tissue).is_file():
                 manage(self.root, self.tissue, "tissue", self._moved)
             _show_tissue(self.root, self.tissue)
@@ -106,15 +106,15 @@ class TissuePage:
 
 
 def _tell_missing(tissue: str) -> None:
-    parts.tell_problem(f"'{tissue}' is not there. Choose another tissue, or bring its file back.")
+    widgets.tell_problem(f"'{tissue}' is not there. Choose another tissue, or bring its file back.")
 
 
 def _show_tissue(root: Path, name: str) -> None:
-    from dummydesign.design.scoring.presses import Sampling
+    from dummydesign.design.scoring.press_simulation import Sampling
     from dummydesign.design.scoring.targets import make_targets
     from dummydesign.tissue import load_tissue
 
-    parts.command_line(["tissues", "show", name])
+    widgets.command_line(["tissues", "show", name])
     if name.endswith(".toml") and not (root / name).is_file():
         _tell_missing(name)
         return
@@ -122,17 +122,17 @@ def _show_tissue(root: Path, name: str) -> None:
         tissue = load_tissue(absolute(root, name))
         plot = figures.steady(tissue, make_targets(tissue, "average", Sampling()))
     except InputError as problem:
-        parts.tell_problem(str(problem))
+        widgets.tell_problem(str(problem))
         return
     subjects = f"{len(tissue.subjects)} subject{'s' * (len(tissue.subjects) != 1)}"
     html(f"<p><b>{escape(name)}</b>: {escape(tissue.title)}, {escape(subjects)}, law {escape(tissue.law)}</p>")
     rows = parameter_rows(tissue.to_dict()["bands"], lambda one: one["kind"])
     with ui.element("div").classes("pair"):
         html(plot.html())
-        parts.table(["parameter", "mean", "lowest", "highest", "kind"], rows)
+        widgets.table(["parameter", "mean", "lowest", "highest", "kind"], rows)
     report = f"{name.removesuffix('.toml')}-report.html"
     if name.endswith(".toml") and (root / report).is_file():
-        parts.file_links([("report of the fit", report)])
+        widgets.file_links([("report of the fit", report)])
     for note in tissue.notes:
         html(f"<p>{escape(note)}</p>")
 
@@ -144,16 +144,18 @@ CONTACT = {"": "as the files were read", "per-press": "fitted for each press"}
 def fit_panel(page: TissuePage) -> None:
     """Fields, command and result of a fit."""
     root = page.root
-    known = choices.traces(root)
+    known = select_options.traces(root)
     start, start_name, touched = _start(page, known)
     for path in start:
         if path not in known:
-            parts.tell_problem(f"The press '{path}' is not there (any more). Choose others, or bring it back.")
-    picked = parts.select_several("Presses of one subject", known, [path for path in start if path in known], "traces")
+            widgets.tell_problem(f"The press '{path}' is not there (any more). Choose others, or bring it back.")
+    picked = widgets.select_several(
+        "Presses of one subject", known, [path for path in start if path in known], "traces"
+    )
     picked.set_enabled(bool(known))
     with ui.element("div").classes("fields"):
         name = ui.input("Name of the tissue", value=start_name).props('data-test="fit-name"')
-        contact = parts.select("Where each press touched", CONTACT, touched, "fit-contact")
+        contact = widgets.select("Where each press touched", CONTACT, touched, "fit-contact")
         lowpass = ui.input("Filter of the force, HZ[:ORDER[:PASSES]] (optional)")
 
     def words() -> list[str]:
@@ -174,13 +176,15 @@ def fit_panel(page: TissuePage) -> None:
         if mine and _tissue_of(job):
             page.choose(_tissue_of(job))
 
-    work = Work(root, "fit", "Fit the tissue", words, lambda job: _show(page, job), belongs, ended, needs="parameters")
+    work = JobPanel(
+        root, "fit", "Fit the tissue", words, lambda job: _show(page, job), belongs, ended, needs="parameters"
+    )
 
     def renew() -> None:
         page.keep(presses=SEPARATOR.join(picked.value or []), name=name.value or "", touched=contact.value)
         work.renew()
 
-    parts.on_change(renew, picked, name, contact, lowpass)
+    widgets.on_change(renew, picked, name, contact, lowpass)
 
 
 def _start(page: TissuePage, known: dict[str, str]) -> tuple[list[str], str, str]:
@@ -192,7 +196,7 @@ def _start(page: TissuePage, known: dict[str, str]) -> tuple[list[str], str, str
     for job in reversed(jobs.all_jobs(root, "fit")):
         if _tissue_of(job) == page.tissue:
             return _presses(job.words), Path(job.words[-1]).stem, "per-press" if "per-press" in job.words else ""
-    return list(known), query.get("name") or choices.free_name(root, "tissue", "mine"), ""
+    return list(known), query.get("name") or select_options.free_name(root, "tissue", "mine"), ""
 
 
 def _tissue_of(job: jobs.Job) -> str:
@@ -205,16 +209,16 @@ def _presses(words: Sequence[str]) -> list[str]:
 
 def _show(page: TissuePage, job: jobs.Job) -> None:
     answer, root, tissue = job.answer, page.root, _tissue_of(job)
-    parts.tell_changes(root, answer["files"].get("manifest", ""), "Fit the tissue again.")
+    widgets.tell_changes(root, answer["files"].get("manifest", ""), "Fit the tissue again.")
     html(
         f"<p><b>{escape(tissue)}</b>: {escape(str(answer['elements']))} elements, {escape(answer['mode'])}. Residual "
         f"{answer['rmse_N']:.3g} N rms, noise {answer['noise_floor_N']:.3g} N.</p>"
     )
     page.use_button(tissue)
-    parts.warnings(answer)
+    widgets.warnings(answer)
     show_curves(root, answer)
     rows = parameter_rows(answer["parameters"], lambda one: "at bound" if one["at_bound"] else "")
-    parts.table(["parameter", "value", "95 % low", "95 % high", ""], rows)
+    widgets.table(["parameter", "value", "95 % low", "95 % high", ""], rows)
 
 
 def show_curves(root: Path, answer: Mapping[str, Any]) -> None:
@@ -226,7 +230,7 @@ def show_curves(root: Path, answer: Mapping[str, Any]) -> None:
     html(figures.plots_html(replace(one, name=f"{own}-{one.name}") for one in plots))
     report = answer["files"].get("report", "")
     if report and (root / report).is_file():
-        parts.file_links([("report of the fit, with its residuals", report)])
+        widgets.file_links([("report of the fit, with its residuals", report)])
 
 
 def parameter_rows(parameters: Mapping[str, Any], note_of: Callable[[Mapping[str, Any]], object]) -> list[list[object]]:
@@ -246,15 +250,15 @@ ELEMENTS = {"3": "3", "5": "5 (usual)", "7": "7"}
 class _People:
     def __init__(self, page: TissuePage) -> None:
         self._page, self._root = page, page.root
-        traces = choices.traces(page.root)
+        traces = select_options.traces(page.root)
         start, start_name = self._read()
         html(
             "<p>Write the person's name beside each press. A press without a name is left out. "
             "Each person is fitted, then all make one tissue.</p>"
         )
         for path in start.keys() - traces.keys():
-            parts.tell_problem(f"The press '{path}' is not there (any more). It is left out until you bring it back.")
-        parts.button("Take the names from the file names", self._guess, "guess-people")
+            widgets.tell_problem(f"The press '{path}' is not there (any more). It is left out until you bring it back.")
+        widgets.button("Take the names from the file names", self._guess, "guess-people")
         self._fields: dict[str, ui.input] = {}
         with ui.element("div").classes("people"):
             for path, words in traces.items():
@@ -263,11 +267,11 @@ class _People:
                 name.props["data-press"] = words
         with ui.element("div").classes("fields"):
             self._name = ui.input("Name of the tissue", value=start_name).props('data-test="people-name"')
-            self._elements = parts.select("Elements of the law", ELEMENTS, "5")
+            self._elements = widgets.select("Elements of the law", ELEMENTS, "5")
             self._lowpass = ui.input("Filter of the force, HZ[:ORDER[:PASSES]] (optional)")
             self._lowpass.props('data-test="people-lowpass"')
             self._replace = ui.checkbox("Replace my tissue of this name").props('data-test="people-replace"')
-        self._work = Work(
+        self._work = JobPanel(
             page.root,
             "people",
             "Fit all and make the tissue",
@@ -278,7 +282,7 @@ class _People:
             first=self._fits,
             check=self._check,
         )
-        parts.on_change(self._renew, *self._fields.values(), self._name, self._elements, self._lowpass, self._replace)
+        widgets.on_change(self._renew, *self._fields.values(), self._name, self._elements, self._lowpass, self._replace)
 
     def _renew(self) -> None:
         people = "\n".join(f"{path}\t{name}" for path, name in self._assigned().items())
@@ -327,7 +331,7 @@ class _People:
 
     def _check(self) -> None:
         """Refuse a name that is taken before anything is fitted."""
-        choices.check_name("tissue", self._name.value or "", bool(self._replace.value))
+        select_options.check_name("tissue", self._name.value or "", bool(self._replace.value))
 
     def _read(self) -> tuple[dict[str, str], str]:
         """People and name: of the address, of the chain that made the chosen tissue, or none."""
@@ -338,7 +342,7 @@ class _People:
         every = reversed(jobs.all_jobs(self._root, "people"))
         last = next((job for job in every if job.words[:3] == ("tissues", "add", self._page.tissue)), None)
         if last is None:
-            return {}, choices.free_library_name("tissue", "people")
+            return {}, select_options.free_library_name("tissue", "people")
         persons: dict[str, str] = {}
         for fit in last.commands[:-1]:
             persons |= dict.fromkeys(_presses(fit), Path(fit[fit.index("--out") + 1]).stem)
@@ -350,24 +354,24 @@ class _People:
         if not jobs.is_last(self._root, job, lambda one: str(one.answer.get("name") or "")):
             html(f'<p class="note">The tissue {escape(name)} was made anew since, from other presses.</p>')
             return
-        if name not in choices.tissues(self._root):
+        if name not in select_options.tissues(self._root):
             html(f'<p class="note">The tissue {escape(name)} is no longer in your library.</p>')
             return
         html(f"<p><b>{escape(name)}</b>: {len(fits)} people. It is in your own library, for all projects.</p>")
         self._page.use_button(name)
         keys = ("rmse_N", "noise_floor_N")
         rows = [[Path(fit["inputs"]["out"]).stem, len(fit["by_trace"]), *(fit[key] for key in keys)] for fit in fits]
-        parts.table(["person", "presses", "residual N rms", "noise N"], rows)
-        parts.warnings(answer)
+        widgets.table(["person", "presses", "residual N rms", "noise N"], rows)
+        widgets.warnings(answer)
         for fit in fits:
-            parts.tell_changes(self._root, fit["files"].get("manifest", ""), "Fit all again.")
+            widgets.tell_changes(self._root, fit["files"].get("manifest", ""), "Fit all again.")
             panel = ui.expansion(f"{Path(fit['files']['tissue']).stem}: measured and fitted force")
             panel.on_value_change(partial(self._open, panel, fit))
 
     def _open(self, panel: ui.expansion, fit: Mapping[str, Any]) -> None:
         panel.clear()
         if panel.value:
-            with panel, parts.area():
+            with panel, widgets.area():
                 show_curves(self._root, fit)
 
     def _ended(self, job: jobs.Job, mine: bool) -> None:

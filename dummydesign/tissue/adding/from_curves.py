@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
 from dummydesign.core.serialise import Serialised
-from dummydesign.measurement.landmarks import approach_velocity, find_ramp
 from dummydesign.measurement.motion import work_mJ
+from dummydesign.measurement.ramp_detection import approach_velocity, find_ramp
 from dummydesign.measurement.trace import Trace, check_one_press, magnitude_fault
 from dummydesign.tissue.adding.from_traces import copies_of, fit_people, fit_row, fit_warnings, reserve, tissue_of_fits
 from dummydesign.tissue.adding.observations import (

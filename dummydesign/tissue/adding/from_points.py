@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
-from dummydesign.core.library import find, hidden_by
 from dummydesign.core.quantity import Quantity
+from dummydesign.core.user_library import find, hidden_by
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue.adding.from_traces import tissue_folder
-from dummydesign.tissue.adding.observations import Steady, read_points
+from dummydesign.tissue.adding.observations import SteadyPoints, read_points
 from dummydesign.tissue.model import posterior
 from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.tissue import Tissue
@@ -143,19 +143,19 @@ def add_points(name: str, points: str) -> dict[str, Any]:
     }
 
 
-def _already(tissue: Tissue) -> list[Steady]:
+def _already(tissue: Tissue) -> list[SteadyPoints]:
     """Persons of the tissue whose gamma1 came from points before."""
     known = []
     for subject in tissue.subjects:
         gamma1 = subject.numbers["gamma1_N_per_mm3"]
         if gamma1.kind == "digitised":
             deviation = math.log(gamma1.high / gamma1.low) / 3.92
-            known.append(Steady(subject.name, math.log(gamma1.value), deviation, gamma1.source, 0.0))
+            known.append(SteadyPoints(subject.name, math.log(gamma1.value), deviation, gamma1.source, 0.0))
     return known
 
 
 def _update_inferred(
-    tissue: Tissue, draws: NDArray, weight: NDArray, steady: list[Steady]
+    tissue: Tissue, draws: NDArray, weight: NDArray, steady: list[SteadyPoints]
 ) -> tuple[Tissue, NDArray, list[dict[str, str]]]:
     """Measured persons beside what the reweighted posterior says of the rest and of all arms."""
     logs = np.log(draws[..., 0])
@@ -183,7 +183,7 @@ def _with_people(
     draws: NDArray,
     weight: NDArray,
     people: list[tuple[str, float]],
-    measured: dict[str, Steady],
+    measured: dict[str, SteadyPoints],
     unknown: float,
 ) -> Tissue:
     """Give everybody the arms of the posterior, with intervals, and make the tissue."""
@@ -245,7 +245,7 @@ def _tempered(weight: NDArray, log_likelihood: NDArray) -> tuple[NDArray, list[d
     return new / new.sum(), [{"code": "points_contradict", "message": message}]
 
 
-def _update_fitted(tissue: Tissue, steady: list[Steady]) -> tuple[Tissue, list[dict[str, str]]]:
+def _update_fitted(tissue: Tissue, steady: list[SteadyPoints]) -> tuple[Tissue, list[dict[str, str]]]:
     """Combine points with the subjects of the same name; refuse names that are not there."""
     warnings = []
     subjects = {subject.name.lower(): subject for subject in tissue.subjects}

@@ -7,7 +7,7 @@ from typing import Any
 
 from dummydesign.core.errors import InputError, errors_within, out_of_range, quantity_name, unknown_name
 from dummydesign.core.files import write_text
-from dummydesign.core.parsing import Purpose, read_number
+from dummydesign.core.parsing import QuantitySpec, read_number
 from dummydesign.core.quantity import KINDS, Quantity
 from dummydesign.tissue.adding.from_traces import reserve, tissue_folder
 from dummydesign.tissue.adding.observations import read_rows
@@ -16,8 +16,8 @@ from dummydesign.tissue.model.parameters import Parameters
 from dummydesign.tissue.model.tissue import Subject, Tissue
 from dummydesign.tissue.model.tissue_file import tissue_toml
 
-STIFFNESS = Purpose("stiffness in N/mm", "N/mm", (0.05, 1000.0))
-SPREAD = Purpose("spread in N/mm", "N/mm", (0.0, 1000.0))
+STIFFNESS = QuantitySpec("stiffness in N/mm", "N/mm", (0.05, 1000.0))
+SPREAD = QuantitySpec("spread in N/mm", "N/mm", (0.0, 1000.0))
 NAME = "k_N_per_mm"
 COLUMNS = ("region", "stiffness_N_per_mm", "spread_N_per_mm", "source")
 REGIONS = (

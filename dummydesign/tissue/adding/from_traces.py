@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import output_folder, write_text
-from dummydesign.core.library import DEVICE, make_room, user_folder
+from dummydesign.core.user_library import DEVICE, make_room, user_folder
 from dummydesign.measurement.importing.press_checks import copies_among
 from dummydesign.measurement.sensor import parse_lowpass
 from dummydesign.measurement.trace import read_trace

@@ -202,7 +202,7 @@ def check_curves(curves: list[ObservedCurve], file: str) -> None:
 
 
 @dataclass(frozen=True)
-class Steady:
+class SteadyPoints:
     """gamma1 of one subject from its points: ln gamma1 with its deviation, and the source."""
 
     name: str
@@ -212,7 +212,7 @@ class Steady:
     scatter: float
 
 
-def read_points(path: Path) -> list[Steady]:
+def read_points(path: Path) -> list[SteadyPoints]:
     """Read points and reduce them to one gamma1 per subject."""
     by_subject: dict[str, list[list[float]]] = {}
     for row in read_rows(path, "points", POINT_COLUMNS):
@@ -229,7 +229,7 @@ def read_points(path: Path) -> list[Steady]:
     return [_steady(name, np.array(own), largest, path.name) for name, own in by_subject.items()]
 
 
-def _steady(name: str, points: NDArray, largest: NDArray, file: str) -> Steady:
+def _steady(name: str, points: NDArray, largest: NDArray, file: str) -> SteadyPoints:
     """Weighted mean of ln F - 3 ln x; scatter beyond the errors widens the deviation."""
     depth, force, depth_error, force_error = points.T
     given = not np.isnan(points[:, 2:]).any()
@@ -242,4 +242,4 @@ def _steady(name: str, points: NDArray, largest: NDArray, file: str) -> Steady:
     deviation = float(weight.sum() ** -0.5) * max(scatter, 1.0)
     errors = "own errors" if given else f"axes to {largest[0]:g} mm and {largest[1]:g} N, reading error 2 % of them"
     source = f"{file}: {len(logs)} point{'s' if len(logs) > 1 else ''} of {name}, {errors}"
-    return Steady(name, mean, deviation, source, scatter)
+    return SteadyPoints(name, mean, deviation, source, scatter)

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.errors import InputError, unknown_name
-from dummydesign.core.process import one_blas_thread
 from dummydesign.core.quantity import Quantity
 from dummydesign.inference.least_squares import profile_interval, simplest, solve
 from dummydesign.inference.noise import noise_floor, whitener

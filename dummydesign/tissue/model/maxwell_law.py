@@ -28,7 +28,7 @@ def stack(subjects: Sequence[Parameters], velocity_mm_s: float) -> tuple[NDArray
     return gamma1, gamma, np.array([subject.dampers_at(velocity_mm_s) for subject in subjects])
 
 
-class Drive:
+class MotionResponse:
     """What a motion does to a law: the elastic shape X(t), shape (..., n), and the response A(t; r) of an arm. [mm3]"""
 
     elastic: NDArray
@@ -89,7 +89,7 @@ class MaxwellLaw(ABC):
     log_gamma: ClassVar[tuple[float, float]] = (float(np.log(1e-5)), float(np.log(1e4)))
 
     @abstractmethod
-    def drive(self, motion: Motion) -> Drive:
+    def drive(self, motion: Motion) -> MotionResponse:
         """What a motion, arrays of shape (n,) or (..., n), does to the law."""
 
     def stretch_rates(self, depth_mm: NDArray, rate: NDArray) -> tuple[NDArray, NDArray]:

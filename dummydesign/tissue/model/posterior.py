@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import csv_text
-from dummydesign.core.library import find
 from dummydesign.core.quantity import Quantity
+from dummydesign.core.user_library import find
 from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.parameters import speed_key
 from dummydesign.tissue.model.subject import KIND, Subject, flatten, nest

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.library import Entry, data_folder, entries, find, toml_line
 from dummydesign.core.quantity import KINDS, Quantity
-from dummydesign.core.toml_schema import Table, read_table
+from dummydesign.core.toml_schema import TomlTable, read_table
+from dummydesign.core.user_library import Entry, data_folder, entries, find, toml_line
 from dummydesign.tissue.model.laws import LAWS, law_named
 from dummydesign.tissue.model.laws.curves import CURVES, known_words
 from dummydesign.tissue.model.maxwell_law import arms_of
@@ -102,19 +102,19 @@ def read_tissue(entry: Entry) -> Tissue:
     return Tissue(name, title, law, subjects, top.strings("sources", ()), top.strings("notes", ()), entry.origin)
 
 
-def _fault(table: Table, key: str, words: str, code: str, value: object = None) -> InputError:
+def _fault(table: TomlTable, key: str, words: str, code: str, value: object = None) -> InputError:
     """Make the error of a key whose value is too long for a line."""
     return InputError(f"{table.where(key)}: '{key}' {words}", code, f"{table.name}.{key}", value)
 
 
-def _person(table: Table) -> tuple[str, MeasuredPerson, str, str]:
+def _person(table: TomlTable) -> tuple[str, MeasuredPerson, str, str]:
     """Read one [[subject]] table of measured curves."""
     table.only(("name", "kind", "source", "press"))
     name, kind, source = table.string("name"), table.string("kind", choices=KINDS), table.string("source")
     return name, MeasuredPerson([_press(press) for press in table.tables("press")]), kind, source
 
 
-def _press(table: Table) -> HeldPress:
+def _press(table: TomlTable) -> HeldPress:
     table.only(PRESS_KEYS)
     speed, depth = (table.number(key, above=0.0) for key in PRESS_KEYS[:2])
     rise, time, hold = (np.array(table.numbers(key)) for key in PRESS_KEYS[2:])
@@ -129,7 +129,7 @@ def _press(table: Table) -> HeldPress:
     return HeldPress(speed, depth, rise, time, hold)
 
 
-def _subject(table: Table, law: str) -> Subject:
+def _subject(table: TomlTable, law: str) -> Subject:
     """Read one [[subject]] table of parameters."""
     name, form = table.string("name"), law_named(law)
     table.only(["name", "pressed", *form.parameter_names(max(form.elements))])
@@ -148,7 +148,7 @@ def _subject(table: Table, law: str) -> Subject:
     return Subject.of(name, law, numbers, _pressed(table) if "pressed" in table.data else None)
 
 
-def _pressed(table: Table) -> dict[str, Quantity]:
+def _pressed(table: TomlTable) -> dict[str, Quantity]:
     """Read the range of the presses of a subject: all of it."""
     entry = table.data["pressed"]
     if not isinstance(entry, dict) or set(entry) != set(PRESSED):
@@ -157,7 +157,7 @@ def _pressed(table: Table) -> dict[str, Quantity]:
     return {key: _positive(flat, f"pressed.{key}") for key in PRESSED}
 
 
-def _dampers(table: Table, key: str) -> dict[str, Quantity]:
+def _dampers(table: TomlTable, key: str) -> dict[str, Quantity]:
     """Read dampers given per speed: {10 = {...}, 250 = {...}}."""
     entry = table.data[key]
     if not isinstance(entry, dict) or not entry or "value" in entry:
@@ -175,7 +175,7 @@ def _dampers(table: Table, key: str) -> dict[str, Quantity]:
     return {speed_key(number): _positive(flat, f"{key}.{speed}") for number, speed in ordered}
 
 
-def _positive(table: Table, key: str) -> Quantity:
+def _positive(table: TomlTable, key: str) -> Quantity:
     quantity = table.quantity(key)
     if not quantity.low > 0:
         raise _fault(table, key, f"has low = {quantity.low}; it must be above 0", "out_of_range", quantity.low)

@@ -8,9 +8,9 @@ import numpy as np
 
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.shaped_problem import radius_touched
-from dummydesign.pad.contact.axisymmetric import Surface
+from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface
 from dummydesign.pad.solve.continuation import VisitedState
-from dummydesign.pad.solve.equilibrium import Problem
+from dummydesign.pad.solve.equilibrium import ContactProblem
 
 Array = np.ndarray
 
@@ -34,9 +34,9 @@ class EdgeWatch:
     touched: list[float] = field(default_factory=list)
     gaps: list[Array] = field(default_factory=list)
 
-    def __call__(self, problem: Problem, end: VisitedState) -> None:
+    def __call__(self, problem: ContactProblem, end: VisitedState) -> None:
         """Note one state."""
-        assert isinstance(problem.surface, Surface), "a crown is touched by a round punch"
+        assert isinstance(problem.surface, AxisymmetricSurface), "a crown is touched by a round punch"
         points = problem.surface.points(end.u).reshape(-1, 2)
         points = points[np.argsort(points[:, 0])]
         self.depth.append(end.depth)

@@ -101,7 +101,7 @@ def test_depths_have_units_as_thicknesses_do(typed):
 
 def test_units_are_taken_by_edges_studies_and_moulds():
     from dummydesign.core.parsing import parse_limits, read_values
-    from dummydesign.mold.job import read_thicknesses
+    from dummydesign.mold.batch import read_thicknesses
 
     sharp, same = (dummydesign.predict(10, young_kPa=30, depth_mm=1, edge_radius_mm=e).to_dict() for e in (1.0, "1mm"))
     assert sharp["force_N"] == same["force_N"]

@@ -97,7 +97,7 @@ def test_without_cad_the_recipe_stands_and_the_missing_step_is_named(capsys, mon
     def broken(*_, **__):
         raise NoAnswerError("cad_unavailable", "libGL.so.1 is missing: apt install libgl1")
 
-    monkeypatch.setattr("dummydesign.mold.runner.make_mold", broken)
+    monkeypatch.setattr("dummydesign.mold.client.make_mold", broken)
     arguments = ["suggest", "--tissue", "forefinger", "--shape", "slab", "--cad", "--no-verify", "--out", str(tmp_path)]
     status, found = answer(capsys, *arguments)
     assert status == 1 and found["error"]["code"] == "cad_unavailable"

@@ -85,7 +85,7 @@ def test_without_sources_or_tables_to_hash_nothing_is_kept(copied, place, monkey
 
 def test_the_code_version_covers_what_cached_shaped_results_are_made_of():
     """The tables that a shaped pad multiplies, and every module of the package wherever it lies."""
-    from dummydesign.core.library import data_folder
+    from dummydesign.core.user_library import data_folder
 
     hashed = {path.resolve() for path in cache.sources()}
     ours = (module for name, module in sys.modules.items() if name.split(".")[0] == "dummydesign")

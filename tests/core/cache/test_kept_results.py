@@ -106,8 +106,8 @@ def test_an_entry_is_text_that_says_what_was_asked(place):
 def test_a_prediction_from_the_cache_is_the_fresh_one_and_serves_other_moduli(place, monkeypatch):
     """A puck by elements: the second time nothing is solved, seconds and counts are those of the solve."""
     from dummydesign.pad.axisymmetric import puck
+    from dummydesign.pad.pad_under_punch import Puck
     from dummydesign.pad.predict import predict_static
-    from dummydesign.pad.specimen import Puck
 
     def pressed(young_MPa):
         return predict_static(Puck(30.0, young_MPa, 50.0), [3.0, 6.0], "axisymmetric").to_dict()

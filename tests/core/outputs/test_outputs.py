@@ -17,7 +17,7 @@ import pytest
 
 from dummydesign.cli import entry
 from dummydesign.cli.entry import run
-from dummydesign.core import process as progress
+from dummydesign.core import progress
 from dummydesign.core.manifest import COMMAND_LINE, Question, read_manifest
 from dummydesign.core.outputs import growing_folder, new_files, new_folder
 from tests.support.refusal import raises_code

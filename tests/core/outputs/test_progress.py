@@ -1,6 +1,6 @@
 """What a long command tells those who watch it from outside."""
 
-from dummydesign.core.process import VARIABLE, write_progress
+from dummydesign.core.progress import VARIABLE, write_progress
 
 
 def test_the_newest_line_is_in_the_file_and_nothing_else_is_left(tmp_path, monkeypatch):

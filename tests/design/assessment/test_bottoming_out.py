@@ -8,7 +8,7 @@ import pytest
 from dummydesign.design.assessment.pad_castings import verdict_of_design
 from dummydesign.design.pad_evaluator import law_of_shape, one_pad
 from dummydesign.design.scoring.castings import FORCE_LAW, MODULUS, RELAXATION, Tolerances
-from dummydesign.design.scoring.presses import designed_depth_mm, make_curves
+from dummydesign.design.scoring.press_simulation import designed_depth_mm, make_curves
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.verdict import classes_of
 from dummydesign.design.search.shape_family import Designs, FamilyLaw, load_family
@@ -49,7 +49,7 @@ def test_a_crown_and_a_slab_are_limited_at_their_thickness_at_the_tip(forefinger
 
 
 def test_a_stricter_file_limits_every_shape(forefinger, tmp_path, monkeypatch):
-    from dummydesign.core.library import data_folder
+    from dummydesign.core.user_library import data_folder
 
     text = (data_folder() / "materials" / "verdict.toml").read_text()
     (tmp_path / "materials").mkdir()

@@ -14,9 +14,9 @@ from dummydesign.design.assessment.budget import (
     STATEMENTS,
     SUBJECTS,
     Budget,
-    Component,
     EndSpread,
     Reading,
+    UncertaintyComponent,
     budget_of_pad,
     combined_percent,
     decide,
@@ -31,7 +31,9 @@ PHI_2 = 0.5 * math.erfc(2.0 / math.sqrt(2.0))
 
 
 def test_the_combined_uncertainty_is_the_root_sum_of_squares_of_what_is_known():
-    parts = tuple(Component(name, value) for name, value in (("a", 3.0), ("b", 4.0), ("c", None), ("d", 12.0)))
+    parts = tuple(
+        UncertaintyComponent(name, value) for name, value in (("a", 3.0), ("b", 4.0), ("c", None), ("d", 12.0))
+    )
     assert combined_percent(parts) == 13.0
     assert combined_percent(()) == 0.0
 
@@ -197,6 +199,8 @@ def test_a_press_out_of_reach_fails_and_a_pad_that_reaches_none_has_no_budget():
 
 def test_a_doubt_of_unknown_size_makes_a_pass_conditional_and_its_risk_unknown():
     made = decide(1.0, (None, 2.0), (0.0, 0.1))
-    budget = Budget(Reading("peak force", 1.0, "N"), (Component("trace", 10.0),), "at most 2 N", made, doubt="beyond")
+    budget = Budget(
+        Reading("peak force", 1.0, "N"), (UncertaintyComponent("trace", 10.0),), "at most 2 N", made, doubt="beyond"
+    )
     assert made.statement == "pass" and budget.statement == "conditional pass"
     assert budget.to_dict()["false_acceptance"] is None

@@ -19,7 +19,7 @@ from dummydesign.design.safety import (
     pad_body,
     pad_press,
 )
-from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs
+from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, Sampling, SlabCurves
 from tests.support.refusal import raises_code
 
 
@@ -29,7 +29,7 @@ def contact(values):
 
 
 def limits(force=10.0, pressure=20.0, factor=2.0):
-    return safety.Limits("x", *(SimpleNamespace(value=value) for value in (force, pressure, factor)))
+    return safety.UserLimits("x", *(SimpleNamespace(value=value) for value in (force, pressure, factor)))
 
 
 def test_limits_hold_forces_and_mean_pressures_transient_ones_by_a_factor():
@@ -93,8 +93,8 @@ def test_people_stop_a_mass_by_their_own_curves_and_at_rest_deeper():
 
 def springs(stiffness=20.0, limit=8.0, beta=0.0, tau=1.0):
     depth = limit * np.linspace(0.0, 1.0, SAMPLES)
-    curves = Curves(np.array([20.0]), np.array([limit]), stiffness * depth[None])
-    return Slabs(curves, np.array([0]), np.array([0.5]), (tau,), np.array([[beta]]))
+    curves = SlabCurves(np.array([20.0]), np.array([limit]), stiffness * depth[None])
+    return PadBatch(curves, np.array([0]), np.array([0.5]), (tau,), np.array([[beta]]))
 
 
 @pytest.mark.slow

@@ -19,7 +19,7 @@ from dummydesign.design.scoring.castings import (
     Castings,
     Tolerances,
 )
-from dummydesign.design.scoring.presses import steady_depth
+from dummydesign.design.scoring.press_simulation import steady_depth
 from dummydesign.design.scoring.verdict import CLASSES, classes_of, readings_of
 from dummydesign.resin import load_resin
 from tests.support.cast_pads import SHARP, cast_pad, known, space_of

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.safety import Body, impact, pad_body, pad_press, tissue_body, tissue_press
-from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves, press_to_depth, steady_depth
+from dummydesign.design.safety import ImpactBody, impact, pad_body, pad_press, tissue_body, tissue_press
+from dummydesign.design.scoring.press_simulation import PadBatch, Sampling, make_curves, press_to_depth, steady_depth
 from dummydesign.design.search.slabs import make_slabs
 from dummydesign.pad.tables.slab import load_table
 from dummydesign.resin import load_resin
@@ -22,7 +22,7 @@ def spring(stiffness, power=1.0):
     """Bodies with F = k x^power and no inner states."""
     k = np.asarray(stiffness, float)
 
-    return Body(len(k), 0, lambda x, q: k * np.maximum(x, 0.0) ** power, lambda x: (np.ones((len(k), 0)),) * 2)
+    return ImpactBody(len(k), 0, lambda x, q: k * np.maximum(x, 0.0) ** power, lambda x: (np.ones((len(k), 0)),) * 2)
 
 
 @pytest.mark.parametrize("power", [1.0, 1.5, 3.0])
@@ -45,7 +45,7 @@ def test_a_spring_and_a_damper_stop_a_mass_as_the_damped_oscillator_says():
     """An arm much faster than a step is a damper c: q' = c v / tau - q / tau."""
     k, c, mass, tau = 4.0, 0.05, 5e-3, 1e-6
     rates = np.array([[c / tau]]), np.array([[1.0 / tau]])
-    found = impact(Body(1, 1, lambda x, q: k * x + q[:, 0], lambda x: rates), 5.0, 100.0)
+    found = impact(ImpactBody(1, 1, lambda x, q: k * x + q[:, 0], lambda x: rates), 5.0, 100.0)
     omega, zeta = math.sqrt(k / mass), 0.5 * c / math.sqrt(k * mass)
     damped = omega * math.sqrt(1 - zeta**2)
     time = math.atan2(math.sqrt(1 - zeta**2), zeta) / damped
@@ -91,7 +91,7 @@ def test_a_heavy_mass_feels_what_a_ramp_at_its_speed_feels(pads):
         seen.append((float(x[0]), float(value[0])))
         return value
 
-    impact(Body(1, body.arms, force, body.rates), 1000.0, 250.0)
+    impact(ImpactBody(1, body.arms, force, body.rates), 1000.0, 250.0)
     ramp = press_to_depth(one, np.array([5.0]), 250.0, Sampling(400, 4, 4, deceleration_mm_s2=np.inf))
     depth, felt = np.array(sorted(pair for pair in seen if np.isfinite(pair[1]))).T
     time = np.array([0.004, 0.008, 0.012, 0.016])
@@ -153,7 +153,7 @@ def test_a_mass_on_a_spring_stops_where_its_energy_is_taken_at_any_speed(mass_kg
 @pytest.mark.parametrize("velocity_mm_s", [1.0, 10.0, 100.0, 400.0])
 def test_what_an_elastic_pad_stores_is_the_energy_of_the_mass(velocity_mm_s):
     curves = make_curves(load_table("bonded"), [12.0], 7.9, 0.6)
-    slabs = Slabs(curves, np.array([0]), np.array([0.03]), (), np.zeros((1, 0)))
+    slabs = PadBatch(curves, np.array([0]), np.array([0.03]), (), np.zeros((1, 0)))
     found = impact(pad_body(slabs), 0.5, velocity_mm_s)
     depth = np.linspace(0.0, found.depth_mm[0], 20001)
     stored = np.trapezoid(slabs.young_MPa[0] * curves.area_at(np.array([0]), depth[None])[0], depth)

@@ -12,7 +12,7 @@ from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import MAKING, Castings, Tolerances, joined
 from dummydesign.design.scoring.crowns import Crowns, crown_scatter, crowned_curves
-from dummydesign.design.scoring.presses import make_curves
+from dummydesign.design.scoring.press_simulation import make_curves
 from dummydesign.design.scoring.settings import STEPS, CrownMaking, crown_making
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.slab import Slab

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves, press_to_depth, steady_depth
+from dummydesign.design.scoring.press_simulation import PadBatch, Sampling, make_curves, press_to_depth, steady_depth
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 from tests.support.exact_law import ExactLaw
 
@@ -33,7 +33,7 @@ class Linear(ExactLaw):
 def slabs_of(law, thickness, young, tau=(), beta=()):
     curves = make_curves(law, thickness, RADIUS, 0.6)
     count = len(thickness)
-    return Slabs(
+    return PadBatch(
         curves,
         np.arange(count),
         np.broadcast_to(np.asarray(young, float), count),

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.design.request import PAPER
+from dummydesign.design.request import NAGOYA_PROTOCOL
 from dummydesign.design.scoring import law_parameters, score
 from dummydesign.design.scoring.law_parameters import (
     RATES,
@@ -19,12 +19,12 @@ from dummydesign.design.scoring.law_parameters import (
     gamma1_score,
     parametric_score,
 )
-from dummydesign.design.scoring.presses import (
+from dummydesign.design.scoring.press_simulation import (
     SAMPLES,
-    Curves,
+    PadBatch,
     Sampling,
     SimulatedPress,
-    Slabs,
+    SlabCurves,
     join_curves,
     join_slabs,
     make_curves,
@@ -54,8 +54,8 @@ SMOOTH = Sampling(400, 200, 200)
 def linear(stiffness=(20.0, 60.0), tau=(TAU,), beta=((BETA,), (0.3,)), power=1.0):
     """Two pads with F / E = c d^power to 8 mm, of moduli of 0.1 and 0.2 MPa."""
     depth = 8.0 * np.linspace(0.0, 1.0, SAMPLES) ** 1.0
-    curves = Curves(np.array([20.0, 24.0]), np.array([8.0, 8.0]), np.array(stiffness)[:, None] * depth**power)
-    return Slabs(curves, np.array([0, 1]), np.array([0.1, 0.2]), tau, np.array(beta))
+    curves = SlabCurves(np.array([20.0, 24.0]), np.array([8.0, 8.0]), np.array(stiffness)[:, None] * depth**power)
+    return PadBatch(curves, np.array([0, 1]), np.array([0.1, 0.2]), tau, np.array(beta))
 
 
 def test_curves_are_looked_up_and_turned_round():
@@ -230,7 +230,9 @@ def test_an_aims_own_distances_are_none_and_a_factor_in_depth_is_its_logarithm(t
 
 def slabs_of(count=5):
     curves = make_curves(LayerLaw(), np.linspace(8.0, 16.0, count), 7.9, 0.6)
-    return Slabs(curves, np.arange(count), np.linspace(0.02, 0.08, count), (0.08, 1.2), np.tile([0.3, 0.2], (count, 1)))
+    return PadBatch(
+        curves, np.arange(count), np.linspace(0.02, 0.08, count), (0.08, 1.2), np.tile([0.3, 0.2], (count, 1))
+    )
 
 
 def test_scores_are_the_same_for_each_design_alone_and_for_targets_that_are_given_later(targets):
@@ -283,14 +285,16 @@ def test_a_press_between_the_subjects_is_inside_throughout_and_one_per_cent_beyo
 def test_gamma1_of_steady_forces_is_least_squares():
     slabs = slabs_of()
     found = steady_gamma1(slabs)
-    depth = steady_depth(slabs, np.array(PAPER.forces_N), PAPER.slow_mm_s)
+    depth = steady_depth(slabs, np.array(NAGOYA_PROTOCOL.forces_N), NAGOYA_PROTOCOL.slow_mm_s)
     for row, value in zip(depth, found):
         known = np.isfinite(row)
         if not known.any():
             assert np.isnan(value)
             continue
         cube = row[known] ** 3
-        assert value == pytest.approx(np.linalg.lstsq(cube[:, None], np.array(PAPER.forces_N)[known], rcond=None)[0][0])
+        assert value == pytest.approx(
+            np.linalg.lstsq(cube[:, None], np.array(NAGOYA_PROTOCOL.forces_N)[known], rcond=None)[0][0]
+        )
     square = steady_gamma1(slabs, power=2.0)
     assert np.nanmax(np.abs(square / found - 1.0)) > 0.1
 
@@ -402,10 +406,10 @@ def test_the_law_of_a_tissue_is_recovered_from_presses_that_it_made(targets, mon
 
 
 def test_gamma1_of_an_evaluation_is_that_of_its_slow_presses():
-    forces = np.array(PAPER.forces_N)
+    forces = np.array(NAGOYA_PROTOCOL.forces_N)
     depth = np.array([[1.0, 2.0, np.nan, 9.0, 9.0, 9.0]])
     empty = np.zeros(1)
-    made = Evaluation(None, empty, empty, empty, empty, empty, depth, empty, empty, (), PAPER, None, None)
+    made = Evaluation(None, empty, empty, empty, empty, empty, depth, empty, empty, (), NAGOYA_PROTOCOL, None, None)
     cube = np.array([1.0, 8.0])
     assert evaluated_gamma1(made)[0] == pytest.approx((cube @ forces[:2]) / (cube @ cube))
     assert made.feasible.tolist() == [True]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from dummydesign.design.scoring.law_parameters import _Problem, fit_presses, parametric_score
-from dummydesign.design.scoring.presses import Sampling, SimulatedPress, Slabs, make_curves, press_to_depth
+from dummydesign.design.scoring.press_simulation import PadBatch, Sampling, SimulatedPress, make_curves, press_to_depth
 from dummydesign.design.scoring.score import evaluate, evaluated_gamma1, scored_for, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.measurement.motion import ramp_and_hold
@@ -28,7 +28,7 @@ class Cubic(ExactLaw):
 def cubic_slabs(gamma1, thickness=10.0):
     curves = make_curves(Cubic(), [thickness], 7.9, 0.6)
     count = len(gamma1)
-    return Slabs(curves, np.zeros(count, int), np.asarray(gamma1, float), (0.3,), np.full((count, 1), 0.7))
+    return PadBatch(curves, np.zeros(count, int), np.asarray(gamma1, float), (0.3,), np.full((count, 1), 0.7))
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +83,7 @@ def test_the_quick_share_of_the_map_agrees_with_the_definition_of_the_tissue(lay
     rng = np.random.default_rng(2)
     curves = make_curves(layer_law, rng.uniform(3.5, 12.0, 40), 7.9, 0.6)
     beta = rng.uniform(0.05, 0.9, (40, 3))
-    slabs = Slabs(curves, np.arange(40), rng.uniform(0.01, 0.08, 40), (0.03, 0.3, 3.0), beta)
+    slabs = PadBatch(curves, np.arange(40), rng.uniform(0.01, 0.08, 40), (0.03, 0.3, 3.0), beta)
     quick, exact = evaluate(slabs, targets), evaluate(slabs, targets, Sampling(), exact=True)
     difference = quick.force_variation_range - exact.force_variation_range
     assert np.abs(difference).max() < 0.08 and np.abs(difference.mean()) < 0.02
@@ -115,7 +115,9 @@ def test_parameters_are_recovered_from_presses_that_follow_the_law(law):
 
 
 def test_a_pad_without_relaxation_has_gamma1_of_its_steady_curve(targets):
-    slabs = Slabs(make_curves(Cubic(), [10.0], 7.9, 0.6), np.zeros(2, int), np.array([0.9, 1.6]), (), np.zeros((2, 0)))
+    slabs = PadBatch(
+        make_curves(Cubic(), [10.0], 7.9, 0.6), np.zeros(2, int), np.array([0.9, 1.6]), (), np.zeros((2, 0))
+    )
     np.testing.assert_allclose(steady_gamma1(slabs), [0.9, 1.6], rtol=1e-3)
     found = fit_presses(slabs, targets, evaluate(slabs, targets).depth_mm, Sampling())
     np.testing.assert_allclose([p.gamma1_N_per_mm3 for p in found], [0.9, 1.6], rtol=0.01)
@@ -132,7 +134,7 @@ def test_parameters_at_the_aim_score_one_and_half_a_band_away_one_half(finger, t
 
 def test_peaks_are_those_of_the_presses(layer_law, targets):
     curves = make_curves(layer_law, [6.0], 7.9, 0.6)
-    slabs = Slabs(curves, np.array([0]), np.array([0.04]), (0.3,), np.array([[0.5]]))
+    slabs = PadBatch(curves, np.array([0]), np.array([0.04]), (0.3,), np.array([[0.5]]))
     found = evaluate(slabs, targets, Sampling(), exact=True)
     press = press_to_depth(slabs, found.depth_mm[:, 1], 10.0, Sampling())
     assert found.presses[1].peak_N[0] == pytest.approx(press.peak_N[0])

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.library import data_folder
+from dummydesign.core.user_library import data_folder
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
-from dummydesign.design.scoring.presses import make_curves
+from dummydesign.design.scoring.press_simulation import make_curves
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.verdict import verdict
 from tests.support.judged_pads import away, ranges

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from dummydesign.design.request import RADIUS_MM
-from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
+from dummydesign.design.scoring.press_simulation import PadBatch, Sampling, make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import LEVELS, Readings, ranges_of, readings_of, verdict
@@ -92,7 +92,7 @@ def slabs_of(law, young_MPa, thickness_mm, beta=(0.6, 0.5)):
     """Slabs of one thickness and several moduli that relax in 0.03 and 0.5 s."""
     young = np.atleast_1d(young_MPa)
     curves = make_curves(law, [thickness_mm], RADIUS_MM, 0.6)
-    return Slabs(curves, np.zeros(len(young), int), young, (0.03, 0.5), np.tile(beta, (len(young), 1)))
+    return PadBatch(curves, np.zeros(len(young), int), young, (0.03, 0.5), np.tile(beta, (len(young), 1)))
 
 
 def judged(slabs, tissue, sampling):

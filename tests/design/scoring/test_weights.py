@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from dummydesign.cli.entry import run
-from dummydesign.core.library import data_folder
-from dummydesign.design.scoring.presses import Sampling
+from dummydesign.core.user_library import data_folder
+from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.settings import AIMS, PARTS, weights_of
 from dummydesign.design.scoring.targets import make_targets

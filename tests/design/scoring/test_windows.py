@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dummydesign.design.scoring.castings import Castings
-from dummydesign.design.scoring.presses import Curves, Sampling
+from dummydesign.design.scoring.press_simulation import Sampling, SlabCurves
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.windows import (
     REACH,
@@ -39,7 +39,7 @@ def targets():
 def curves(power=3.0, size=SIZE, limit_mm=LIMIT_MM):
     """F / E = size d^power. [mm2]"""
     depth = limit_mm * np.linspace(0.0, 1.0, SAMPLES)
-    return Curves(np.array([12.0]), np.array([limit_mm]), size * depth[None] ** power)
+    return SlabCurves(np.array([12.0]), np.array([limit_mm]), size * depth[None] ** power)
 
 
 def batches(*beta, softness=0.0, reference=LOG_YOUNG):
@@ -176,7 +176,7 @@ def test_a_pad_of_another_unit_of_modulus_has_the_same_window(targets, factor):
 
 def test_pads_and_batches_side_by_side_have_the_windows_of_one_after_the_other(targets):
     area = np.concatenate([curves().area_mm2, curves(2.6, 30.0, 6.0).area_mm2])
-    both = Curves(np.array([12.0, 9.0]), np.array([8.0, 6.0]), area)
+    both = SlabCurves(np.array([12.0, 9.0]), np.array([8.0, 6.0]), area)
     centre, drawn = np.log([0.04, 0.03]), batches(0.0, 0.4, 0.9, softness=0.6)
     every = windows_of(both, centre, drawn, targets, SAMPLING, 8)
     for pad in range(2):

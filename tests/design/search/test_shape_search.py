@@ -10,7 +10,7 @@ import pytest
 
 from dummydesign.design.assessment.decision import MISFIT_N, low_force, misfit
 from dummydesign.design.scoring.outlook import SURE
-from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search import shape_family as families
 from dummydesign.design.search import shape_search as module

@@ -11,8 +11,8 @@ import pytest
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.design import calibrated
 from dummydesign.design.assessment.decision import MISFIT_N, force_at, low_force, misfit
-from dummydesign.design.request import PAPER, Protocol, Request
-from dummydesign.design.scoring.presses import DEPTH_SHARE, SAMPLES, Curves, Sampling, Slabs
+from dummydesign.design.request import NAGOYA_PROTOCOL, Protocol, Request
+from dummydesign.design.scoring.press_simulation import DEPTH_SHARE, SAMPLES, PadBatch, Sampling, SlabCurves
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.search import shape_search as module
 from dummydesign.design.search.shape_family import Designs, FamilyLaw, TableFamily
@@ -57,7 +57,7 @@ class Made:
 
 
 TARGETS = SimpleNamespace(
-    protocol=PAPER, aim_depth_mm=lambda force: np.sqrt(np.asarray(force) / 1.2), limits=verdict_limits()
+    protocol=NAGOYA_PROTOCOL, aim_depth_mm=lambda force: np.sqrt(np.asarray(force) / 1.2), limits=verdict_limits()
 )
 
 
@@ -81,7 +81,7 @@ def test_the_sieve_puts_the_power_of_the_aim_first_with_its_modulus_and_misfit()
     assert set(found.thickness_mm) == {8.0, 10.0} and found.power[:2].tolist() == [2.0, 2.0]
     np.testing.assert_allclose(np.exp(mean[:2]), 0.06)
     np.testing.assert_allclose(spread[:2], 0.0, atol=1e-12)
-    forces = PAPER.misfit_N[:: module.SIEVE_STEP]
+    forces = NAGOYA_PROTOCOL.misfit_N[:: module.SIEVE_STEP]
     away = np.log(forces) - np.log(20.0 * TARGETS.aim_depth_mm(forces))
     np.testing.assert_allclose(spread[found.power == 1.0], np.std(away), rtol=1e-6)
     np.testing.assert_allclose(mean[found.power == 1.0], np.mean(away), rtol=1e-6)
@@ -92,7 +92,7 @@ def test_the_sieve_puts_the_power_of_the_aim_first_with_its_modulus_and_misfit()
 
 def test_a_resin_that_has_no_pad_of_the_best_modulus_orders_pads_by_what_it_has():
     """With moduli from 0.5 MPa on, stiffer than the aim, a softer power comes nearer."""
-    forces = PAPER.misfit_N[:: module.SIEVE_STEP]
+    forces = NAGOYA_PROTOCOL.misfit_N[:: module.SIEVE_STEP]
     depth, order = TARGETS.aim_depth_mm(forces), sieved(10.0, young=(0.02, 0.03))[0].power.tolist()
     away = {p: np.log(forces) - np.log(20.0 * depth**p) for p in (1.0, 2.0, 3.0)}
     rms = {p: np.sqrt(np.mean((one - np.clip(one.mean(), np.log(0.02), np.log(0.03))) ** 2)) for p, one in away.items()}
@@ -146,11 +146,11 @@ def test_the_misfit_is_the_root_mean_square_of_the_logarithm():
 
 def candidate(power=2.0, young=0.06):
     depth = 6.0 * np.linspace(0.0, 1.0, SAMPLES)
-    curves = Curves(np.array([9.0, 10.0]), np.array([6.0, 6.0]), np.stack([depth, 20.0 * depth**power]))
-    slabs = Slabs(curves, np.array([0, 1]), np.array([1.0, young]), (1e-9,), np.zeros((2, 1)))
+    curves = SlabCurves(np.array([9.0, 10.0]), np.array([6.0, 6.0]), np.stack([depth, 20.0 * depth**power]))
+    slabs = PadBatch(curves, np.array([0, 1]), np.array([1.0, young]), (1e-9,), np.zeros((2, 1)))
     evaluation = SimpleNamespace(
         slabs=slabs,
-        protocol=PAPER,
+        protocol=NAGOYA_PROTOCOL,
         sampling=Sampling(),
         low_force_range=np.array([0.0, 0.4]),
         steady_state_range=np.array([0.0, 0.7]),
@@ -167,7 +167,7 @@ def test_a_design_against_the_aim_at_low_force():
     assert found.depth_over_thickness == pytest.approx(np.sqrt(15.0 / 1.2) / 10.0, rel=1e-3)
     stiff = low_force(candidate(young=0.12), targets)
     assert stiff.misfit_rms_ln_force == pytest.approx(np.log(2.0), abs=0.03)
-    at, curve = np.array([1.0, 3.0, 6.5]), (candidate().steady_depth_mm(PAPER.wide_N), PAPER.wide_N)
+    at, curve = np.array([1.0, 3.0, 6.5]), (candidate().steady_depth_mm(NAGOYA_PROTOCOL.wide_N), NAGOYA_PROTOCOL.wide_N)
     np.testing.assert_allclose(force_at(at, *curve)[:2], 1.2 * at[:2] ** 2, rtol=5e-3)
     assert np.isnan(force_at(at, *curve)[2])
 

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search.slabs import search, thickness_steps
 from dummydesign.resin import load_resin

@@ -6,9 +6,9 @@ import pytest
 from dummydesign.design.sweep.run import whatif
 from dummydesign.design.sweep.spec import Study
 from dummydesign.geometry.punch import equal_area_radius_mm
-from dummydesign.pad import solved_law as solved
+from dummydesign.pad import fe_force_law as solved
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 from tests.support.refusal import raises_code
 
 RADIUS = 14.0 / np.sqrt(np.pi)

@@ -11,7 +11,7 @@ import pytest
 from dummydesign.design.plot_data import press_pictures
 from dummydesign.design.request import Request
 from dummydesign.design.suggest import suggest
-from dummydesign.design.test_setup import pad_of_request
+from dummydesign.design.test_conditions import pad_of_request
 from dummydesign.pad.fields import solve_fields
 from dummydesign.report.suggest_sections import pressed_section
 

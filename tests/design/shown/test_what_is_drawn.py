@@ -24,8 +24,8 @@ from dummydesign.design.plot_data import (
     reactions,
     relative_force,
 )
-from dummydesign.design.request import PAPER
-from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs
+from dummydesign.design.request import NAGOYA_PROTOCOL
+from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, Sampling, SlabCurves
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.search.slabs import DesignCandidate
 from tests.support.exact_law import ExactLaw
@@ -81,7 +81,7 @@ def answer(tolerance=0.2, weighing=0.1, **more):
         "best": SimpleNamespace(ratio=15.0, thickness_mm=10.0),
         "request": SimpleNamespace(thickness_tolerance_mm=tolerance, weighing_g=weighing),
         "recommended": SimpleNamespace(batch={"components": components}),
-        "targets": SimpleNamespace(protocol=PAPER, sampling=Sampling(), limits=verdict_limits()),
+        "targets": SimpleNamespace(protocol=NAGOYA_PROTOCOL, sampling=Sampling(), limits=verdict_limits()),
     }
     return SimpleNamespace(**{**given, **more})
 
@@ -138,7 +138,7 @@ def test_thicknesses_are_held_to_what_the_law_knows():
 
 
 def test_forces_are_drawn_from_almost_none_to_the_tests_ends():
-    grids = force_grids(PAPER)
+    grids = force_grids(NAGOYA_PROTOCOL)
     assert len(grids.pad) == 65 and np.all(np.diff(grids.pad) > 0.0)
     assert grids.pad[0] == pytest.approx(0.02 * 5.0) and grids.pad[24] == 5.0 and grids.pad[-1] == 15.0
     assert grids.pad[25] == pytest.approx(5.0 + 0.025 * 10.0)
@@ -152,19 +152,19 @@ def test_forces_are_drawn_from_almost_none_to_the_tests_ends():
 
 def power_slabs(limit=5.0, power=POWER):
     depth = limit * np.linspace(0.0, 1.0, SAMPLES)
-    curves = Curves(np.array([10.0]), np.array([limit]), 3.0 * 100.0 * (depth / 10.0)[None] ** power)
-    return Slabs(curves, np.array([0]), np.array([0.5]), (0.01,), np.array([[0.2]]))
+    curves = SlabCurves(np.array([10.0]), np.array([limit]), 3.0 * 100.0 * (depth / 10.0)[None] ** power)
+    return PadBatch(curves, np.array([0]), np.array([0.5]), (0.01,), np.array([[0.2]]))
 
 
 def candidate_of(slabs):
-    evaluation = SimpleNamespace(slabs=slabs, protocol=PAPER, sampling=Sampling())
+    evaluation = SimpleNamespace(slabs=slabs, protocol=NAGOYA_PROTOCOL, sampling=Sampling())
     return DesignCandidate(10.0, 15.0, 0, evaluation)
 
 
 def test_a_relative_force_is_the_pads_at_the_aims_depth():
     """The aim carries 0.3 d^3 N, the pad 150 (d/10)^2 N."""
     targets = SimpleNamespace(aim_depth_mm=lambda force: np.cbrt(np.asarray(force) / 0.3))
-    grids = force_grids(PAPER)
+    grids = force_grids(NAGOYA_PROTOCOL)
     found = relative_force(candidate_of(power_slabs()), targets, grids)
     aim = np.cbrt(grids.relative / 0.3)
     own = 150.0 * (aim / 10.0) ** 2
@@ -175,7 +175,7 @@ def test_a_relative_force_is_the_pads_at_the_aims_depth():
 
 
 def test_the_exponent_over_thickness_is_the_laws_where_it_holds():
-    found = exponent_over_thickness(answer(law=PowerLaw()), PowerLaw(), force_grids(PAPER))
+    found = exponent_over_thickness(answer(law=PowerLaw()), PowerLaw(), force_grids(NAGOYA_PROTOCOL))
     assert found.shape == (len(THICKNESS_GRID_MM), 3)
     ratio = 7.9 / THICKNESS_GRID_MM
     held = (ratio >= 0.3) & (ratio <= 2.0)
@@ -243,7 +243,7 @@ def test_a_pad_is_solved_at_the_forces_it_reaches_with_its_own_modulus(monkeypat
     asked = []
 
     def pad(request, punch, thickness, young):
-        from dummydesign.pad.specimen import Pad
+        from dummydesign.pad.pad_under_punch import Pad
 
         asked.append((thickness, young))
         return Pad(thickness, young, 7.9)

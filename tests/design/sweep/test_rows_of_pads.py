@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.design.scoring.presses import DEPTH_SHARE, SAMPLES, Curves, Slabs
+from dummydesign.design.scoring.press_simulation import DEPTH_SHARE, SAMPLES, PadBatch, SlabCurves
 from dummydesign.design.sweep import rows as module
 from dummydesign.design.sweep.rows import (
     SOLVED_SHARES,
@@ -52,8 +52,8 @@ def task(**more):
 def slabs_of(limit=(5.0, 8.0)):
     limit = np.array(limit)
     depth = limit[:, None] * np.linspace(0.0, 1.0, SAMPLES)
-    curves = Curves(np.array([10.0, 20.0]), limit, SCALE * depth**POWER)
-    return Slabs(curves, np.array([0, 1, 0]), YOUNG, (0.1,), np.full((3, 1), 0.5))
+    curves = SlabCurves(np.array([10.0, 20.0]), limit, SCALE * depth**POWER)
+    return PadBatch(curves, np.array([0, 1, 0]), YOUNG, (0.1,), np.full((3, 1), 0.5))
 
 
 def test_rows_of_a_power_law_have_its_depths_exponents_and_stiffnesses():
@@ -118,7 +118,7 @@ def curve_of(limit, power=POWER):
 
 @pytest.mark.parametrize("power", [1.0, 1.7])
 def test_a_pad_that_is_solved_has_rows_of_its_curve_and_its_power_before_the_first_depth(monkeypatch, power):
-    from dummydesign.pad import elastic_force
+    from dummydesign.pad import force_source
 
     asked = []
 
@@ -126,7 +126,7 @@ def test_a_pad_that_is_solved_has_rows_of_its_curve_and_its_power_before_the_fir
         asked.append((pad, deepest, wanted))
         return curve_of(99.0, power)
 
-    monkeypatch.setattr(elastic_force, "elastic_curve", curve)
+    monkeypatch.setattr(force_source, "elastic_curve", curve)
     one = task(fidelity="axisymmetric", thickness_mm=np.full(3, 10.0), forces_N=(0.01, 5.0, 20.0))
     made = _solved(one)
     pad, deepest, wanted = asked[0]
@@ -142,12 +142,12 @@ def test_a_pad_that_is_solved_has_rows_of_its_curve_and_its_power_before_the_fir
 
 
 def test_a_solve_that_stopped_ends_the_rows_there_and_one_of_two_depths_has_none(monkeypatch):
-    from dummydesign.pad import elastic_force
+    from dummydesign.pad import force_source
 
     shares = 10.0 * SOLVED_SHARES
     one = task(fidelity="axisymmetric", thickness_mm=np.full(3, 10.0))
     for count, known in ((6, True), (3, True), (2, False)):
-        monkeypatch.setattr(elastic_force, "elastic_curve", lambda *_, count=count: curve_of(shares[count - 1]))
+        monkeypatch.setattr(force_source, "elastic_curve", lambda *_, count=count: curve_of(shares[count - 1]))
         made = _solved(one)
         assert (made[0]["limit"] == "could not be solved to a useful depth") is not known
         if count == 6:
@@ -156,15 +156,15 @@ def test_a_solve_that_stopped_ends_the_rows_there_and_one_of_two_depths_has_none
     def fails(*_):
         raise NoAnswerError("no_convergence", "stopped")
 
-    monkeypatch.setattr(elastic_force, "elastic_curve", fails)
+    monkeypatch.setattr(force_source, "elastic_curve", fails)
     assert [row["limit"] for row in _solved(one)] == ["stopped"] * 3
 
 
 def test_corners_are_known_of_a_square_punch_with_a_fillet_alone(monkeypatch):
-    from dummydesign.pad import elastic_force
+    from dummydesign.pad import force_source
 
     asked = []
-    monkeypatch.setattr(elastic_force, "elastic_curve", lambda pad, *_: asked.append(pad.sides_mm) or curve_of(9.0))
+    monkeypatch.setattr(force_source, "elastic_curve", lambda pad, *_: asked.append(pad.sides_mm) or curve_of(9.0))
     for punch, edge in (("square:14", 0.5), ("square:14", 0.0), ("rectangle:20x10", 0.5)):
         _solved(task(fidelity="axisymmetric", thickness_mm=np.full(3, 10.0), punch=punch, edge_radius_mm=edge))
     assert asked == [(14.0, 14.0), None, None]

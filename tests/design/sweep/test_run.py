@@ -223,7 +223,7 @@ def test_a_slab_that_cannot_be_solved_has_a_row_that_says_so(monkeypatch):
     def fail(pad, fidelity):
         raise NoAnswerError("no_convergence", f"slab of {pad.thickness_mm:g} mm: no depth")
 
-    monkeypatch.setattr("dummydesign.pad.solved_law.solve_slab", fail)
+    monkeypatch.setattr("dummydesign.pad.fe_force_law.solve_slab", fail)
     rows = whatif(Study((5.0,), (15.0, 16.0), SQUARE, fidelity="axisymmetric", tissue="palm"))["rows"]
     assert [row["limit"] for row in rows] == ["slab of 5 mm: no depth"] * 2
     assert set(rows[0]["depth_mm_at_N"].values()) == {None} and rows[0]["score"]["total"] == 0.0

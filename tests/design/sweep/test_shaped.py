@@ -15,8 +15,8 @@ from dummydesign.design.sweep.run import whatif
 from dummydesign.design.sweep.spec import Study, parse_shapes
 from dummydesign.geometry.punch import equal_area_radius_mm
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.pad.elastic_force import solve_points
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.force_source import solve_points
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.report.whatif import best_first
 from dummydesign.resin import load_resin
 from tests.support.refusal import raises_code

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.request import PAPER, Request
+from dummydesign.design.request import NAGOYA_PROTOCOL, Request
 from dummydesign.design.sweep.spec import SHOWN_N, Study, check_friction, parse_shapes
-from dummydesign.design.test_setup import (
+from dummydesign.design.test_conditions import (
     beyond_people,
     check_test,
     own_warnings,
@@ -49,7 +49,7 @@ def test_every_combination_is_named_once_the_ratio_fastest():
 
 
 def test_scores_are_those_of_the_paper_unless_forces_are_named():
-    assert replace(STUDY, forces_N=(15.0, 1.0, 5.0, 10.0)).protocol.forces_N == PAPER.forces_N
+    assert replace(STUDY, forces_N=(15.0, 1.0, 5.0, 10.0)).protocol.forces_N == NAGOYA_PROTOCOL.forces_N
     assert STUDY.forces_N == SHOWN_N
     assert replace(STUDY, forces_N=(8.0, 4.0, 8.0)).protocol.forces_N == (4.0, 8.0)
     sampling = replace(STUDY, hold_s=3.0, deceleration_mm_s2=1e4).sampling
@@ -181,7 +181,7 @@ def test_a_built_in_tissue_is_known_from_5_to_15_newtons_under_its_punch():
     assert tissue_warnings(own, "round:16", 0.5, (1.0, 99.0)) == []
     request = Request("palm", force_N=(10.0, 30.0))
     forces_N = request.protocol.forces_N
-    assert beyond_people(forces_N, built_in()) == 2.0 and beyond_people(PAPER.forces_N, built_in()) == 1.0
+    assert beyond_people(forces_N, built_in()) == 2.0 and beyond_people(NAGOYA_PROTOCOL.forces_N, built_in()) == 1.0
     assert beyond_people(forces_N, own) == 1.0 and pressed_to_N(own) is None
     presses = [SimpleNamespace(hold_s=10.0, steady_N=lambda hold, f=f: f + hold) for f in (2.0, 5.0)]
     measured = SimpleNamespace(origin="file", parameter_sets=(SimpleNamespace(presses=presses),))

@@ -275,7 +275,7 @@ def test_plate_friction_of_a_puck_without_a_table_is_unavailable_with_the_reason
 def test_plate_friction_without_its_table_is_an_error_and_not_another_law(monkeypatch, tmp_path):
     from dummydesign.loop.effects.rig import plate_friction
 
-    monkeypatch.setattr("dummydesign.core.library.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.core.user_library.data_folder", lambda: tmp_path)
     for cached in (puck_table.load_puck_table, puck_table.load_shapes, plate_friction._table):
         cached.cache_clear()
     with raises_code("table_unavailable", "table"):

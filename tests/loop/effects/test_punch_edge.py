@@ -11,7 +11,7 @@ from dummydesign.loop.run import close_loop
 from dummydesign.loop.selection.cross_validation import effect_intervals
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.pad.tables.slab import load_table
-from tests.support import other_mind
+from tests.support import independent_generator
 
 FILLET_MM, RADIUS_MM = 0.5, 7.9  # of the punch of GetFEM's curves
 
@@ -21,7 +21,7 @@ def test_the_force_under_a_rounded_edge_is_that_of_another_code(thickness_mm):
     law, h = SlabLaw(load_table("bonded"), RADIUS_MM, False), np.array([[thickness_mm]])
     depth = thickness_mm * np.array([[0.005, 0.02, 0.05, 0.1, 0.15, 0.2]])
     sharp = law(depth, h)
-    other = other_mind._layer(thickness_mm, depth[0])
+    other = independent_generator._layer(thickness_mm, depth[0])
     rounded = effect_named("punch_edge").law(law, {"edge_radius_mm": FILLET_MM})(depth, h)
     assert np.abs(sharp[0] / other - 1.0)[0] > 0.1
     np.testing.assert_allclose(rounded[0], other, rtol=0.003)
@@ -48,7 +48,7 @@ def test_it_is_undefined_where_the_edge_is_declared_and_defined_where_it_is_not(
 
 
 def undeclared(folder, seed):
-    other_mind.write_campaign(folder / "a", (), seed)
+    independent_generator.write_campaign(folder / "a", (), seed)
     plan = folder / "a" / "campaign.toml"
     text = plan.read_text()
     assert f"edge_radius_mm = {FILLET_MM}\n" in text

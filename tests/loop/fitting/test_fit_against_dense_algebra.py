@@ -22,7 +22,7 @@ from dummydesign.loop.fitting.fit import (
     start_vector,
     with_sizes,
 )
-from dummydesign.loop.fitting.noise import Sizes, contrasts, estimate_slow_noise, make_whitener
+from dummydesign.loop.fitting.noise import NoiseSizes, contrasts, estimate_slow_noise, make_whitener
 from dummydesign.loop.fitting.problem import ARMS, CampaignProblem
 from dummydesign.loop.fitting.screening import Screened, starts_of
 from dummydesign.loop.model.forward_model import BASE, HIGH, LOW, simulate_yielding
@@ -314,11 +314,11 @@ def test_a_better_model_shows_the_noise_better_and_sizes_are_at_their_best():
         )[0]
         + 1e-6
     )
-    wide = replace(found, sizes=Sizes(replace(found.sizes.noise, position_mm=0.2), 0.1, 0.1, 0.1))
+    wide = replace(found, sizes=NoiseSizes(replace(found.sizes.noise, position_mm=0.2), 0.1, 0.1, 0.1))
     kept = modest(wide)
     assert kept.sizes.law == tuple(median for median, _ in pucks.LAW.error_priors)
     assert kept.sizes.noise.position_mm == 0.02
-    narrow = modest(replace(found, sizes=Sizes(replace(found.sizes.noise, position_mm=0.001), 1e-3, 1e-3, 1e-3)))
+    narrow = modest(replace(found, sizes=NoiseSizes(replace(found.sizes.noise, position_mm=0.001), 1e-3, 1e-3, 1e-3)))
     assert narrow.sizes.law == (1e-3, 1e-3, 1e-3) and narrow.sizes.noise.position_mm == 0.001
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from dummydesign.inference.noise import Noise
 from dummydesign.loop.fitting.fit import fit, fit_base, start_vector
-from dummydesign.loop.fitting.noise import Sizes, contrasts, estimate_slow_noise, repeat_pairs
+from dummydesign.loop.fitting.noise import NoiseSizes, contrasts, estimate_slow_noise, repeat_pairs
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.base_law import SLAB_ERROR
 from dummydesign.loop.selection.cross_validation import errors, jackknife, lack_of_fit
@@ -77,7 +77,7 @@ def test_slow_noise_is_recovered_and_does_not_see_what_changes_with_force(base):
     rng = np.random.default_rng(5)
     truth = Noise(0.03, 0.025, 1.0, 0.0)
     factor = np.linalg.cholesky(presses.bins.covariance(truth, np.zeros_like(base.slope)))
-    start = Sizes.first(presses, SLAB_ERROR).noise
+    start = NoiseSizes.first(presses, SLAB_ERROR).noise
     found = []
     for _ in range(8):
         made = np.einsum("tij,tj->ti", factor, rng.normal(size=presses.used.shape)) * presses.used
@@ -97,7 +97,7 @@ def test_the_fit_recovers_the_parameters_that_made_the_forces(plain):
     truth = start_vector(problem, 0.04)
     truth[:5] += [0.0, 0.2, -0.3, 0.3, 0.2]
     made = replace(presses, force_N=problem.predict(truth))
-    found = fit(CampaignProblem(made, law), start_vector(problem, 0.03), Sizes.first(presses, SLAB_ERROR))
+    found = fit(CampaignProblem(made, law), start_vector(problem, 0.03), NoiseSizes.first(presses, SLAB_ERROR))
     np.testing.assert_allclose(found.vector[:5], truth[:5], atol=2e-3)
     assert np.abs(found.residual[presses.used]).max() < 2e-3
 

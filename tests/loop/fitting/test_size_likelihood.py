@@ -8,7 +8,7 @@ from scipy.stats import t as student
 
 from dummydesign.inference.noise import Noise
 from dummydesign.loop.fitting.fit import NORMAL_95, student_over_normal
-from dummydesign.loop.fitting.noise import SizeLikelihood, Sizes
+from dummydesign.loop.fitting.noise import NoiseSizes, SizeLikelihood
 
 NOISE = 1e-4
 WIDE = ((0.005, 30.0), (0.005, 0.3), (0.005, 0.3))
@@ -26,7 +26,7 @@ def pressed(levels, rng, presses=4, priors=WIDE):
 
 
 def start(level=0.005):
-    return Sizes(Noise(NOISE, 0.0, 1.0, 0.005), level, 0.005, 0.005)
+    return NoiseSizes(Noise(NOISE, 0.0, 1.0, 0.005), level, 0.005, 0.005)
 
 
 @pytest.mark.parametrize("pads", [3, 4, 8])

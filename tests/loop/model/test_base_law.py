@@ -18,7 +18,7 @@ D = np.array([[0.1, 0.2, 0.3]]) * H
 
 def test_a_missing_table_of_square_factors_is_an_error_and_not_another_number(monkeypatch, tmp_path):
     law = SlabLaw(load_table("bonded"), RADIUS, True)
-    monkeypatch.setattr("dummydesign.core.library.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.core.user_library.data_folder", lambda: tmp_path)
     for cached in (square.load_square, loop_law._square_curve):
         cached.cache_clear()
     with raises_code("table_unavailable", "table"):

@@ -11,13 +11,13 @@ from dummydesign.geometry.shapes.boned import Boned
 from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
-from dummydesign.loop.model import solved_law
+from dummydesign.loop.model import campaign_force_law
+from dummydesign.loop.model.campaign_force_law import SolvedCurve
 from dummydesign.loop.model.campaign_law import law_of
-from dummydesign.loop.model.solved_law import SolvedCurve
 from dummydesign.measurement.campaign import check_edge
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.pad.axisymmetric.shaped_pad import least_fillet_mm, solve_shaped_pad
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 from studies.verification.contact import GLUED_CROWN_N
 from tests.support.refusal import raises_code
 
@@ -73,7 +73,7 @@ def test_fillets_smaller_than_can_be_followed_join_those_that_are_without_a_jump
 def test_what_effects_change_of_a_crown_under_a_fillet_is_solved_with_the_fillet(monkeypatch):
     """On a base that slides a crown under a large fillet is softer, by another share than under the sharp edge."""
     # Before the contact is at the edge the shares differ by 0.8 %; the usual (10, 13) cells add 0.3 %.
-    monkeypatch.setattr(solved_law, "RATIO_CELLS", (16, 20))
+    monkeypatch.setattr(campaign_force_law, "RATIO_CELLS", (16, 20))
     share = {}
     for edge in (0.0, 2.0):
         curve = SolvedCurve(Pad(7.0, 1.0, RADIUS_MM, geometry=CROWN, edge_radius_mm=edge), 2.1)

@@ -14,12 +14,20 @@ from dummydesign.geometry.punch import ball_profile
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.loop.effects.learned import FADE, Learned, SmoothChange, at_nodes, fading, followed
 from dummydesign.loop.effects.registry import effect_named
-from dummydesign.loop.model import campaign_law, solved_law
+from dummydesign.loop.model import campaign_force_law, campaign_law
 from dummydesign.loop.model.base_law import SLAB_ERROR, PuckLaw, SlabLaw
-from dummydesign.loop.model.solved_law import DENSE, POINTS, THICKER, BoundLaw, SolvedCurve, SolvedLaw, error_priors
+from dummydesign.loop.model.campaign_force_law import (
+    DENSE,
+    POINTS,
+    THICKER,
+    BoundLaw,
+    CampaignForceLaw,
+    SolvedCurve,
+    error_priors,
+)
 from dummydesign.loop.pad_scatter import carried_share, pad_scatter, recorded_ln, recorded_spread
 from dummydesign.loop.result import worth_of
-from dummydesign.pad.specimen import Pad, Puck
+from dummydesign.pad.pad_under_punch import Pad, Puck
 from dummydesign.pad.tables.slab import load_table
 from tests.support import puck_presses as pucks
 from tests.support.puck_presses import clean_fit
@@ -160,13 +168,13 @@ def test_changes_of_shaped_pads_are_smoothed_ratios_of_coarse_solves(monkeypatch
         factor = 1.0 if pad.base == "bonded" else np.exp(-0.2 + 0.1 * depth[:count] + scatter)
         return factor * depth[:count] ** 1.5
 
-    monkeypatch.setattr(solved_law, "_coarse", coarse)
+    monkeypatch.setattr(campaign_force_law, "_coarse", coarse)
     known = Known(Pad(10.0, 1.0, 7.0, geometry=CROWN), 3.0)
     found = known._log_ratio(base="sliding")
     assert set(used) == {10, 13}
     inside = known.dense_mm > 0.1
     np.testing.assert_allclose(found[inside], (-0.2 + 0.1 * known.dense_mm)[inside], atol=0.009)
-    monkeypatch.setattr(solved_law, "_coarse", lambda pad, depth, cells: depth[:12])
+    monkeypatch.setattr(campaign_force_law, "_coarse", lambda pad, depth, cells: depth[:12])
     with pytest.raises(NoAnswerError, match="another base"):
         known._log_ratio(base="sliding")
 
@@ -184,7 +192,7 @@ def test_a_coarse_solve_is_in_millimetres_and_per_unit_of_youngs_modulus(monkeyp
     depth = np.array([0.2, 1.0, 2.0, 7.0])
     for poisson in (0.5, 0.48):
         pad = Pad(10.0, 1.0, 7.0, geometry=CROWN, poisson=poisson)
-        area = solved_law._solve_coarse(pad, depth, 13)["area_mm2"]
+        area = campaign_force_law._solve_coarse(pad, depth, 13)["area_mm2"]
         np.testing.assert_allclose(area, 2.0 * depth[:3] / 10.0 * 100.0 / (2.0 * (1.0 + poisson)))
         np.testing.assert_allclose(asked["shares"], depth[:3] / 10.0)
         assert asked["first"] == pytest.approx(0.02) and asked["cells"] == 13
@@ -192,7 +200,7 @@ def test_a_coarse_solve_is_in_millimetres_and_per_unit_of_youngs_modulus(monkeyp
 
 def test_a_law_of_several_pads_takes_each_on_its_own_and_a_new_one_as_the_nearest_in_ratio(curve):
     thin, thick = replace(curve), Known(SimpleNamespace(**{**vars(curve.pad), "thickness_mm": 20.0}), 6.0)
-    law = SolvedLaw({("", 10.0): thin, ("", 20.0): thick, ("c", 11.0): thick}, "shaped", SLAB_ERROR)
+    law = CampaignForceLaw({("", 10.0): thin, ("", 20.0): thick, ("c", 11.0): thick}, "shaped", SLAB_ERROR)
     for h, own in ((10.0, thin), (13.9, thin), (14.4, thick), (90.0, thick), (1.0, thin)):
         assert law.law_of(("", h)) is own
     assert law.law_of(("c", 1.0)) is thick and law.offers == frozenset()
@@ -204,7 +212,7 @@ def test_a_law_of_several_pads_takes_each_on_its_own_and_a_new_one_as_the_neares
     np.testing.assert_allclose(bound(depth, h), Known.area(depth, h), rtol=2e-4)
     np.testing.assert_allclose(bound.sliding()(depth, h), 0.9 * bound(depth, h), rtol=1e-9)
     np.testing.assert_allclose(bound.compressibility_coefficient(depth, h), 2.0 + depth, rtol=1e-3)
-    rough = SolvedLaw({("", 10.0): replace(curve, roughness=0.005), ("", 30.0): curve}, "shaped", SLAB_ERROR)
+    rough = CampaignForceLaw({("", 10.0): replace(curve, roughness=0.005), ("", 30.0): curve}, "shaped", SLAB_ERROR)
     assert rough.roughness(("", 11.0)) == 0.005 and rough.roughness(("", 29.0)) == 0.001
 
 

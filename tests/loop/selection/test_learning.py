@@ -9,15 +9,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.core.process import quiet
+from dummydesign.core.progress import quiet
 from dummydesign.loop.data.reduction import UNLOADING
 from dummydesign.loop.effects.learned import FOLLOWED, Learned, SmoothChange, followed, largest_change
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit, fit_base, prior_precision, rough_columns
 from dummydesign.loop.fitting.screening import project
-from dummydesign.loop.selection import learn_effect
-from dummydesign.loop.selection.learn_effect import closed_form, learn
-from dummydesign.loop.selection.residuals import Dependence, Seen
+from dummydesign.loop.selection import nonparametric_effect
+from dummydesign.loop.selection.nonparametric_effect import closed_form, learn
+from dummydesign.loop.selection.residuals import Dependence, ResidualDiagnostics
 from tests.support import puck_presses as pucks
 from tests.support.puck_presses import clean_fit
 
@@ -93,7 +93,7 @@ def test_sensitivities_of_all_values_together_are_the_force(name):
     values = quantities()[name]
     low = values.min() if name == "temperature_C" else 0.0
     shape = SmoothChange((name,), (tuple(np.linspace(low, 1.2 * values.max(), 7)),), (0.0,) * 7)
-    columns = learn_effect._columns(found, shape)
+    columns = nonparametric_effect._columns(found, shape)
     used = found.problem.presses.used
     assert columns.shape == (*used.shape, 7)
     # on the way back the contact lets go, which is not linear
@@ -105,41 +105,45 @@ def test_sensitivities_of_all_values_together_are_the_force(name):
 def test_a_sensitivity_is_a_difference_of_predictions_whatever_the_fit_has_learned():
     found = clean_fit()
     shape = SmoothChange(("temperature_C",), ((21.0, 25.0, 29.5),), (0.02, -0.01, 0.03))
-    problem, vector = learn_effect._with(found, shape)
+    problem, vector = nonparametric_effect._with(found, shape)
     learned = replace(found, problem=problem, vector=vector, forces=problem.predict(vector))
-    columns = learn_effect._columns(learned, shape)
+    columns = nonparametric_effect._columns(learned, shape)
     for place in range(3):
         moved = shape.with_flat(shape.flat + 1e-3 * np.eye(3)[place])
-        change = learn_effect._with(found, moved)[0].predict(vector) - learned.forces
+        change = nonparametric_effect._with(found, moved)[0].predict(vector) - learned.forces
         np.testing.assert_allclose(1e3 * change * problem.presses.used, columns[..., place], atol=1e-6)
     # one learned effect takes the place of another, at size one
-    again, at = learn_effect._with(learned, shape)
+    again, at = nonparametric_effect._with(learned, shape)
     assert len(again.effects) == 1 and at == pytest.approx(vector) and at[again.fixed - 1] == 1.0
 
 
 def test_knots_span_what_was_seen_evenly_and_are_no_more_than_the_values_of_a_trials_quantity():
     found, seen = clean_fit(), quantities()
     for name, values in seen.items():
-        knots = np.array(learn_effect._knots(found, name, values, learn_effect.KNOTS))
+        knots = np.array(nonparametric_effect._knots(found, name, values, nonparametric_effect.KNOTS))
         assert knots[0] == pytest.approx(values.min())
         beyond = name in ("force_N", "reading_N")
         assert knots[-1] > 1.1 * values.max() if beyond else knots[-1] == pytest.approx(values.max())
         steps = np.diff(np.log(knots)) if name == "since_stop_s" else np.diff(knots)
         np.testing.assert_allclose(steps, steps[0], rtol=1e-9)
-        most = learn_effect.MOST_BY_TRIAL if len(values) == len(found.problem.presses.trials) else learn_effect.KNOTS
+        most = (
+            nonparametric_effect.MOST_BY_TRIAL
+            if len(values) == len(found.problem.presses.trials)
+            else nonparametric_effect.KNOTS
+        )
         assert len(knots) == min(most, len(np.unique(values)))
-    pair = learn_effect._first(found, seen, "temperature_C", "depth_mm")[0]
-    assert [len(knots) for knots in pair.knots] == [learn_effect.PAIR_BY_TRIAL, learn_effect.PAIR_KNOTS]
+    pair = nonparametric_effect._first(found, seen, "temperature_C", "depth_mm")[0]
+    assert [len(knots) for knots in pair.knots] == [nonparametric_effect.PAIR_BY_TRIAL, nonparametric_effect.PAIR_KNOTS]
 
 
 def test_a_step_is_the_normal_posterior_of_the_curve_with_all_other_parameters_free():
     """By dense algebra: bins r = J x + C v + noise, x with its own prior, v with the penalty's."""
     found = changed_fit(warmer)
     shape = SmoothChange(("temperature_C",), (tuple(np.linspace(21.5, 29.0, 6)),), (0.0,) * 6)
-    step = learn_effect._step(found, shape)
+    step = nonparametric_effect._step(found, shape)
     whiten = project(found).whiten
     presses = found.problem.presses
-    columns = whiten(learn_effect._columns(found, shape)).reshape(-1, 6)
+    columns = whiten(nonparametric_effect._columns(found, shape)).reshape(-1, 6)
     jacobian = whiten(found.jacobian).reshape(len(columns), -1)
     target = whiten(found.residual).ravel()
     prior = prior_precision(found.problem, found.sizes)
@@ -162,7 +166,7 @@ def test_a_step_is_the_normal_posterior_of_the_curve_with_all_other_parameters_f
 def test_the_penalty_is_on_bends_and_leaves_a_line_its_plain_prior():
     found = changed_fit(warmer)
     knots = np.linspace(21.5, 29.0, 6)
-    step = learn_effect._step(found, SmoothChange(("temperature_C",), (tuple(knots),), (0.0,) * 6))
+    step = nonparametric_effect._step(found, SmoothChange(("temperature_C",), (tuple(knots),), (0.0,) * 6))
     rough = np.diff(np.eye(6), 2, axis=0)
     line, bend = np.arange(6.0), (-1.0) ** np.arange(6)
     plain = step.precision @ line / np.where(line == 0.0, 1.0, line)
@@ -178,10 +182,10 @@ def test_a_second_step_stays_where_the_first_has_led():
     """The model is linear in the curve: from the step's own values the next step leads to them again."""
     found = changed_fit(warmer)
     shape = SmoothChange(("temperature_C",), (tuple(np.linspace(21.5, 29.0, 6)),), (0.0,) * 6)
-    first = learn_effect._step(found, shape)
-    problem, vector = learn_effect._with(found, shape.with_flat(first.values))
+    first = nonparametric_effect._step(found, shape)
+    problem, vector = nonparametric_effect._with(found, shape.with_flat(first.values))
     there = fit(problem, vector, found.sizes, 8)
-    second = learn_effect._step(there, shape.with_flat(first.values))
+    second = nonparametric_effect._step(there, shape.with_flat(first.values))
     np.testing.assert_allclose(second.values - second.values.mean(), first.values - first.values.mean(), atol=3e-3)
 
 
@@ -192,12 +196,12 @@ def test_left_out_squares_are_those_of_fits_to_the_rest():
     weight = presses.samples * presses.used
     squares, left = 0.0, []
     for out in (presses.cell % 4 == part for part in range(4)):
-        forces = learn_effect.predicted_without(found, out)
+        forces = nonparametric_effect.predicted_without(found, out)
         left.append(out)
         squares += float((weight * (presses.force_N - forces) ** 2)[out].sum())
     assert np.sum(left) == len(presses.trials)
-    assert learn_effect.refitted_squares(found) == pytest.approx(squares / weight.sum(), rel=1e-12)
-    total, counted = learn_effect.squares_without(found, left)
+    assert nonparametric_effect.refitted_squares(found) == pytest.approx(squares / weight.sum(), rel=1e-12)
+    total, counted = nonparametric_effect.squares_without(found, left)
     assert total == pytest.approx(squares) and counted == pytest.approx(weight.sum())
 
 
@@ -206,10 +210,10 @@ def test_a_fit_without_presses_does_not_look_at_them():
     presses = found.problem.presses
     out = presses.cell == presses.cell[0]
     spoiled = replace(presses, force_N=np.where(out[:, None], 9.0, presses.force_N))
-    one = learn_effect.predicted_without(found, out)
-    other = learn_effect.predicted_without(replace(found, problem=replace(found.problem, presses=spoiled)), out)
+    one = nonparametric_effect.predicted_without(found, out)
+    other = nonparametric_effect.predicted_without(replace(found, problem=replace(found.problem, presses=spoiled)), out)
     np.testing.assert_array_equal(one, other)
-    all_in = learn_effect.predicted_without(found, np.zeros(len(out), bool))
+    all_in = nonparametric_effect.predicted_without(found, np.zeros(len(out), bool))
     np.testing.assert_allclose(all_in, found.forces, atol=0.02)
 
 
@@ -218,8 +222,8 @@ def test_a_learned_shape_is_learned_anew_without_the_presses():
     learnt = learn(found, ("temperature_C",))
     presses = found.problem.presses
     out = np.arange(len(presses.trials)) == int(np.argmax(presses.history.temperature_C < 24.0))
-    with_shape = learn_effect.predicted_without(learnt.fit, out)
-    plain = learn_effect.predicted_without(found, out)
+    with_shape = nonparametric_effect.predicted_without(learnt.fit, out)
+    plain = nonparametric_effect.predicted_without(found, out)
     weight = (presses.samples * presses.used)[out]
     errors = [float(np.average((presses.force_N - one)[out] ** 2, weights=weight)) for one in (with_shape, plain)]
     assert errors[0] < 0.25 * errors[1]
@@ -284,35 +288,35 @@ def model(score, effects=(), **more):
 
 def test_a_model_costs_its_likelihood_its_named_parameters_and_its_curve():
     plain, named = model(100.0), model(100.0, [effect_named("contact_offset")])
-    each = learn_effect._cost(named) - learn_effect._cost(plain)
-    assert learn_effect._cost(plain) == 100.0 and each == learn_effect.EACH_PARAMETER > 0.0
+    each = nonparametric_effect._cost(named) - nonparametric_effect._cost(plain)
+    assert nonparametric_effect._cost(plain) == 100.0 and each == nonparametric_effect.EACH_PARAMETER > 0.0
     curve = Learned(SmoothChange(("depth_mm",), ((0.0, 1.0),), (0.1, 0.0)))
-    assert learn_effect._cost(model(100.0, [curve]), SimpleNamespace(cost=7.5)) == 107.5
+    assert nonparametric_effect._cost(model(100.0, [curve]), SimpleNamespace(cost=7.5)) == 107.5
     # a parameter of form is known beforehand: the exponent of a machine costs nothing
     formed = effect_named("machine_compliance")
     assert any(one.of_form for one in formed.parameters)
     own = sum(not one.of_form for one in formed.parameters)
-    assert learn_effect._cost(model(100.0, [formed])) == 100.0 + own * each
+    assert nonparametric_effect._cost(model(100.0, [formed])) == 100.0 + own * each
 
 
 @pytest.fixture
 def decided(monkeypatch):
     """What is learned, at which score, and what each model leaves."""
     state = {"score": 500.0, "leaves": False}
-    monkeypatch.setattr(learn_effect, "assess", lambda fit: SimpleNamespace(fit=fit))
-    monkeypatch.setattr(learn_effect, "_leaves", lambda base, fit: fit.leaves)
-    monkeypatch.setattr(learn_effect, "remainder", lambda *args: SimpleNamespace(reasons=("more",)))
+    monkeypatch.setattr(nonparametric_effect, "assess", lambda fit: SimpleNamespace(fit=fit))
+    monkeypatch.setattr(nonparametric_effect, "_leaves", lambda base, fit: fit.leaves)
+    monkeypatch.setattr(nonparametric_effect, "remainder", lambda *args: SimpleNamespace(reasons=("more",)))
 
     def learn_it(fit, among):
         made = model(state["score"]).fit
         made.leaves = state["leaves"]
         return SimpleNamespace(fit=made, cost=20.0, effect=None)
 
-    monkeypatch.setattr(learn_effect, "learn", learn_it)
+    monkeypatch.setattr(nonparametric_effect, "learn", learn_it)
     return state
 
 
-SEEN = Seen([Dependence("depth", 500.0, 3, 0.5, "")], [])
+SEEN = ResidualDiagnostics([Dependence("depth", 500.0, 3, 0.5, "")], [])
 
 
 def ranked(score, leaves=True):
@@ -323,22 +327,22 @@ def ranked(score, leaves=True):
 
 def test_a_function_alone_wins_where_it_leaves_noise_and_the_best_effect_leaves_more_and_explains_less(decided):
     base = model(1000.0)
-    least = 520.0 - learn_effect.EACH_PARAMETER
-    assert learn_effect.learned_alone(base, SEEN, ranked(least + 1.0), quiet) is not None
-    assert learn_effect.learned_alone(base, SEEN, ranked(least - 1.0), quiet) is None
-    assert learn_effect.learned_alone(base, SEEN, ranked(900.0, leaves=False), quiet) is None
-    assert learn_effect.learned_alone(base, SEEN, [], quiet) is not None
-    assert learn_effect.learned_alone(base, Seen([], []), ranked(900.0), quiet) is None
+    least = 520.0 - nonparametric_effect.EACH_PARAMETER
+    assert nonparametric_effect.learned_alone(base, SEEN, ranked(least + 1.0), quiet) is not None
+    assert nonparametric_effect.learned_alone(base, SEEN, ranked(least - 1.0), quiet) is None
+    assert nonparametric_effect.learned_alone(base, SEEN, ranked(900.0, leaves=False), quiet) is None
+    assert nonparametric_effect.learned_alone(base, SEEN, [], quiet) is not None
+    assert nonparametric_effect.learned_alone(base, ResidualDiagnostics([], []), ranked(900.0), quiet) is None
     decided["leaves"] = True
-    assert learn_effect.learned_alone(base, SEEN, ranked(900.0), quiet) is None
+    assert nonparametric_effect.learned_alone(base, SEEN, ranked(900.0), quiet) is None
 
 
 def test_a_function_first_must_cost_less_and_predict_better_than_the_named_effects(decided, monkeypatch):
     curve = Learned(SmoothChange(("depth_mm",), ((0.0, 1.0),), (0.1, 0.0)))
     effect = effect_named("contact_offset")
     named = model(600.0, [effect], squares=2.0)
-    monkeypatch.setattr(learn_effect, "refitted_squares", lambda fit: fit.squares)
-    monkeypatch.setattr(learn_effect, "replace", lambda one, **more: SimpleNamespace(**{**vars(one), **more}))
+    monkeypatch.setattr(nonparametric_effect, "refitted_squares", lambda fit: fit.squares)
+    monkeypatch.setattr(nonparametric_effect, "replace", lambda one, **more: SimpleNamespace(**{**vars(one), **more}))
     asked = []
 
     def found(score, squares):
@@ -348,30 +352,30 @@ def test_a_function_first_must_cost_less_and_predict_better_than_the_named_effec
             entries = [SimpleNamespace(candidate=SimpleNamespace(effect=one)) for one in (curve, effect)]
             return SimpleNamespace(after=after, effects=tuple(entries))
 
-        monkeypatch.setattr(learn_effect, "search", search_it)
+        monkeypatch.setattr(nonparametric_effect, "search", search_it)
         monkeypatch.setattr(
-            learn_effect,
+            nonparametric_effect,
             "learn",
             lambda *args: SimpleNamespace(fit=None, cost=20.0, effect=SimpleNamespace(shape=None)),
         )
-        return learn_effect.learned_first(model(1000.0), SEEN, named, (), quiet)
+        return nonparametric_effect.learned_first(model(1000.0), SEEN, named, (), quiet)
 
-    least = 600.0 + learn_effect.EACH_PARAMETER - 20.0
+    least = 600.0 + nonparametric_effect.EACH_PARAMETER - 20.0
     best = found(least - 1.0, 1.9)
     assert [one.candidate.effect for one in best.effects] == [effect] and asked == [1]
     assert found(least + 1.0, 1.9) is None and found(least - 1.0, 2.1) is None
-    assert learn_effect.learned_first(model(1000.0), SEEN, model(600.0), (), quiet) is None
+    assert nonparametric_effect.learned_first(model(1000.0), SEEN, model(600.0), (), quiet) is None
 
 
 def test_every_quantity_that_a_curve_may_follow_has_words_and_a_usual_cause():
-    assert set(learn_effect.CAUSES) == set(FOLLOWED) - {learn_effect.BY_TIME}
+    assert set(nonparametric_effect.CAUSES) == set(FOLLOWED) - {nonparametric_effect.BY_TIME}
 
 
 @pytest.fixture
 def rounds(monkeypatch):
     """``_learnt`` on fits whose scores are given one after another; values of the tried shapes are kept."""
     shape = SmoothChange(("depth_mm",), ((0.0, 1.0),), (0.0, 0.0))
-    step = learn_effect._Step(np.array([-0.1, 0.1]), 1e4, np.eye(2), np.eye(2))
+    step = nonparametric_effect._Step(np.array([-0.1, 0.1]), 1e4, np.eye(2), np.eye(2))
     sizes = SimpleNamespace(noise=None)
     tried = []
 
@@ -383,19 +387,19 @@ def rounds(monkeypatch):
             tried.append(problem.flat[1])
             return SimpleNamespace(score=next(queue), sizes=SimpleNamespace(noise=None), squares=0.1)
 
-        monkeypatch.setattr(learn_effect, "fit_with_noise", fitted)
+        monkeypatch.setattr(nonparametric_effect, "fit_with_noise", fitted)
         before = SimpleNamespace(score=10_000.0, sizes=sizes, squares=1.0)
-        return learn_effect._learnt(before, before, shape, step)
+        return nonparametric_effect._learnt(before, before, shape, step)
 
-    monkeypatch.setattr(learn_effect, "replace", lambda one, **more: one)
-    monkeypatch.setattr(learn_effect, "_with", lambda fit, shape: (shape, None))
-    monkeypatch.setattr(learn_effect, "_step", lambda fit, shape: step)
-    monkeypatch.setattr(learn_effect, "refitted_squares", lambda fit: fit.squares)
+    monkeypatch.setattr(nonparametric_effect, "replace", lambda one, **more: one)
+    monkeypatch.setattr(nonparametric_effect, "_with", lambda fit, shape: (shape, None))
+    monkeypatch.setattr(nonparametric_effect, "_step", lambda fit, shape: step)
+    monkeypatch.setattr(nonparametric_effect, "refitted_squares", lambda fit: fit.squares)
     return SimpleNamespace(run=run, tried=tried)
 
 
 def test_rounds_end_where_one_gains_less_than_evidence_and_a_share_of_the_score(rounds):
-    least = learn_effect.EVIDENCE + learn_effect.ENDED * 7_800.0
+    least = nonparametric_effect.EVIDENCE + nonparametric_effect.ENDED * 7_800.0
     for gain, count in ((least - 5.0, 2), (least + 5.0, 3)):
         score = 8_000.0 - gain
         found = rounds.run(8_000.0, score, score - 1.0)

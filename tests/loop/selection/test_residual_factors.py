@@ -17,10 +17,10 @@ from dummydesign.loop.fitting.fit import fit_base, hats
 from dummydesign.loop.fitting.noise import estimate_slow_noise, repeat_pairs
 from dummydesign.loop.fitting.screening import project, screen, starts_of
 from dummydesign.loop.selection.cross_validation import assess
-from dummydesign.loop.selection.learn_effect import refitted_squares
+from dummydesign.loop.selection.nonparametric_effect import refitted_squares
 from dummydesign.loop.selection.residuals import (
     dependences,
-    examine,
+    diagnose,
     families,
     raw_residuals,
     run_checks,
@@ -271,7 +271,7 @@ def test_clock_and_order_of_the_trials_change_no_fit_and_nothing_that_is_read_of
     for name, values in followed(other.problem.presses, other.forces).items():
         own = followed(found.problem.presses, found.forces)[name]
         np.testing.assert_allclose(np.sort(values), np.sort(own), atol=1e-3)
-    seen, again = examine(found), examine(other)
+    seen, again = diagnose(found), diagnose(other)
     drops = {row.factor: row.drop for row in again.where}
     assert {row.factor: row.drop for row in seen.where} == pytest.approx(drops, rel=0.02, abs=0.1)
     assert [row.value for row in again.checks] == pytest.approx([row.value for row in seen.checks], rel=1e-2)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.core.process import quiet
+from dummydesign.core.progress import quiet
 from dummydesign.loop.effects.learned import Learned, SmoothChange
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.candidates import EffectCandidate
@@ -320,7 +320,7 @@ def searched(monkeypatch):
     monkeypatch.setattr(search, "worth", lambda gain, limit, before, after: len(after.problem.effects) in state.worth)
     monkeypatch.setattr(search, "much_better", lambda before, after: False)
     monkeypatch.setattr(search, "errors", lambda fit: None)
-    monkeypatch.setattr(search, "examine", lambda fit: None)
+    monkeypatch.setattr(search, "diagnose", lambda fit: None)
     monkeypatch.setattr(search, "assess", lambda fit: SimpleNamespace(fit=fit))
     monkeypatch.setattr(
         search,

@@ -13,16 +13,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.core.process import quiet
+from dummydesign.core.progress import quiet
 from dummydesign.loop import run
 from dummydesign.loop.data.trials import SAME_DEPTH
 from dummydesign.loop.effects.learned import SmoothChange
 from dummydesign.loop.effects.registry import effect_named
-from dummydesign.loop.fitting.noise import Sizes
+from dummydesign.loop.fitting.noise import NoiseSizes
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
-from dummydesign.loop.selection import learn_effect, search, verdict
-from dummydesign.loop.selection.base_kept import LeftOut, deepest, fastest, predicts_worse
-from dummydesign.loop.selection.residuals import Check, Dependence, Seen
+from dummydesign.loop.selection import nonparametric_effect, search, verdict
+from dummydesign.loop.selection.holdout_test import LeftOut, deepest, fastest, predicts_worse
+from dummydesign.loop.selection.residuals import Dependence, ResidualCheck, ResidualDiagnostics
 from dummydesign.loop.selection.verdict import Needed
 
 RULES = Path(__file__).parents[3] / "docs" / "data" / "loop-rules.csv"
@@ -53,7 +53,7 @@ def test_the_error_of_the_force_law_starts_at_what_is_written():
     wanted = [0.01 * written("fit the base", text) for text in ("level # %", "slope # %", "curvature # % at")]
     presses = SimpleNamespace(presses=[SimpleNamespace(white_N=one) for one in (0.03, 0.04)])
     for law in (SlabLaw, PuckLaw):
-        sizes = Sizes.first(presses, law.error_priors)
+        sizes = NoiseSizes.first(presses, law.error_priors)
         assert sizes.law == pytest.approx(wanted)
         # a factor of two is the end of the 95 % interval of the logarithm: 1.2 to 2.5 to be called so
         assert all(1.8 < np.exp(1.96 * spread) < 2.3 for _, spread in law.error_priors)
@@ -66,7 +66,7 @@ def plain_noise(monkeypatch):
 
 
 def test_left_out_errors_and_lack_of_fit_beyond_the_limits_are_unexplained(plain_noise):
-    nothing = Seen([], [])
+    nothing = ResidualDiagnostics([], [])
     for over, more in cases(1.2 * written("unexplained", "above # times its expected")):
         left = verdict.remainder(stage(), stage(over), nothing)
         assert bool(left.reasons) is more
@@ -84,7 +84,7 @@ def test_a_residual_that_follows_a_factor_is_unexplained_beyond_both_limits(plai
     share = 1.0 / written("unexplained", "and a # of the evidence")
 
     def reasons(excess, won=0.0, ratio=None, columns=7):
-        seen = Seen([Dependence("depth", excess + columns, columns, 0.5, "")], [])
+        seen = ResidualDiagnostics([Dependence("depth", excess + columns, columns, 0.5, "")], [])
         return verdict.remainder(stage(score=100.0 + won), stage(1.0, ratio, 1.0, 100.0), seen).reasons
 
     for excess, more in cases(least):
@@ -94,13 +94,13 @@ def test_a_residual_that_follows_a_factor_is_unexplained_beyond_both_limits(plai
         assert bool(reasons(excess, ratio=0.5)) is more
     for excess, more in cases(share * 6000.0):
         assert bool(reasons(excess, won=6000.0)) is more
-    several = Seen([Dependence(name, 900.0, 2, 0.4, "") for name in ("depth", "speed")], [])
+    several = ResidualDiagnostics([Dependence(name, 900.0, 2, 0.4, "") for name in ("depth", "speed")], [])
     assert len(verdict.remainder(stage(), stage(), several).reasons) == 1
 
 
 def test_every_check_that_is_exceeded_is_a_reason(plain_noise):
-    checks = [Check("step in the hold", 9.0, 6.0, seen, "") for seen in (True, False, True)]
-    assert len(verdict.remainder(stage(), stage(), Seen([], checks)).reasons) == 2
+    checks = [ResidualCheck("step in the hold", 9.0, 6.0, seen, "") for seen in (True, False, True)]
+    assert len(verdict.remainder(stage(), stage(), ResidualDiagnostics([], checks)).reasons) == 2
 
 
 def errors_of(*squares):
@@ -201,17 +201,17 @@ def tried(monkeypatch):
     def first(fit, quantities, *names):
         return SmoothChange(names, ((0.0, 1.0),) * len(names), ()), SimpleNamespace(evidence=known.get(names, -5.0))
 
-    monkeypatch.setattr(learn_effect, "modest", lambda fit: fit)
-    monkeypatch.setattr(learn_effect, "followed", lambda presses, forces: quantities)
-    monkeypatch.setattr(learn_effect, "_first", first)
-    monkeypatch.setattr(learn_effect, "_learnt", lambda fit, usual, shape, step: made.append(shape.follows))
+    monkeypatch.setattr(nonparametric_effect, "modest", lambda fit: fit)
+    monkeypatch.setattr(nonparametric_effect, "followed", lambda presses, forces: quantities)
+    monkeypatch.setattr(nonparametric_effect, "_first", first)
+    monkeypatch.setattr(nonparametric_effect, "_learnt", lambda fit, usual, shape, step: made.append(shape.follows))
     fit = SimpleNamespace(problem=SimpleNamespace(presses=None), forces=None)
 
     def run_it(evidence, among=tuple(quantities)):
         made.clear()
         known.clear()
         known.update(evidence)
-        assert learn_effect.learn(fit, among) is None
+        assert nonparametric_effect.learn(fit, among) is None
         return list(made)
 
     return run_it
@@ -248,15 +248,17 @@ def test_a_curve_must_lower_the_squared_left_out_error_to_what_is_written(monkey
     shape = SmoothChange(("depth_mm",), ((0.0, 1.0, 2.0),), (0.0, 0.0, 0.0))
     noise = SimpleNamespace(noise=None)
     before = SimpleNamespace(score=1000.0, sizes=noise, squares=2.0)
-    step = learn_effect._Step(np.array([0.0, 0.1, 0.2]), 500.0, np.diag([1.0, 2.0, 1.0]), np.diag([4.0, 2.0, 8.0]))
-    monkeypatch.setattr(learn_effect, "replace", lambda one, **more: one)
-    monkeypatch.setattr(learn_effect, "_with", lambda fit, shape: (shape, None))
-    monkeypatch.setattr(learn_effect, "_step", lambda fit, shape: step)
-    monkeypatch.setattr(learn_effect, "refitted_squares", lambda fit: fit.squares)
+    step = nonparametric_effect._Step(
+        np.array([0.0, 0.1, 0.2]), 500.0, np.diag([1.0, 2.0, 1.0]), np.diag([4.0, 2.0, 8.0])
+    )
+    monkeypatch.setattr(nonparametric_effect, "replace", lambda one, **more: one)
+    monkeypatch.setattr(nonparametric_effect, "_with", lambda fit, shape: (shape, None))
+    monkeypatch.setattr(nonparametric_effect, "_step", lambda fit, shape: step)
+    monkeypatch.setattr(nonparametric_effect, "refitted_squares", lambda fit: fit.squares)
     for ratio, enough in ((BELOW * limit, True), (ABOVE * limit, False)):
         after = SimpleNamespace(score=700.0, sizes=noise, squares=2.0 * ratio)
-        monkeypatch.setattr(learn_effect, "fit_with_noise", lambda *args, after=after: after)
-        found = learn_effect._learnt(before, before, shape, step)
+        monkeypatch.setattr(nonparametric_effect, "fit_with_noise", lambda *args, after=after: after)
+        found = nonparametric_effect._learnt(before, before, shape, step)
         assert (found is not None) is enough
         if found is not None:
             assert found.left_out == pytest.approx(ratio) and found.evidence == 500.0 and found.fit is after
@@ -287,7 +289,7 @@ def test_at_most_the_written_number_of_effects_and_from_the_fourth_on_only_what_
     monkeypatch.setattr(search, "worth", lambda *args: True)
     monkeypatch.setattr(search, "remainder", lambda *args: SimpleNamespace(reasons=("more",)))
     monkeypatch.setattr(search, "assess", lambda fit: SimpleNamespace(fit=fit))
-    monkeypatch.setattr(search, "examine", lambda fit: None)
+    monkeypatch.setattr(search, "diagnose", lambda fit: None)
     monkeypatch.setattr(search, "errors", lambda fit: None)
     monkeypatch.setattr(search, "_children", lambda parents, *_: child(len(parents[0].problem.effects) + 1))
     chosen = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.core.library import data_folder, read_toml
+from dummydesign.core.user_library import data_folder, read_toml
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.table import columns_of
 from dummydesign.measurement.importing.vocabulary import find_unit, roles_of_name, scaled_unit, split_name, words_of

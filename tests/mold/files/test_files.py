@@ -102,7 +102,7 @@ def test_time_stamp_follows_source_date_epoch(monkeypatch):
 
 @pytest.mark.slow
 def test_step_of_the_child_process_is_the_same_to_the_byte(lidded_package, lidded_parts):
-    from dummydesign.mold.produce import description
+    from dummydesign.mold.build_files import description
 
     _, result = lidded_package
     tag = lidded_parts.spec.tag

@@ -118,7 +118,7 @@ def test_picture_shows_every_material_without_a_display(tmp_path):
 
 
 def test_mould_without_a_picture_is_complete_and_says_so(open_spec, tmp_path):
-    from dummydesign.mold.produce import finish_picture
+    from dummydesign.mold.build_files import finish_picture
 
     (tmp_path / ".picture.npz").write_bytes(b"")
     dead = subprocess.Popen([sys.executable, "-c", "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)"])
@@ -132,16 +132,16 @@ def test_a_check_that_breaks_off_leaves_no_renderer_running(open_spec, tmp_path,
     import sys
     from types import SimpleNamespace
 
-    from dummydesign.mold import produce
+    from dummydesign.mold import build_files
 
     renderer = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
 
     def broken(*_: object) -> None:
         raise RuntimeError("a check broke off")
 
-    monkeypatch.setattr(produce, "build", lambda *_: SimpleNamespace(spec=open_spec, parts={}))
-    monkeypatch.setattr(produce, "_start_picture", lambda *_: renderer)
-    monkeypatch.setattr(produce, "_write_steps", broken)
+    monkeypatch.setattr(build_files, "build", lambda *_: SimpleNamespace(spec=open_spec, parts={}))
+    monkeypatch.setattr(build_files, "_start_picture", lambda *_: renderer)
+    monkeypatch.setattr(build_files, "_write_steps", broken)
     with pytest.raises(RuntimeError, match="broke off"):
-        produce.produce(open_spec, tmp_path, Foot("ABCD"))
+        build_files.produce(open_spec, tmp_path, Foot("ABCD"))
     assert renderer.returncode is not None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from dummydesign.mold.files.drawing_sheet import Drawing, Line, to_pdf
-from dummydesign.mold.files.pour_sheet import Block, Foot, pour_sheet, sheet_pdf
+from dummydesign.mold.files.pour_sheet import Foot, SheetBlock, pour_sheet, sheet_pdf
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 from tests.support.pdf_paths import pages_mm
@@ -22,7 +22,11 @@ def test_every_page_is_on_its_paper(open_spec, paper, size):
 
 
 def test_equal_sheets_are_equal_files_and_another_date_is_another_file(open_spec):
-    blocks = [Block("head", "Sheet"), Block("text", "µ, ° and — are letters too"), Block("list", items=("one",) * 200)]
+    blocks = [
+        SheetBlock("head", "Sheet"),
+        SheetBlock("text", "µ, ° and — are letters too"),
+        SheetBlock("list", items=("one",) * 200),
+    ]
     first = sheet_pdf(blocks, Foot("ABCD", "command", "2026-01-01"))
     assert sheet_pdf(blocks, Foot("ABCD", "command", "2026-01-01")) == first
     assert sheet_pdf(blocks, Foot("ABCD", "command", "2026-01-02")) != first and len(pages_mm(first)) > 2
@@ -30,19 +34,23 @@ def test_equal_sheets_are_equal_files_and_another_date_is_another_file(open_spec
 
 def test_a_word_wider_than_its_column_and_marks_of_html_do_no_harm():
     rows = (("a", "b <c> & d"), ("x" * 300, "y"))
-    assert pages_mm(sheet_pdf([Block("head", "<b>"), Block("table", rows=rows)], Foot("A", "c " * 500, "")))
+    assert pages_mm(sheet_pdf([SheetBlock("head", "<b>"), SheetBlock("table", rows=rows)], Foot("A", "c " * 500, "")))
 
 
 def test_japanese_letters_have_a_font_that_holds_them():
-    blocks = [Block("head", "前指"), Block("text", "resin <ウレタン> 15 ± 1"), Block("table", rows=(("名",), ("x",)))]
+    blocks = [
+        SheetBlock("head", "前指"),
+        SheetBlock("text", "resin <ウレタン> 15 ± 1"),
+        SheetBlock("table", rows=(("名",), ("x",))),
+    ]
     data = sheet_pdf(blocks, Foot("ABCD", "command", "2026-01-01"))
     assert b"HeiseiKakuGo-W5" in data and pages_mm(data)
-    assert b"HeiseiKakuGo" not in sheet_pdf([Block("text", "resin ± 1")], Foot("ABCD", "command", "2026-01-01"))
+    assert b"HeiseiKakuGo" not in sheet_pdf([SheetBlock("text", "resin ± 1")], Foot("ABCD", "command", "2026-01-01"))
 
 
 def test_pdfs_of_a_mould_leave_the_settings_of_their_library_as_they_were(monkeypatch):
     from reportlab import rl_config
 
     monkeypatch.setattr(rl_config, "useA85", 1)
-    for data in (sheet_pdf([Block("head", "a")], Foot("A")), to_pdf([LINE], "a")):
+    for data in (sheet_pdf([SheetBlock("head", "a")], Foot("A")), to_pdf([LINE], "a")):
         assert rl_config.useA85 == 1 and b"ASCII85Decode" not in data

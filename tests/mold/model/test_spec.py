@@ -12,7 +12,7 @@ from itertools import pairwise
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.library import find
+from dummydesign.core.user_library import find
 from dummydesign.mold.cad.label import (
     KNOWN,
     label_bars,
@@ -232,7 +232,7 @@ def test_nothing_heavy_is_loaded_to_refuse_or_to_weigh():
         "import sys\n"
         "from dummydesign.mold.model.preset import mould_spec\n"
         "from dummydesign.mold.pour.plan import pour_plan\n"
-        "import dummydesign.mold.runner\n"
+        "import dummydesign.mold.client\n"
         "pour_plan(mould_spec(5))\n"
         "print([m for m in ('cadquery', 'OCP', 'vtk', 'vtkmodules', 'pyvista', 'trimesh', 'matplotlib', 'ezdxf') "
         "if m in sys.modules])"

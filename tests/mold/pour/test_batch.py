@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from dummydesign.mold.client import without_cad
 from dummydesign.mold.files import pour_sheet as sheet
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
@@ -19,7 +20,6 @@ from dummydesign.mold.pour.plan import (
     witness_mass_g,
 )
 from dummydesign.mold.pour.warnings import pour_warnings
-from dummydesign.mold.runner import without_cad
 from tests.support.mould_checks import shape_spec
 from tests.support.sheet_text import sheet_text
 

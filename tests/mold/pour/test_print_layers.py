@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.mold import runner
+from dummydesign.mold import client
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.products import read_machines
 from dummydesign.mold.model.spec import MouldSpec
@@ -48,7 +48,7 @@ def test_a_flatter_share_of_the_thickness_makes_the_height_less_critical():
 
 def test_a_printer_too_coarse_is_refused_before_anything_is_written_and_a_fine_one_is_not(tmp_path):
     with raises_code("out_of_range", "layer_mm"):
-        runner.make_mold(coarse(CROWN, 0.2), tmp_path / "m")
+        client.make_mold(coarse(CROWN, 0.2), tmp_path / "m")
     assert list(tmp_path.iterdir()) == []
     for spec in (coarse(CROWN, 0.01), CROWN, coarse(mould_spec(5.0), 0.1)):
         check_layers(spec)

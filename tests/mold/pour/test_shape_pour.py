@@ -9,11 +9,11 @@ import pytest
 
 from dummydesign.mold.cad.build import cavity_solid, pad_solid
 from dummydesign.mold.checks import process as check_process
+from dummydesign.mold.client import without_cad
 from dummydesign.mold.files import pour_sheet as sheet
 from dummydesign.mold.model.layout import layout
 from dummydesign.mold.pour.plan import batch_of, pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
-from dummydesign.mold.runner import without_cad
 from dummydesign.resin import load_resin
 from tests.support.mould_checks import shape_spec
 from tests.support.sheet_text import sheet_text

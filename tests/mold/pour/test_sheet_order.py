@@ -19,7 +19,7 @@ from dummydesign.mold.pour.acceptance import (
 )
 from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials, screw_length_mm
 from dummydesign.mold.pour.plan import pour_plan
-from dummydesign.mold.pour.steps import BLANK, MOVE, PREPARE, Step, order_faults, pour_steps
+from dummydesign.mold.pour.steps import BLANK, MOVE, PREPARE, PourStep, order_faults, pour_steps
 from dummydesign.mold.pour.warnings import pour_warnings
 from tests.support.mould_checks import shape_spec
 from tests.support.refusal import raises_code
@@ -44,7 +44,7 @@ def test_nothing_that_was_levelled_is_moved_before_the_resin_has_gelled(spec):
     steps = pour_steps(spec, plan)
     assert order_faults(steps) == []
     # The rule sees a move: carry the mould to the balance or the oven before the cure.
-    carried = [*steps[:-1], Step("Stand the mould on the balance.", (MOVE,)), steps[-1]]
+    carried = [*steps[:-1], PourStep("Stand the mould on the balance.", (MOVE,)), steps[-1]]
     assert "not level or was moved" in " ".join(order_faults(carried))
     assert order_faults([*reversed(steps)])
     text = sheet_text(sheet.pour_sheet(spec, plan, pour_warnings(spec, plan)))
@@ -68,7 +68,7 @@ def test_a_plastic_that_softens_in_the_oven_is_refused():
 
 @pytest.mark.parametrize("name", ["asa", "petg", "pla"])
 def test_shipped_plastics_are_read_with_their_sources(tmp_path, name):
-    from dummydesign.core.library import data_folder
+    from dummydesign.core.user_library import data_folder
 
     text = (data_folder() / "molds" / "open.toml").read_text().replace('plastic = "asa"', f'plastic = "{name}"')
     preset = tmp_path / "own.toml"

@@ -145,7 +145,7 @@ def test_a_silicone_mould_of_a_puck_does_not_accept_by_modulus_either():
 
 
 def test_half_and_puck_are_exact_solids_that_close():
-    from dummydesign.mold.puck.produce import half_solid, puck_solid
+    from dummydesign.mold.puck.build_files import half_solid, puck_solid
 
     spec = puck_spec([Ring(40.0, 25.0)])
     half, puck = half_solid(spec, spec.rings[0]), puck_solid(spec, spec.rings[0])

@@ -14,8 +14,8 @@ from dummydesign.pad.contact.axisymmetric import FlatPunch
 from dummydesign.pad.contact.friction import RestingBase, weight_over_shear
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.specimen import Pad
 from tests.support.refusal import raises_code
 
 LAW = Yeoh(1.0)

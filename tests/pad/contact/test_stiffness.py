@@ -49,15 +49,15 @@ def test_a_round_punch_pushes_back_by_its_penalty_times_depth_and_area(name):
 
 
 def test_a_punch_in_space_pushes_back_by_its_penalty_times_depth_and_area():
-    grid = spatial.Grid(3, 0.2, 1.0, 2.5)
+    grid = spatial.GridFineness(3, 0.2, 1.0, 2.5)
     load = spatial.Load(Slab(), 10.0, (0.8, 0.6), (2.4, 2.0), condition="frictionless")
     problem, depth = spatial.shaped_problem(load, grid), 1e-7
     force = problem.surface.forces(np.zeros(problem.solid.mesh.size), problem.punch, depth)[0]
     area = (0.8 - 0.12) * (0.6 - 0.12)
     wanted = stiffness.SHAPED_PAD_IN_SPACE.contact / (0.6 / 3) * depth * area
     assert force[2::3].sum() == pytest.approx(wanted, rel=0.05)
-    block = square_beaded.Block((0.8, 0.8), (2.4, 2.4), condition="frictionless")
-    problem = square_beaded.block_problem(block, square_beaded.Cells(0.3), 0.3)
+    block = square_beaded.SquareProblem((0.8, 0.8), (2.4, 2.4), condition="frictionless")
+    problem = square_beaded.block_problem(block, square_beaded.CornerCells(0.3), 0.3)
     force = problem.surface.forces(np.zeros(problem.solid.mesh.size), problem.punch, depth)[0]
     # The face inside the last cell moves with the punch: contact is what lies between it and the fillet.
     glued = problem.solid.mesh.nodes[0, problem.driven // 3].max()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.pad.contact.axisymmetric import FilletedPunch, FlatPunch, Surface
+from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface, FilletedPunch, FlatPunch
 from dummydesign.pad.contact.friction import CombinedSurface, RestingBase, weight_over_shear
 from dummydesign.pad.contact.penalty import ContactSurface, closure
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
@@ -20,8 +20,8 @@ def moved(out: float, down: float) -> np.ndarray:
     return np.tile([out, -down], 5).astype(float)
 
 
-def surface(**more) -> Surface:
-    return Surface(NODES, SIDES, **({"stiffness": 40.0} | more))
+def surface(**more) -> AxisymmetricSurface:
+    return AxisymmetricSurface(NODES, SIDES, **({"stiffness": 40.0} | more))
 
 
 AREA = np.pi * (1.2**2 - 0.2**2)
@@ -101,7 +101,7 @@ def test_two_surfaces_together_have_the_forces_and_the_memory_of_both():
     points, quads, _ = meshes.columns(np.array([0.0, 0.7, 1.5]), np.array([0.0, 0.4, 1.0]))
     mesh = meshes.discretise(points, quads)
     top = meshes.edges_on(mesh, meshes.on_top(mesh))
-    face = Surface(mesh.nodes, top, 40.0, grip=5.0, grip_from=0.0, ties_within_step=True)
+    face = AxisymmetricSurface(mesh.nodes, top, 40.0, grip=5.0, grip_from=0.0, ties_within_step=True)
     base = RestingBase(mesh, meshes.edges_on(mesh, meshes.on_base(mesh, 1.0)), 1.0, 0.3, 0.02)
     both, u = CombinedSurface(face, base), 1e-3 * np.random.default_rng(1).standard_normal(mesh.size)
     assert both.face is face and np.array_equal(both.dofs, np.concatenate([face.dofs, base.dofs]))

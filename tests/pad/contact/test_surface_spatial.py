@@ -15,10 +15,10 @@ from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.solve import equilibrium
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.solve.equilibrium import Problem
+from dummydesign.pad.solve.equilibrium import ContactProblem
 from dummydesign.pad.solve.multifrontal import Dissection
 from dummydesign.pad.solve.sparse import Pattern
-from dummydesign.pad.spatial.square_punch import Block, Cells, block_problem, solve_ratios
+from dummydesign.pad.spatial.square_punch import CornerCells, SquareProblem, block_problem, solve_ratios
 
 LAW = Yeoh(1.0)
 
@@ -34,9 +34,9 @@ def round_punch(radius, rim):
 PUNCHES = [rectangle_punch((1.0, 0.7), 0.2, (0.3, -0.1)), round_punch(0.8, 0.2), BeadedPunch((0.3, 0.2), 0.3, 0.2)]
 
 
-def block(thickness: float) -> Block:
+def block(thickness: float) -> SquareProblem:
     """The 14 mm square on the 150 x 120 mm slab."""
-    return Block((7.0 / thickness,) * 2, (75.0 / thickness, 60.0 / thickness))
+    return SquareProblem((7.0 / thickness,) * 2, (75.0 / thickness, 60.0 / thickness))
 
 
 def points(count: int = 400):
@@ -107,7 +107,7 @@ def test_a_brick_under_a_wide_frictionless_punch_is_compressed_uniformly():
     held[base, 2] = True
     solver = partial(Dissection, position=np.indices((2, 2, 2)).reshape(3, -1))
     punch, nothing = rectangle_punch((9.0, 9.0), 0.1), np.array([], dtype=int)
-    problem = Problem(Solid(mesh, LAW), held.ravel(), nothing, 3 * base + 2, surface, punch, solver=solver)
+    problem = ContactProblem(Solid(mesh, LAW), held.ravel(), nothing, 3 * base + 2, surface, punch, solver=solver)
     path = follow(problem, [0.1, 0.4], 0.05, 0.1, 0.001)
 
     def out_of_balance(stress, depth):
@@ -133,7 +133,7 @@ def test_what_touches_a_bonded_punch_goes_along_with_it_and_comes_off_freely():
 
 
 def test_the_dissection_solves_with_faces_what_a_sparse_factorisation_solves():
-    problem = block_problem(block(10.0), Cells(0.45), 0.45)
+    problem = block_problem(block(10.0), CornerCells(0.45), 0.45)
     solid, rng = problem.solid, np.random.default_rng(3)
     tangent = solid.linearise(solid.state(*problem.start()))
     faces = problem.pressed(np.zeros(solid.mesh.size), 0.01)[1]()
@@ -145,8 +145,8 @@ def test_the_dissection_solves_with_faces_what_a_sparse_factorisation_solves():
 
 
 def test_half_of_a_quarter_under_a_square_with_a_fillet_carries_half():
-    pad, depths = Block((0.7, 0.7), (5.0, 5.0)), [0.06, 0.12]
-    whole, half = (block_problem(pad, Cells(0.45), 0.45, folded) for folded in (False, True))
+    pad, depths = SquareProblem((0.7, 0.7), (5.0, 5.0)), [0.06, 0.12]
+    whole, half = (block_problem(pad, CornerCells(0.45), 0.45, folded) for folded in (False, True))
     forces = [follow(problem, depths, 0.06, 0.06, 0.01).force for problem in (whole, half)]
     assert forces[1] == pytest.approx(0.5 * forces[0], rel=1e-7)
 
@@ -154,10 +154,10 @@ def test_half_of_a_quarter_under_a_square_with_a_fillet_carries_half():
 def test_tangents_that_are_used_again_save_a_fifth_of_them_and_change_no_force(monkeypatch):
     """Where points come to touch, uses that hardly help are undone."""
     side = np.sqrt(75.0 * 60.0) / 20.0
-    pad, scale, paths = Block((0.35, 0.35), (side, side)), 0.35 * 2.0 / np.sqrt(np.pi), []
+    pad, scale, paths = SquareProblem((0.35, 0.35), (side, side)), 0.35 * 2.0 / np.sqrt(np.pi), []
     for below in (equilibrium.REUSE_BELOW, 0.0):
         monkeypatch.setattr(equilibrium, "REUSE_BELOW", below)
-        problem = block_problem(pad, Cells(0.45), 0.45, True)
+        problem = block_problem(pad, CornerCells(0.45), 0.45, True)
         paths.append(follow(problem, [0.1, 0.2], 0.13 * scale, 0.035 * scale, 2e-3 * scale))
     assert paths[0].force == pytest.approx(paths[1].force, rel=1e-5)
     assert paths[0].newton_iterations < 0.8 * paths[1].newton_iterations
@@ -173,8 +173,8 @@ def test_the_dissection_refuses_faces_that_lie_outside_their_cell():
 def test_square_over_circle_with_a_bead_is_that_with_a_sharp_edge_where_both_exist():
     """At d/h 0.2 on a 10 mm pad, where a bead of 0.28 is off by less than 0.6 %."""
     pad = block(10.0)
-    sharp = solve_ratios(pad, np.array([0.2]), Cells(0.36))
-    beaded = solve_ratios(pad, np.array([0.2]), Cells(0.28), 0.28)
+    sharp = solve_ratios(pad, np.array([0.2]), CornerCells(0.36))
+    beaded = solve_ratios(pad, np.array([0.2]), CornerCells(0.28), 0.28)
     assert beaded.ratio == pytest.approx(sharp.ratio, rel=6e-3)
 
 
@@ -182,7 +182,7 @@ def test_square_over_circle_with_a_bead_is_that_with_a_sharp_edge_where_both_exi
 def test_square_over_circle_converges_with_the_bead_to_half_the_thickness():
     """Beads and cells of 0.28, 0.2 and 0.14 on a 10 mm pad: the last two agree within 0.6 % at every depth."""
     depths = np.array([0.3, 0.4, 0.5])
-    found = [solve_ratios(block(10.0), depths, Cells(rim), rim) for rim in (0.28, 0.2, 0.14)]
+    found = [solve_ratios(block(10.0), depths, CornerCells(rim), rim) for rim in (0.28, 0.2, 0.14)]
     assert all(len(answer.depth) == 3 for answer in found)
     assert found[2].ratio == pytest.approx(found[1].ratio, rel=6e-3)
     assert np.all(np.abs(found[2].ratio - found[1].ratio) < np.abs(found[1].ratio - found[0].ratio) + 2e-3)

@@ -10,11 +10,11 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.shaped_pad import solve_ratio, solve_shaped_pad
 from dummydesign.pad.axisymmetric.shaped_problem import FREE_STEP, shaped_problem, solve_path
-from dummydesign.pad.contact.axisymmetric import FlatPunch, Surface
+from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface, FlatPunch
 from dummydesign.pad.contact.penalty import closure
 from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.specimen import Pad
 
 LAW = Yeoh(1.0)
 H, A, E = 4.5, 0.5 * 15.798, 0.0426
@@ -40,7 +40,9 @@ def test_a_contact_of_its_own_closes_in_the_order_of_its_gaps():
 
 def test_a_point_is_tied_on_its_way_not_where_the_step_ends():
     nodes = np.array([[1.0, 1.5, 2.0], [0.0, 0.0, 0.0]])
-    surface = Surface(nodes, np.array([[0, 1, 2]]), np.ones_like, np.zeros_like, 1.0, 0.0, ties_within_step=True)
+    surface = AxisymmetricSurface(
+        nodes, np.array([[0, 1, 2]]), np.ones_like, np.zeros_like, 1.0, 0.0, ties_within_step=True
+    )
     punch = FlatPunch(10.0, 5.0)
     start = np.array([0.0, -0.1, 0.0, -0.2, 0.0, -0.3])
     surface.settle(start, punch, 0.0)

@@ -13,7 +13,7 @@ from dummydesign.pad.fem.mixed_solid import Solid, lame_ratio
 from dummydesign.pad.material.hyperelastic import Axisymmetric, Spatial, Yeoh
 from dummydesign.pad.solve import equilibrium
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.solve.equilibrium import Problem
+from dummydesign.pad.solve.equilibrium import ContactProblem
 from tests.support.energies import energy
 from tests.support.refusal import raises_code
 
@@ -37,7 +37,7 @@ def cylinder(law, radius=1.3, held_ends=False, poisson=0.5, resolution=None, sla
     held[2 * base + 1] = True
     if held_ends:
         held[2 * base] = held[2 * top] = True
-    return Problem(Solid(mesh, law, poisson), held, 2 * top + 1, 2 * base + 1)
+    return ContactProblem(Solid(mesh, law, poisson), held, 2 * top + 1, 2 * base + 1)
 
 
 @pytest.mark.parametrize("law", LAWS)

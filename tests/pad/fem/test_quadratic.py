@@ -38,7 +38,7 @@ def test_nodes_slopes_and_areas_are_those_of_scikit_fem():
 def test_sections_are_meshed_without_scikit_fem():
     code = (
         "import sys, numpy as np; from dummydesign.pad.axisymmetric.sharp_edge import solve_curve; "
-        "from dummydesign.pad.specimen import Pad; "
+        "from dummydesign.pad.pad_under_punch import Pad; "
         "solve_curve(Pad(10.0, 1.0, 7.9), np.array([0.1])); print('skfem' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

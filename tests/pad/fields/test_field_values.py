@@ -14,9 +14,19 @@ from dummydesign.pad.axisymmetric.case import LATTICE
 from dummydesign.pad.axisymmetric.profile_punch import profile, solve_profile
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Solid
-from dummydesign.pad.fields import FREE, SLIPS, STICKS, Face, Pressed, cauchy, face_tractions, solve_fields, to_nodes
+from dummydesign.pad.fields import (
+    FREE,
+    SLIPS,
+    STICKS,
+    Pressed,
+    PressedFace,
+    cauchy,
+    face_tractions,
+    solve_fields,
+    to_nodes,
+)
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 
 RNG = np.random.default_rng(17)
 RADII, LEVELS = np.array([0.0, 2.0, 4.0, 5.0, 8.0, 20.0]), np.array([0.0, -1.0, -3.0, -6.0])
@@ -37,7 +47,7 @@ def pressed(scale: float = 1.0) -> Pressed:
     radius = places[top, 0]
     state = np.where(radius < 3.0, STICKS, np.where(radius <= 5.0, SLIPS, FREE))
     pressure = np.where(state == FREE, 0.0, scale * (0.01 + 0.004 * np.sin(radius) + 0.05 * (radius > 4.6)))
-    face = Face(top, radius, 0.0 * radius + 5.0, radius, pressure, 0.2 * pressure, state, 5.0)
+    face = PressedFace(top, radius, 0.0 * radius + 5.0, radius, pressure, 0.2 * pressure, state, 5.0)
     stress = scale * 0.01 * np.random.default_rng(3).standard_normal((len(places), 4))
     return Pressed(
         1.0,

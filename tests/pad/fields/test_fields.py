@@ -18,7 +18,7 @@ from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.field_files import TOP, draw, grid, write_fields, write_picture
 from dummydesign.pad.fields import FREE, cauchy, face_tractions, has_fields, solve_fields, to_nodes
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.specimen import Pad, Puck
+from dummydesign.pad.pad_under_punch import Pad, Puck
 from tests.support.refusal import raises_code
 
 YOUNG_MPa = 0.03

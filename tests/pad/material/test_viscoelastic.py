@@ -11,7 +11,7 @@ from dummydesign.pad.axisymmetric.puck import UnitPuck, puck_problem
 from dummydesign.pad.material.hyperelastic import Axisymmetric, Ogden, Spatial, Yeoh
 from dummydesign.pad.material.relaxation import Isochoric, PronyTerm, Viscoelastic, relaxed_force
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.solve.equilibrium import Problem
+from dummydesign.pad.solve.equilibrium import ContactProblem
 from tests.support.energies import energy
 from tests.support.refusal import raises_code
 
@@ -176,14 +176,14 @@ def test_a_time_step_of_zero_is_refused():
 
 
 def test_a_motion_that_cannot_be_followed_says_where_it_stopped():
-    problem: Problem = puck_problem(UnitPuck(1.0, "bonded"), Viscoelastic(Yeoh(1.0), ARMS), corner=0.3)
+    problem: ContactProblem = puck_problem(UnitPuck(1.0, "bonded"), Viscoelastic(Yeoh(1.0), ARMS), corner=0.3)
     path = follow_motion(problem, np.array([0.0, 1.0, 2.0]), np.array([0.0, 0.2, 0.499]), 0.1)
     assert path.stop is not None and "stopped at relative depth" in path.stop
     assert len(path.force) == 2
 
 
 def test_a_motion_ends_before_the_first_state_that_is_refused_and_says_when():
-    problem: Problem = puck_problem(UnitPuck(1.0, "bonded"), Viscoelastic(Yeoh(1.0), ARMS), corner=0.3)
+    problem: ContactProblem = puck_problem(UnitPuck(1.0, "bonded"), Viscoelastic(Yeoh(1.0), ARMS), corner=0.3)
     seen = []
 
     def look(depth, u):

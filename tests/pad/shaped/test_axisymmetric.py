@@ -16,7 +16,7 @@ from dummydesign.pad.axisymmetric.shaped_problem import contact_radius, shaped_p
 from dummydesign.pad.contact.axisymmetric import FilletedPunch
 from dummydesign.pad.fem.mesh_axisymmetric import Sizes, height_lines, lines_by_size
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.tables.slab import load_table
 from studies.tables.designs import designs
 from tests.support.refusal import raises_code

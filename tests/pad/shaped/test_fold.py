@@ -12,9 +12,9 @@ from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace, crossing, opening_deg
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 from dummydesign.pad.axisymmetric.shaped_problem import shaped_problem
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.predict import predict_static
-from dummydesign.pad.solve.continuation import Path
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.solve.continuation import ForcePath
 
 STEEP = read_shape("crowned:radius=3,height=4,foot=3.2")
 
@@ -54,7 +54,7 @@ def test_the_face_of_a_mesh_runs_from_the_axis_to_the_rim_over_the_crown():
 
 def test_a_path_that_ends_with_a_nearly_shut_notch_names_it():
     found = FoldWatch(face())
-    path = Path(np.array([0.1]), np.ones(1), np.ones(1), 1, 1, 1, 0.0, "no equilibrium")
+    path = ForcePath(np.array([0.1]), np.ones(1), np.ones(1), 1, 1, 1, 0.0, "no equilibrium")
     found.opening = 60.0
     assert found.with_stop_reason(path).stop == "no equilibrium"
     found.opening = 12.0

@@ -13,8 +13,9 @@ from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch
 from dummydesign.pad.axisymmetric.shaped_problem import solve_path as climb_round
 from dummydesign.pad.fem.mesh_hexahedra import horizontal_faces
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.spatial.shaped_pad import (
-    Grid,
+    GridFineness,
     Load,
     SpatialFace,
     axis_lines,
@@ -26,7 +27,6 @@ from dummydesign.pad.spatial.shaped_pad import (
     solve_shaped_block,
     turned_over,
 )
-from dummydesign.pad.specimen import Pad
 
 STEEP = Crowned(2.0, 6.0, 2.2)
 FIELD = Bumped.proportioned(5.0, 0.3)
@@ -124,7 +124,7 @@ def load(shape, thickness: float, half: float = 7.0, is_round: bool = False, fir
 
 
 def face(cells: int = 4) -> SpatialFace:
-    here, grid = load(Crowned(10.0, 2.0), 5.0), Grid(cells, slope=1.0, height_growth=2.0)
+    here, grid = load(Crowned(10.0, 2.0), 5.0), GridFineness(cells, slope=1.0, height_growth=2.0)
     problem = shaped_problem(here, grid)
     count, along = len(problem.solid.mesh.dofs), len(axis_lines(here, grid, 0)) - 1
     top = np.arange(count)[-along * (len(axis_lines(here, grid, 1)) - 1) :]
@@ -182,7 +182,7 @@ def test_a_watch_says_between_which_depths_and_where_and_says_it_again():
 
 def reach(shape, thickness: float, depths: np.ndarray, cells: int, half: float = 7.0, is_round: bool = False):
     """The path in space, on cells as the tables of fields of caps have them."""
-    return solve_path(load(shape, thickness, half, is_round), depths, Grid(cells, slope=1.0, height_growth=2.0))
+    return solve_path(load(shape, thickness, half, is_round), depths, GridFineness(cells, slope=1.0, height_growth=2.0))
 
 
 @pytest.mark.slow
@@ -218,7 +218,9 @@ def test_a_flat_crown_and_layers_do_not_fold(shape):
 def test_a_curve_ends_where_its_crown_folds_in_a_meridian_plane_if_cells_in_space_round_the_foot():
     """Castable (64 degrees); on 7 cells in space nothing of the face meets itself to d/h 0.6."""
     crown, depths = Crowned(1.0, 4.35, 3.43), np.array([0.1, 0.3, 0.5, 0.55])
-    curve = solve_shaped_block(Pad(12.8, 0.03, 7.9, geometry=crown, sides_mm=(14.0, 14.0)), 12.8 * depths, grid=Grid(3))
+    curve = solve_shaped_block(
+        Pad(12.8, 0.03, 7.9, geometry=crown, sides_mm=(14.0, 14.0)), 12.8 * depths, grid=GridFineness(3)
+    )
     assert curve.depth_mm == pytest.approx(12.8 * depths[:2])
     assert "under the circle of the punch's area the crown" in curve.notes[0] and "fold" in curve.notes[0]
 
@@ -226,7 +228,7 @@ def test_a_curve_ends_where_its_crown_folds_in_a_meridian_plane_if_cells_in_spac
 @pytest.mark.slow
 def test_a_crown_beside_the_punch_says_where_its_face_meets_itself_and_ends_there(monkeypatch):
     monkeypatch.setattr(Crowned, "check", lambda *_: None)  # no mould can make it
-    depths, grid = 10.0 * np.array([0.1, 0.2, 0.45, 0.5]), Grid(6, slope=1.0, height_growth=2.0)
+    depths, grid = 10.0 * np.array([0.1, 0.2, 0.45, 0.5]), GridFineness(6, slope=1.0, height_growth=2.0)
     curve = solve_shaped_block(
         Pad(10.0, 0.03, 7.9, geometry=STEEP, sides_mm=(14.0, 14.0)), depths, grid=grid, offset_mm=(1.0, 0.0)
     )

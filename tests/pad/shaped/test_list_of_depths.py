@@ -11,8 +11,8 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.shaped_pad import last_known, solve_shaped_pad
 from dummydesign.pad.axisymmetric.shaped_problem import LEAST_DEPTH, Climb, PathCache, climb, grids, meshed
-from dummydesign.pad.solve.continuation import Path, VisitedState, force_between
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.solve.continuation import ForcePath, VisitedState, force_between
 
 CELLS = 6
 
@@ -59,7 +59,7 @@ def test_a_power_of_the_depth_is_met_exactly_above_and_between_ends():
 
 def test_a_path_gives_the_depths_it_reached_and_says_why_others_are_missing():
     ends = tuple(VisitedState(d, None, None, None, d, 1.0 - d) for d in (0.1, 0.2))
-    path = Path(np.array([]), np.array([]), np.array([]), 9, 2, 5, 0.1, "a fold")
+    path = ForcePath(np.array([]), np.array([]), np.array([]), 9, 2, 5, 0.1, "a fold")
     made = Climb(ends, path)
     found = made.at(np.array([0.05, 0.15, 0.25]))
     assert made.reached == 0.2 and found.stop == "a fold" and found.load_steps == 2

@@ -23,8 +23,8 @@ from dummydesign.pad.axisymmetric.shaped_pad import (
 from dummydesign.pad.axisymmetric.shaped_problem import grids
 from dummydesign.pad.force_law import NO_COST, PadCurve
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.solve.continuation import Path
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.solve.continuation import ForcePath
 from dummydesign.pad.tables.slab import load_table
 
 DEPTHS = np.array([0.02, 0.1, 0.3])
@@ -42,7 +42,7 @@ def rimmed(monkeypatch, reach: dict[float, int], ratio: float = 0.8):
         force = 5.0 * depths * (1.0 if glued else ratio) * np.exp(-(0.4 if glued else 1.0) * rim**POWER)
         count = reach.get(round(rim, 9), len(depths))
         stop = None if count == len(depths) else f"ends under {rim:.2g}"
-        return Path(depths[:count], force[:count], np.ones(count), 9, 1, 2, 0.1, stop)
+        return ForcePath(depths[:count], force[:count], np.ones(count), 9, 1, 2, 0.1, stop)
 
     monkeypatch.setattr(shaped_pad, "_follow_rim", follow_rim)
     return asked
@@ -132,7 +132,7 @@ class MadePath:
         depths = depths[depths <= self.reached]
         force = 3.0 * depths**1.5 * np.exp(-0.8 * self.rim**POWER + 0.02 * (self.cells < 16))
         stop = "ends" if (self.cells, self.rim) == (16, 0.05) else None
-        return Path(depths, force, np.ones(len(depths)), 9, 1, 2, 0.1, stop, doubt=np.full(len(depths), 1e-4))
+        return ForcePath(depths, force, np.ones(len(depths)), 9, 1, 2, 0.1, stop, doubt=np.full(len(depths), 1e-4))
 
 
 def test_a_crown_is_carried_to_the_sharp_edge_and_states_what_that_and_its_cells_leave_open():

@@ -14,8 +14,8 @@ from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.finite_strain import nodes_of_motion, solve_ratio
 from dummydesign.pad.material.relaxation import PronyTerm
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.predict import predict_motion
-from dummydesign.pad.specimen import Pad
 from tests.support.refusal import raises_code
 
 ARMS = (PronyTerm(0.02, 0.8), PronyTerm(0.4, 0.4))

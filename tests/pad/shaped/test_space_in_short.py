@@ -14,11 +14,12 @@ from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.geometry.shapes.slab import Slab
-from dummydesign.pad.solve.continuation import Path
+from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.solve.continuation import ForcePath
 from dummydesign.pad.spatial import shaped_pad
 from dummydesign.pad.spatial.shaped_pad import (
     HALF_SIDE_MM,
-    Grid,
+    GridFineness,
     Load,
     axis_lines,
     field_lines,
@@ -29,10 +30,9 @@ from dummydesign.pad.spatial.shaped_pad import (
     solve_path,
     solve_shaped_block,
 )
-from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.shape import TabulatedShapeLaw
 
-FEW = Grid(3, slope=1.0, height_growth=2.0)
+FEW = GridFineness(3, slope=1.0, height_growth=2.0)
 CROWN = Crowned(10.0, 2.0)
 
 
@@ -41,8 +41,8 @@ def load(shape=CROWN, thickness=5.0, half=(7.0, 5.0), offset=(0.0, 0.0), slab=(3
     return Load(shape, thickness, *sides, is_round, tuple(one / thickness for one in offset), **more)
 
 
-def made(depth, force, stop=None) -> Path:
-    return Path(np.array(depth), np.array(force), np.ones(len(depth)), 9, 2, 5, 0.5, stop)
+def made(depth, force, stop=None) -> ForcePath:
+    return ForcePath(np.array(depth), np.array(force), np.ones(len(depth)), 9, 2, 5, 0.5, stop)
 
 
 def test_a_load_has_its_lengths_in_thicknesses_and_a_punch_off_its_middle_is_no_quarter():
@@ -97,7 +97,7 @@ def test_one_level_lies_between_two_layers_and_cells_grow_from_the_face(top):
     assert -levels(load(Slab(), half=(2.0, 7.0)), FEW)[-2] == pytest.approx(0.4 / FEW.cells)
 
 
-SPARSE = Grid(2, 0.3, 2.0, 3.0)
+SPARSE = GridFineness(2, 0.3, 2.0, 3.0)
 
 
 def test_the_lower_layer_counts_by_its_modulus_and_only_it():
@@ -134,7 +134,7 @@ def test_lines_meet_the_edges_of_the_punch_and_the_apex_and_are_finest_there(axi
 
 def test_a_sharper_apex_and_a_smaller_first_depth_take_smaller_cells_there():
     def first(shape, depth):
-        return np.diff(axis_lines(load(shape, first=depth), Grid(8), 0))[0]
+        return np.diff(axis_lines(load(shape, first=depth), GridFineness(8), 0))[0]
 
     assert first(Crowned(10.0, 2.0), 0.002) == pytest.approx(0.1**0.5 * first(Crowned(10.0, 2.0), 0.02), rel=0.25)
     assert first(Crowned(2.5, 2.0), 0.002) == pytest.approx(0.5 * first(Crowned(10.0, 2.0), 0.002), rel=0.25)
@@ -142,17 +142,17 @@ def test_a_sharper_apex_and_a_smaller_first_depth_take_smaller_cells_there():
 
 
 def test_a_coarser_grid_has_about_two_thirds_of_the_cells_and_the_same_fillet():
-    grid = Grid(9, 0.08, 0.5, 1.7)
+    grid = GridFineness(9, 0.08, 0.5, 1.7)
     coarser = grid.coarser()
     assert (coarser.cells, coarser.rim, coarser.height_growth) == (6, 0.08, 1.7)
-    assert coarser.slope > grid.slope and Grid(3).coarser().cells == 3
+    assert coarser.slope > grid.slope and GridFineness(3).coarser().cells == 3
 
 
 def test_a_path_on_few_cells_is_that_of_a_cap_on_a_layer_before_the_edge_of_the_punch_is_reached():
     """Four quarters, in units of the modulus 3 and the thickness; Dimitriadis et al. (2002) for a glued layer."""
     depth = np.array([0.03, 0.06])
     here = load(half=(5.0, 5.0), slab=(15.0, 15.0), condition="frictionless", first=0.03)
-    path = solve_path(here, depth, Grid(3, 0.2, 1.0, 2.5))
+    path = solve_path(here, depth, GridFineness(3, 0.2, 1.0, 2.5))
     assert path.depth == pytest.approx(depth) and path.stop is None
     x = np.sqrt(2.0 * depth)
     layer = 1.0 + 1.133 * x + 1.283 * x**2 + 0.769 * x**3 + 0.0975 * x**4
@@ -165,19 +165,19 @@ def test_a_curve_is_the_finer_path_of_the_whole_in_newtons_with_what_the_coarser
     monkeypatch.setattr(shaped_pad, "solve_path", lambda load, depths, grid: paths[grid.cells])
     pad = Pad(5.0, 0.03, 7.9, geometry=Slab(), sides_mm=sides)
     depth, unit = 5.0 * np.array([0.1, 0.2, 0.3]), 4.0 * 0.01 * 25.0
-    found = solve_shaped_block(pad, depth, Grid(5))
+    found = solve_shaped_block(pad, depth, GridFineness(5))
     assert found.force_N == pytest.approx(unit * np.array([1.0, 2.0, 3.0])) and found.depth_mm == pytest.approx(depth)
     # Where the coarse grid has ended the largest change that was seen counts.
     assert found.error_N / found.force_N == pytest.approx([0.1, 0.05, 0.1]) and found.notes == ()
     assert found.solver["newton_iterations"] == 10
-    beside = solve_shaped_block(pad, depth, Grid(5), (1.0, -1.0))
+    beside = solve_shaped_block(pad, depth, GridFineness(5), (1.0, -1.0))
     assert beside.force_N == pytest.approx(0.25 * found.force_N)
     paths[5] = made([0.1], [1.0], "it ends")
-    (note,) = solve_shaped_block(pad, depth, Grid(5)).notes
+    (note,) = solve_shaped_block(pad, depth, GridFineness(5)).notes
     assert "0.100" in note and "0.300" in note and "it ends" in note
     paths[3] = made([], [], "at once")
     with pytest.raises(NoAnswerError, match="at once"):
-        solve_shaped_block(pad, depth, Grid(5))
+        solve_shaped_block(pad, depth, GridFineness(5))
 
 
 @pytest.mark.parametrize("is_round", [True, False])

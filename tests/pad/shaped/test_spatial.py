@@ -17,14 +17,14 @@ from dummydesign.pad.axisymmetric.shaped_problem import shaped_problem as round_
 from dummydesign.pad.axisymmetric.shaped_problem import solve_path
 from dummydesign.pad.fem.mesh_axisymmetric import lines_by_size
 from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.spatial.shaped_pad import Grid, Load, shaped_problem, solve_shaped_block
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.spatial.shaped_pad import GridFineness, Load, shaped_problem, solve_shaped_block
 from tests.support.refusal import raises_code
 
 LAW = Yeoh(1.0)
 RADIUS = 14.0 / np.sqrt(np.pi)
-COARSE = Grid(3, slope=1.0, height_growth=2.0)
+COARSE = GridFineness(3, slope=1.0, height_growth=2.0)
 
 
 def load(shape, thickness, half=(7.0, 7.0), offset=(0.0, 0.0), condition="bonded", slab=(150.0, 120.0), first=0.05):
@@ -134,14 +134,14 @@ def test_a_crown_in_space_carries_what_it_does_in_a_meridian_plane():
     depths = np.array([0.1, 0.2, 0.3, 0.4])
     press = Case(RADIUS / 5.0, np.sqrt(150 * 120 / np.pi) / 5.0, shape=Crowned(10.0, 2.0), thickness_mm=5.0, first=0.1)
     flat = follow(round_problem(press, 24, 0.1), depths, 0.02, 0.01, 3e-4).force
-    space = pressed(Crowned(10.0, 2.0), 5.0, depths, RADIUS, Grid(5))
+    space = pressed(Crowned(10.0, 2.0), 5.0, depths, RADIUS, GridFineness(5))
     assert space[:2] == pytest.approx(flat[:2], rel=0.01) and space[2:] == pytest.approx(flat[2:], rel=0.03)
 
 
 @pytest.mark.slow
 def test_caps_far_apart_on_a_thin_pad_add_up():
     """Nine caps 8 mm apart on 1.8 mm of gel carry nine times what one does, within 3 %."""
-    depths, punch, grid = [0.05, 0.1], (12.0, 12.0), Grid(12, slope=1.0)
+    depths, punch, grid = [0.05, 0.1], (12.0, 12.0), GridFineness(12, slope=1.0)
     nine, one = (pressed(Bumped(8.0, 3.0, 1.2, 0.0, rings), 3.0, depths, punch, grid) for rings in (1.0, 0.0))
     assert nine == pytest.approx(9.0 * one, rel=0.03)
 
@@ -149,10 +149,10 @@ def test_caps_far_apart_on_a_thin_pad_add_up():
 @pytest.mark.slow
 def test_a_curve_states_what_its_grid_leaves_open():
     curve = solve_shaped_block(
-        Pad(5.0, 0.03, 7.9, geometry=Crowned(10.0, 2.0), sides_mm=(14.0, 14.0)), [0.5, 1.0, 1.5], grid=Grid(5)
+        Pad(5.0, 0.03, 7.9, geometry=Crowned(10.0, 2.0), sides_mm=(14.0, 14.0)), [0.5, 1.0, 1.5], grid=GridFineness(5)
     )
     finer = solve_shaped_block(
-        Pad(5.0, 0.03, 7.9, geometry=Crowned(10.0, 2.0), sides_mm=(14.0, 14.0)), [0.5, 1.0, 1.5], grid=Grid(7)
+        Pad(5.0, 0.03, 7.9, geometry=Crowned(10.0, 2.0), sides_mm=(14.0, 14.0)), [0.5, 1.0, 1.5], grid=GridFineness(7)
     )
     assert curve.notes == ()
     assert np.all(np.abs(finer.force_N - curve.force_N) < curve.error_N + 0.005 * curve.force_N)

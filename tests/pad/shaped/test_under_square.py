@@ -10,7 +10,14 @@ import pytest
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.spatial.shaped_pad import HALF_SIDE_MM, Grid, Load, field_lines, press_field, shaped_problem
+from dummydesign.pad.spatial.shaped_pad import (
+    HALF_SIDE_MM,
+    GridFineness,
+    Load,
+    field_lines,
+    press_field,
+    shaped_problem,
+)
 
 
 @pytest.mark.parametrize("pitch", [3.5, 5.0, 7.3])
@@ -30,5 +37,5 @@ def test_an_eighth_of_a_field_carries_an_eighth_of_what_a_quarter_on_another_gri
     _, (area,), stop = press_field(field, h, np.array([0.1]), 2)
     half = tuple(0.5 * side / h for side in (PAD_LENGTH_MM, PAD_WIDTH_MM))
     load = replace(Load(field, h, (HALF_SIDE_MM / h,) * 2, half), first=0.1)
-    path = follow(shaped_problem(load, Grid(8, slope=0.8)), [0.1], 0.025, 0.04, 1e-3)
+    path = follow(shaped_problem(load, GridFineness(8, slope=0.8)), [0.1], 0.025, 0.04, 1e-3)
     assert stop is None and area == pytest.approx(4.0 * path.force[0] / 3.0 * h**2, rel=0.03)

@@ -10,7 +10,7 @@ from dummydesign.pad.axisymmetric import sharp_edge
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.sharp_edge import Samples, fit_departure, solve_curve
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.tables.slab import load_edge_correction, load_table
 
 

@@ -9,8 +9,8 @@ from dummydesign.pad.axisymmetric.case import Case, first_stiffness
 from dummydesign.pad.axisymmetric.filleted import filleted_problem, solve_under_fillet
 from dummydesign.pad.contact.axisymmetric import FilletedPunch, FlatPunch
 from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import load_table
 from studies.verification.edges import rounded_flat
 from tests.support.refusal import raises_code
@@ -113,8 +113,8 @@ def test_a_fillet_outside_its_range_is_refused(fillet):
 
 
 def test_predict_takes_the_fillet_and_a_square_its_factor_with_half_of_it_as_doubt():
+    from dummydesign.pad.pad_under_punch import Pad
     from dummydesign.pad.predict import predict_static
-    from dummydesign.pad.specimen import Pad
     from dummydesign.pad.tables.square import square_factor
 
     square = Pad(10.0, 0.025, 14.0 / np.sqrt(np.pi), sides_mm=(14.0, 14.0), edge_radius_mm=0.5)
@@ -136,8 +136,8 @@ def test_predict_takes_the_fillet_and_a_square_its_factor_with_half_of_it_as_dou
     ],
 )
 def test_what_a_fillet_is_not_solved_for_is_refused(change, fidelity, code):
+    from dummydesign.pad.pad_under_punch import Pad
     from dummydesign.pad.predict import predict_static
-    from dummydesign.pad.specimen import Pad
 
     values = {"radius_mm": 7.9, "sides_mm": (14.0, 14.0), "edge_radius_mm": 0.5, **change}
     with raises_code(code):

@@ -21,11 +21,11 @@ from dummydesign.pad.axisymmetric.filleted import (
     follow_sliding,
     solve_under_fillet,
 )
-from dummydesign.pad.elastic_force import solve_points
 from dummydesign.pad.fields import FREE, SLIPS, Pressed, solve_fields
+from dummydesign.pad.force_source import solve_points
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.solve.continuation import Path
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.solve.continuation import ForcePath
 from studies.verification.edges import rounded_flat
 from tests.support.refusal import raises_code
 
@@ -137,7 +137,7 @@ def test_where_fine_cells_end_the_fields_of_coarser_ones_follow_and_it_says_so(m
         for depth in reached:
             visit(depth, mesh.cells)
         stop = None if len(reached) == len(depths) else "a cell folds"
-        return Path(reached, reached, reached, 1, 1, 1, 0.0, stop)
+        return ForcePath(reached, reached, reached, 1, 1, 1, 0.0, stop)
 
     monkeypatch.setattr(filleted, "follow_sliding", walk)
     pad = Pad(10.0, 0.025, 7.9, condition="frictionless", edge_radius_mm=0.5)

@@ -19,11 +19,11 @@ from dummydesign.pad.axisymmetric.profile_punch import (
 )
 from dummydesign.pad.axisymmetric.shaped_pad import solve_flat
 from dummydesign.pad.axisymmetric.sharp_edge import solve_path
-from dummydesign.pad.contact.axisymmetric import FlatPunch, ProfilePunch, Surface
-from dummydesign.pad.elastic_force import solve_points
+from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface, FlatPunch, ProfilePunch
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
+from dummydesign.pad.force_source import solve_points
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 from tests.support.ball_punch import sphere
 from tests.support.refusal import raises_code
 
@@ -125,7 +125,9 @@ def test_contact_forces_are_the_derivative_of_their_energy_and_their_tangent_is_
     nodes = np.array([[0.4, 0.7, 1.0, 1.2, 1.4], [0.0, 0.01, 0.0, 0.02, 0.01]])
     sides = np.array([[0, 1, 2], [2, 3, 4]])
     for punch in (FlatPunch(1.0, 0.2), sphere(3.0)):
-        surface = Surface(nodes, sides, lambda r: 40.0 + r, lambda r: 0.0 * r, friction=0.4, slip_scale=0.05)
+        surface = AxisymmetricSurface(
+            nodes, sides, lambda r: 40.0 + r, lambda r: 0.0 * r, friction=0.4, slip_scale=0.05
+        )
         surface.settle(np.zeros(10), punch, 0.05)
         u = 0.02 * rng.standard_normal(10)
         force, matrix = surface.forces(u, punch, 0.1)
@@ -155,7 +157,9 @@ def test_what_slips_on_a_steep_flank_is_dragged_by_the_coefficient_times_what_pr
     cone = ProfilePunch(lambda r: (flank * r, flank + 0.0 * r, 0.0 * r, 0.0 * r))
     nodes = np.array([[0.50, 0.55, 0.60], [0.0, 0.0, 0.0]])
     stiffness = lambda r: np.full_like(r, 1e3)  # noqa: E731
-    surface = Surface(nodes, np.array([[0, 1, 2]]), stiffness, lambda r: 0.0 * r, friction=mu, slip_scale=1e-6)
+    surface = AxisymmetricSurface(
+        nodes, np.array([[0, 1, 2]]), stiffness, lambda r: 0.0 * r, friction=mu, slip_scale=1e-6
+    )
     depth = flank * 0.60 + 1e-3
     surface.settle(np.zeros(6), cone, depth)
     # All points slide the same way along the flank.

@@ -20,13 +20,13 @@ from dummydesign.pad.axisymmetric.puck import CORNER_CELLS, MESH_ERROR, RoughPla
 from dummydesign.pad.force_law import NO_COST
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
-from dummydesign.pad.solve.continuation import Path, add_costs, cost
-from dummydesign.pad.specimen import Pad, Puck
+from dummydesign.pad.pad_under_punch import Pad, Puck
+from dummydesign.pad.solve.continuation import ForcePath, add_costs, cost
 from tests.support.ball_punch import sphere
 
 
-def made(depth, force, stop=None) -> Path:
-    return Path(np.array(depth), np.array(force), np.ones(len(depth)), 9, 2, 5, 0.5, stop)
+def made(depth, force, stop=None) -> ForcePath:
+    return ForcePath(np.array(depth), np.array(force), np.ones(len(depth)), 9, 2, 5, 0.5, stop)
 
 
 NODES = 0.02 * np.array([0.5, 1.0, 2.0, 3.0])

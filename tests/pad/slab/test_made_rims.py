@@ -26,13 +26,13 @@ from dummydesign.pad.axisymmetric.sharp_edge import (
 )
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.force_law import NO_COST
-from dummydesign.pad.solve.continuation import Path
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.solve.continuation import ForcePath
 from dummydesign.pad.tables.slab import load_table, sharp_edge_doubt
 
 
-def made(depth, force, stop=None) -> Path:
-    return Path(np.array(depth), np.array(force), np.ones(len(depth)), 9, 2, 5, 0.5, stop)
+def made(depth, force, stop=None) -> ForcePath:
+    return ForcePath(np.array(depth), np.array(force), np.ones(len(depth)), 9, 2, 5, 0.5, stop)
 
 
 @pytest.mark.parametrize("ratio", [0.4, 3.0])

@@ -9,11 +9,11 @@ import pytest
 
 from dummydesign.pad.axisymmetric.case import LATTICE, Case
 from dummydesign.pad.axisymmetric.filleted import COARSE, FINE, follow_rubbing, rubbing_problem, solve_under_fillet
-from dummydesign.pad.elastic_force import solve_points
 from dummydesign.pad.fields import SLIPS, STICKS, solve_fields
+from dummydesign.pad.force_source import solve_points
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.solve.equilibrium import Solution
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.solve.equilibrium import Equilibrium
 from tests.support.refusal import raises_code
 from tests.support.rubbing import tractions
 
@@ -85,7 +85,7 @@ def test_every_point_stays_in_coulombs_cone_and_the_face_carries_the_force(frict
     made = problem(friction, cells=FINE)
     seen = []
 
-    def visit(depth: float, solution: Solution) -> None:
+    def visit(depth: float, solution: Equilibrium) -> None:
         way, pressure, drag = tractions(made.surface, solution.u, made.punch, depth)
         assert np.all(np.abs(drag) <= friction * pressure * (1.0 + 1e-12))
         # The punch drags the face inwards, which goes outwards: nearly all of the contact outside the axis.

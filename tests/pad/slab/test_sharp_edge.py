@@ -9,8 +9,8 @@ from dummydesign.pad.axisymmetric.case import Case, first_stiffness, rimmed_prob
 from dummydesign.pad.axisymmetric.sharp_edge import Samples, fit_limit, solve_curve, solve_path, solve_rims
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import load_table
 from tests.support.refusal import raises_code
 

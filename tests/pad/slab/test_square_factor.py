@@ -18,10 +18,10 @@ from dummydesign.pad.spatial.square_punch import (
     RIMS,
     SOUND_J,
     STEP,
-    Block,
-    Cells,
+    CornerCells,
     FactorCurve,
     Ratios,
+    SquareProblem,
     block_problem,
     depth_of_corner,
     outline_factor,
@@ -31,7 +31,7 @@ from dummydesign.pad.spatial.square_punch import (
     useful_depths,
 )
 
-SQUARE, OBLONG = Block((0.7, 0.7), (2.1, 2.1)), Block((1.0, 0.49), (3.0, 1.6))
+SQUARE, OBLONG = SquareProblem((0.7, 0.7), (2.1, 2.1)), SquareProblem((1.0, 0.49), (3.0, 1.6))
 LOG, CORNER, RIM = (0.03, -0.05, 0.08, 0.06), (0.02, 0.03), (-0.01, 0.012)
 COST = {"unknowns": 7, "load_steps": 2, "newton_iterations": 5, "seconds": 0.5}
 
@@ -77,11 +77,11 @@ def test_where_sharp_corners_reach_the_deepest_depth_their_limit_is_a_parabola(m
 @pytest.mark.parametrize("size", [1.0, 0.5])
 def test_beyond_the_corner_fillets_carry_the_factor_on_as_a_cubic(monkeypatch, size):
     asked = made(monkeypatch)
-    square, deepest = Block((0.7 * size,) * 2, (2.1, 2.1)), 0.95 * size
+    square, deepest = SquareProblem((0.7 * size,) * 2, (2.1, 2.1)), 0.95 * size
     curve = solve_factor(square, deepest)
     depth = np.linspace(0.0, deepest, 12)
     assert np.log(curve.factor(depth)[0]) == pytest.approx(log_factor(depth), abs=2e-3)
-    ends = {corner: min(deepest, depth_of_corner(square, Cells(corner))) for corner in CORNERS}
+    ends = {corner: min(deepest, depth_of_corner(square, CornerCells(corner))) for corner in CORNERS}
     assert curve.reach_of_corner == pytest.approx(ends) and min(ends.values()) < 0.6 * deepest
     assert curve.reach_of_rim == pytest.approx(dict.fromkeys(RIMS, deepest)) and curve.reach == pytest.approx(deepest)
     for _, depths, cells, rim in asked[len(CORNERS) :]:
@@ -132,7 +132,7 @@ def test_what_a_slab_s_outline_changes_multiplies_the_factor_of_the_square_slab(
 def test_a_block_has_the_areas_of_its_circles_and_mirrors_only_where_both_are_square():
     assert np.pi * OBLONG.radius**2 == pytest.approx(4.0 * 1.0 * 0.49)
     assert np.pi * OBLONG.extent**2 == pytest.approx(4.0 * 3.0 * 1.6)
-    assert OBLONG.scale == pytest.approx(OBLONG.radius) and Block((2.0, 2.0), (9.0, 9.0)).scale == 1.0
+    assert OBLONG.scale == pytest.approx(OBLONG.radius) and SquareProblem((2.0, 2.0), (9.0, 9.0)).scale == 1.0
     assert SQUARE.mirrors and not OBLONG.mirrors and not replace(SQUARE, half_extents=(3.0, 2.1)).mirrors
     assert replace(SQUARE, half_extents=(3.0, 1.5)).middle_extents == pytest.approx((4.5**0.5,) * 2)
     assert OBLONG.middle_extents == OBLONG.half_extents
@@ -140,21 +140,21 @@ def test_a_block_has_the_areas_of_its_circles_and_mirrors_only_where_both_are_sq
 
 @pytest.mark.parametrize("size", [0.3, 0.7, 3.0])
 def test_useful_depths_are_large_against_the_fillet_and_a_corner_lasts_in_proportion_to_the_punch(size):
-    square = Block((size, size), (9.0, 9.0))
+    square = SquareProblem((size, size), (9.0, 9.0))
     depths, rim = np.linspace(0.01, 1.0, 200), 0.28
     kept = useful_depths(square, depths, rim)
     assert kept == pytest.approx(depths[4.0 * (depths / square.scale) ** 2 >= rim])
-    reach = [depth_of_corner(square, Cells(corner)) / square.scale for corner in (0.1, 0.2, 0.45)]
+    reach = [depth_of_corner(square, CornerCells(corner)) / square.scale for corner in (0.1, 0.2, 0.45)]
     assert np.all(np.diff(reach) > 0.0) and 0.3 < reach[0] < reach[-1] < 1.0
 
 
 @pytest.fixture(scope="module")
 def coarse():
-    return solve_ratios(SQUARE, np.array([0.02, 0.1]), Cells(0.45))
+    return solve_ratios(SQUARE, np.array([0.02, 0.1]), CornerCells(0.45))
 
 
 def test_a_ratio_is_the_whole_square_over_its_twin_at_first_touch_and_at_depth(coarse):
-    cells = Cells(0.45)
+    cells = CornerCells(0.45)
     problems = block_problem(SQUARE, cells), twin_problem(SQUARE, cells)
     first = 4.0 * problems[0].stiffness() / problems[1].stiffness()
     assert coarse.first == pytest.approx(first, rel=1e-6) and coarse.depth == pytest.approx([0.02, 0.1])
@@ -166,22 +166,22 @@ def test_a_ratio_is_the_whole_square_over_its_twin_at_first_touch_and_at_depth(c
 
 
 def test_a_ratio_of_an_oblong_punch_counts_four_quarters():
-    found, pair = solve_ratios(OBLONG, np.array([0.02]), Cells(0.45)), (block_problem, twin_problem)
-    quarter, twin = (problem(OBLONG, Cells(0.45)).stiffness() for problem in pair)
+    found, pair = solve_ratios(OBLONG, np.array([0.02]), CornerCells(0.45)), (block_problem, twin_problem)
+    quarter, twin = (problem(OBLONG, CornerCells(0.45)).stiffness() for problem in pair)
     assert found.first == pytest.approx(4.0 * quarter / twin)
     assert found.ratio[0] == pytest.approx(found.first, rel=2e-3) and 1.0 < found.first < 1.15
 
 
 def test_depths_at_which_a_corner_cell_is_near_folding_are_left_out_and_all_after_them(monkeypatch):
     monkeypatch.setattr(square_punch, "SOUND_J", 0.86)
-    found = solve_ratios(SQUARE, np.array([0.02, 0.06, 0.12, 0.14]), Cells(0.45))
+    found = solve_ratios(SQUARE, np.array([0.02, 0.06, 0.12, 0.14]), CornerCells(0.45))
     assert 1 <= len(found.depth) == len(found.ratio) < 4 and found.smallest_J.min() >= 0.86
     assert FILLETED_SOUND_J < 0.86
 
 
 @pytest.fixture(scope="module")
 def filleted():
-    return solve_ratios(SQUARE, np.array([0.12, 0.18]), Cells(0.45), 0.45)
+    return solve_ratios(SQUARE, np.array([0.12, 0.18]), CornerCells(0.45), 0.45)
 
 
 def test_a_fillet_has_no_first_touch_and_about_the_ratio_of_sharp_edges(coarse, filleted):
@@ -194,7 +194,7 @@ def test_the_filleted_twin_is_the_round_punch_of_equal_area_with_that_fillet(con
     """Against another mesh and contact where it is glued; a face that slides carries less."""
     rim, depth = 0.25, [0.1]
     block = replace(SQUARE, condition=condition)
-    twin = twin_problem(block, Cells(0.12), rim)
+    twin = twin_problem(block, CornerCells(0.12), rim)
     path = follow(twin, depth, 0.3 * rim * block.scale, 0.035, 2e-3)
     case = Case(block.radius, block.extent, edge=rim * block.scale)
     other = follow(filleted_problem(case, sides=False), depth, 0.01, 0.02, 1e-4).force

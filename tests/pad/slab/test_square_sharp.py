@@ -13,18 +13,25 @@ from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.solve import equilibrium
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.solve.equilibrium import Problem
+from dummydesign.pad.solve.equilibrium import ContactProblem
 from dummydesign.pad.solve.multifrontal import Dissection
 from dummydesign.pad.solve.sparse import Pattern
-from dummydesign.pad.spatial.square_punch import Block, Cells, block_problem, outline_factor, solve_ratios, twin_problem
+from dummydesign.pad.spatial.square_punch import (
+    CornerCells,
+    SquareProblem,
+    block_problem,
+    outline_factor,
+    solve_ratios,
+    twin_problem,
+)
 from tests.support.refusal import raises_code
 
 LAW = Yeoh(1.0)
 
 
-def half(thickness: float) -> Block:
+def half(thickness: float) -> SquareProblem:
     """The 14 mm square on the 150 x 120 mm slab."""
-    return Block((7.0 / thickness,) * 2, (75.0 / thickness, 60.0 / thickness))
+    return SquareProblem((7.0 / thickness,) * 2, (75.0 / thickness, 60.0 / thickness))
 
 
 def brick(law, skew=0.0):
@@ -42,7 +49,7 @@ def brick(law, skew=0.0):
     base, top = (np.nonzero(np.abs(place[2] - level) < 1e-9)[0] for level in (-1.0, 0.0))
     held[base, 2] = True
     solver = partial(Dissection, position=np.indices((2, 2, 2)).reshape(3, -1))
-    return Problem(Solid(mesh, law), held.ravel(), 3 * top + 2, 3 * base + 2, solver=solver)
+    return ContactProblem(Solid(mesh, law), held.ravel(), 3 * top + 2, 3 * base + 2, solver=solver)
 
 
 @pytest.mark.parametrize("law", [Yeoh(0.7), Yeoh(0.7, 0.2)])
@@ -58,12 +65,12 @@ def test_patch_a_brick_between_sliding_plates_is_compressed_uniformly_on_a_skewe
 
 
 def test_face_and_fillet_of_a_punch_reach_its_sides():
-    punch = block_problem(Block((0.7, 0.5), (5.0, 5.0)), Cells(0.45), rim=0.1).punch
+    punch = block_problem(SquareProblem((0.7, 0.5), (5.0, 5.0)), CornerCells(0.45), rim=0.1).punch
     np.testing.assert_allclose(np.array(punch.core) + punch.rim, (0.7, 0.5), rtol=1e-12)
 
 
 def test_the_dissection_solves_what_a_sparse_factorisation_solves():
-    problem = block_problem(half(10.0), Cells(0.45))
+    problem = block_problem(half(10.0), CornerCells(0.45))
     solid, rng = problem.solid, np.random.default_rng(3)
     tangent = solid.linearise(solid.state(*problem.start()))
     load = rng.standard_normal(solid.mesh.size)
@@ -99,7 +106,7 @@ def test_the_dissection_adds_up_an_unknown_that_a_cell_has_twice():
 
 
 def test_the_elimination_order_names_every_free_unknown_once():
-    problem = block_problem(half(10.0), Cells(0.45))
+    problem = block_problem(half(10.0), CornerCells(0.45))
     dofs, free = problem.solid.mesh.dofs, problem.pattern.free
     order = Dissection([dofs], free, problem.solid.mesh.size, np.stack([np.arange(len(dofs))] * 3)).order
     assert np.array_equal(np.sort(order), np.arange(len(free)))
@@ -125,8 +132,8 @@ def test_lines_to_a_near_extent_may_keep_the_number_of_cells():
 @pytest.mark.parametrize("base", ["bonded", "sliding"])
 @pytest.mark.parametrize("condition", ["bonded", "frictionless"])
 def test_half_of_a_quarter_under_a_square_carries_half(base, condition):
-    block = Block((0.7, 0.7), (5.0, 5.0), base, condition)
-    whole, half = (block_problem(block, Cells(0.45), folded=folded) for folded in (False, True))
+    block = SquareProblem((0.7, 0.7), (5.0, 5.0), base, condition)
+    whole, half = (block_problem(block, CornerCells(0.45), folded=folded) for folded in (False, True))
     assert half.pattern.n < 0.6 * whole.pattern.n
     # Some digits are lost to incompressibility.
     assert half.stiffness() == pytest.approx(0.5 * whole.stiffness(), rel=1e-7)
@@ -141,7 +148,7 @@ def test_what_the_outline_of_a_slab_changes_at_first_touch_is_the_same_on_finer_
     block = half(thickness)
     square = replace(block, half_extents=block.middle_extents)
     coarse = outline_factor(block, square)
-    fine = [block_problem(b, Cells(0.3), folded=b is square) for b in (block, square)]
+    fine = [block_problem(b, CornerCells(0.3), folded=b is square) for b in (block, square)]
     deep = [follow(problem, [0.06, 0.12], 0.06, 0.06, 0.01).force for problem in fine]
     assert 1.0 - 6e-4 < coarse < 1.0
     assert coarse == pytest.approx(0.5 * fine[0].stiffness() / fine[1].stiffness(), abs=2e-5)
@@ -162,8 +169,8 @@ def test_what_the_outline_of_a_slab_changes_at_first_touch_is_the_same_on_finer_
 )
 def test_first_touch_of_a_square_over_a_circle_agrees_with_other_codes(thickness, condition, expected, within):
     """Frictionless: boundary elements with 0.5 % error of their own; glued: another finite-element code."""
-    block = Block((7.0 / thickness,) * 2, (75.0 / thickness, 60.0 / thickness), "bonded", condition)
-    cells = Cells(0.25)
+    block = SquareProblem((7.0 / thickness,) * 2, (75.0 / thickness, 60.0 / thickness), "bonded", condition)
+    cells = CornerCells(0.25)
     ratio = 4.0 * block_problem(block, cells).stiffness() / twin_problem(block, cells).stiffness()
     assert ratio == pytest.approx(expected, abs=within)
 
@@ -171,7 +178,7 @@ def test_first_touch_of_a_square_over_a_circle_agrees_with_other_codes(thickness
 @pytest.mark.slow
 def test_the_ratio_at_first_touch_does_not_depend_on_the_cells_although_the_forces_do():
     block, ratios, forces = half(10.0), [], []
-    for cells in (Cells(0.3), Cells(0.2), Cells(0.3, 1.6)):
+    for cells in (CornerCells(0.3), CornerCells(0.2), CornerCells(0.3, 1.6)):
         forces.append(twin_problem(block, cells).stiffness())
         ratios.append(4.0 * block_problem(block, cells).stiffness() / forces[-1])
     assert np.ptp(ratios) < 1.5e-3
@@ -181,7 +188,7 @@ def test_the_ratio_at_first_touch_does_not_depend_on_the_cells_although_the_forc
 @pytest.fixture(scope="module")
 def deep():
     """A square on a square slab at depth, its states kept."""
-    problem = block_problem(Block((0.7, 0.7), (5.0, 5.0)), Cells(0.3))
+    problem = block_problem(SquareProblem((0.7, 0.7), (5.0, 5.0)), CornerCells(0.3))
     states, solve = [], problem.force
     problem.force = lambda state: states.append(state) or solve(state)
     return problem, follow(problem, [0.1, 0.2], 0.1, 0.1, 0.01), states
@@ -204,7 +211,7 @@ def test_the_field_under_a_square_is_the_same_on_both_sides_of_its_diagonal(deep
 def test_newtons_method_with_a_new_tangent_each_time_converges_quadratically_in_space(monkeypatch):
     monkeypatch.setattr(equilibrium, "REUSE_BELOW", 0.0)
     block = half(10.0)
-    path = follow(block_problem(block, Cells(0.45)), [0.1], 0.1, 0.1, 0.01)
+    path = follow(block_problem(block, CornerCells(0.45)), [0.1], 0.1, 0.1, 0.01)
     last = [r for r in path.residuals[-1] if r > 1e-12]
     assert np.log(last[-1]) / np.log(last[-2]) > 1.6
 
@@ -213,7 +220,7 @@ def test_newtons_method_with_a_new_tangent_each_time_converges_quadratically_in_
 def test_the_ratio_changes_little_with_depth_and_with_the_corner_cell():
     """To d/h 0.14 on a 10 mm pad two corner cells agree within 0.3 %."""
     depths = np.array([0.07, 0.14])
-    coarse, fine = (solve_ratios(half(10.0), depths, Cells(corner)) for corner in (0.45, 0.3))
+    coarse, fine = (solve_ratios(half(10.0), depths, CornerCells(corner)) for corner in (0.45, 0.3))
     assert len(coarse.depth) == len(fine.depth) == 2
     assert coarse.ratio == pytest.approx(fine.ratio, abs=3e-3)
     assert fine.ratio == pytest.approx(fine.first, abs=4e-3)
@@ -221,14 +228,14 @@ def test_the_ratio_changes_little_with_depth_and_with_the_corner_cell():
 
 @pytest.mark.slow
 def test_a_folding_corner_is_left_out_and_not_reported_as_a_ratio():
-    found = solve_ratios(half(10.0), np.array([0.15, 0.3, 0.4, 0.45]), Cells(0.45))
+    found = solve_ratios(half(10.0), np.array([0.15, 0.3, 0.4, 0.45]), CornerCells(0.45))
     assert found.smallest_J.min() >= 0.2
     assert 1 <= len(found.depth) < 4
 
 
 def test_a_rectangle_turned_by_a_right_angle_carries_the_same():
-    one = block_problem(Block((1.0, 0.5), (6.0, 4.0)), Cells(0.3)).stiffness()
-    other = block_problem(Block((0.5, 1.0), (4.0, 6.0)), Cells(0.3)).stiffness()
+    one = block_problem(SquareProblem((1.0, 0.5), (6.0, 4.0)), CornerCells(0.3)).stiffness()
+    other = block_problem(SquareProblem((0.5, 1.0), (4.0, 6.0)), CornerCells(0.3)).stiffness()
     assert one == pytest.approx(other, rel=1e-9)
 
 
@@ -236,7 +243,8 @@ def test_a_rectangle_turned_by_a_right_angle_carries_the_same():
 def test_a_long_thin_punch_is_stiffer_than_the_square_of_its_area():
     """On a thick pad the half-space result: elongation stiffens a punch of given area."""
     square, long = (
-        block_problem(Block(sides, (6.0, 6.0)), Cells(0.3)).stiffness() for sides in ((0.4, 0.4), (0.8, 0.2))
+        block_problem(SquareProblem(sides, (6.0, 6.0)), CornerCells(0.3)).stiffness()
+        for sides in ((0.4, 0.4), (0.8, 0.2))
     )
     assert 1.03 < long / square < 1.25
 
@@ -252,4 +260,4 @@ def test_a_long_thin_punch_is_stiffer_than_the_square_of_its_area():
 )
 def test_bad_blocks_are_refused(change, code):
     with raises_code(code):
-        Block(**{"half_sides": (1.0, 1.0), "half_extents": (9.0, 9.0), **change})
+        SquareProblem(**{"half_sides": (1.0, 1.0), "half_extents": (9.0, 9.0), **change})

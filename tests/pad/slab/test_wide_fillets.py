@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.core.process import reporting_depths
+from dummydesign.core.progress import reporting_depths
 from dummydesign.pad.axisymmetric import filleted
 from dummydesign.pad.axisymmetric.case import Case, extend_path, of_two_meshes
 from dummydesign.pad.axisymmetric.filleted import (
@@ -27,9 +27,9 @@ from dummydesign.pad.axisymmetric.filleted import (
     solve_under_fillet,
 )
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
-from dummydesign.pad.solve.continuation import Path
+from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.solve.continuation import ForcePath
 from dummydesign.pad.solve.equilibrium import Failure, find_equilibrium
-from dummydesign.pad.specimen import Pad
 from tests.support.rubbing import tractions
 
 FIRST = 0.02 / 32.0
@@ -217,9 +217,9 @@ def test_a_curve_is_in_proportion_to_the_modulus_and_to_the_square_of_all_length
     assert solve_under_fillet(large, [0.3, 0.6]).force_N == pytest.approx(18.0 * curves[condition].force_N, rel=1e-4)
 
 
-def made(force, stop=None) -> Path:
+def made(force, stop=None) -> ForcePath:
     depth = 0.1 * np.arange(1, len(force) + 1)
-    return Path(depth, np.array(force), np.ones(len(force)), 10, 2, 5, 0.5, stop)
+    return ForcePath(depth, np.array(force), np.ones(len(force)), 10, 2, 5, 0.5, stop)
 
 
 NODES = 0.1 * np.arange(1, 5)

@@ -7,7 +7,7 @@ from dummydesign.pad.axisymmetric.shaped_problem import shaped_problem
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.solve import equilibrium
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.solve.sparse import Band, Pattern, symmetric
+from dummydesign.pad.solve.sparse import BandLayout, Pattern, symmetric
 
 
 def test_a_band_solves_what_a_dense_matrix_solves_whatever_its_numbering():
@@ -18,7 +18,7 @@ def test_a_band_solves_what_a_dense_matrix_solves_whatever_its_numbering():
     mixed = rng.permutation(n)
     matrix, load = matrix[mixed][:, mixed], rng.normal(size=n)
     row, column = np.nonzero(matrix)
-    band = Band(row, column, n)
+    band = BandLayout(row, column, n)
     assert band.width < 14
     assert band.factorise([matrix[row, column]])(load) == pytest.approx(np.linalg.solve(matrix, load), rel=1e-9)
 
@@ -39,7 +39,7 @@ def test_a_grid_is_numbered_along_its_columns_where_that_is_narrower():
 
 def test_a_band_says_when_a_matrix_is_not_positive_definite():
     row = np.arange(3)
-    assert Band(row, row, 3).factorise([np.array([1.0, -1.0, 2.0])]) is None
+    assert BandLayout(row, row, 3).factorise([np.array([1.0, -1.0, 2.0])]) is None
 
 
 def test_matrices_of_friction_are_seen_not_to_be_symmetric():
@@ -64,5 +64,5 @@ def test_a_tangent_used_again_changes_no_force_and_saves_factorisations(monkeypa
 def test_the_band_and_the_sparse_factorisation_give_one_force(monkeypatch):
     depths = np.array([0.05, 0.1])
     band = _follow(depths)
-    monkeypatch.setattr(Band, "narrow", property(lambda self: False))
+    monkeypatch.setattr(BandLayout, "narrow", property(lambda self: False))
     assert _follow(depths).force == pytest.approx(band.force, rel=1e-6)

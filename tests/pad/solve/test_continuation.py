@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from dummydesign.core.process import reporting_depths
+from dummydesign.core.progress import reporting_depths
 from dummydesign.pad.solve import continuation
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.solve.equilibrium import MAX_ITERATIONS, Failure, Solution
+from dummydesign.pad.solve.equilibrium import MAX_ITERATIONS, Equilibrium, Failure
 
 MOST_WASTED = 45
 
@@ -47,7 +47,7 @@ def fails(monkeypatch):
             reached.append(depth)
             state = Spring.State()
             state.force = depth
-            return Solution(np.array([-depth]), p, state, (1e-8,), 0, 2)
+            return Equilibrium(np.array([-depth]), p, state, (1e-8,), 0, 2)
 
         monkeypatch.setattr(continuation, "find_equilibrium", find)
         monkeypatch.setattr(continuation, "explain", lambda problem, u, p, depth, reason: f"{depth:.3f}: {reason}")

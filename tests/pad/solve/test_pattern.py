@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.pad.solve.sparse import Band, Pattern
+from dummydesign.pad.solve.sparse import BandLayout, Pattern
 
 ELEMENTS, WIDTH = 40, 4
 DOFS = np.arange(ELEMENTS)[:, None] * 2 + np.arange(WIDTH)
@@ -45,7 +45,7 @@ def test_band_and_sparse_solve_what_a_dense_solve_gives(kind):
 def test_a_narrow_symmetric_matrix_needs_no_sparse_factorisation(monkeypatch):
     monkeypatch.setattr(Pattern, "_sparse", None)
     Pattern([DOFS], np.arange(SIZE), SIZE).solve([stiffness(1)], np.ones(SIZE))
-    monkeypatch.setattr(Band, "narrow", property(lambda self: False))
+    monkeypatch.setattr(BandLayout, "narrow", property(lambda self: False))
     with pytest.raises(TypeError):
         Pattern([DOFS], np.arange(SIZE), SIZE).solve([stiffness(1)], np.ones(SIZE))
 

@@ -7,7 +7,7 @@ import pytest
 
 from dummydesign.pad.solve import continuation
 from dummydesign.pad.solve.continuation import EASY, WITHOUT_TIES, follow
-from dummydesign.pad.solve.equilibrium import TIED, Failure, Solution
+from dummydesign.pad.solve.equilibrium import TIED, Equilibrium, Failure
 from dummydesign.pad.solve.multifrontal import LEAF_CELLS, Dissection, halve
 from dummydesign.pad.solve.sparse import Pattern, _inverse, _sweeps
 from dummydesign.pad.spatial.shaped_pad import pierced
@@ -78,7 +78,7 @@ def walk(monkeypatch):
                 why = TIED
             if why:
                 return Failure(why, 9)
-            return Solution(
+            return Equilibrium(
                 np.array([-depth]),
                 np.array([3.0 * depth]),
                 Spring.State(depth, J(depth)),

@@ -8,9 +8,9 @@ import pytest
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.shaped_problem import shaped_problem
-from dummydesign.pad.contact.axisymmetric import Surface
+from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.spatial.square_punch import Block, Cells, block_problem
+from dummydesign.pad.spatial.square_punch import CornerCells, SquareProblem, block_problem
 
 
 def crown():
@@ -19,9 +19,9 @@ def crown():
 
 def test_matrices_of_contact_are_made_for_tangents_alone(monkeypatch):
     states, matrices = [], []
-    forces, stiffness = Surface._force, Surface._matrix
-    monkeypatch.setattr(Surface, "_force", lambda *words: states.append(1) or forces(*words))
-    monkeypatch.setattr(Surface, "_matrix", lambda *words: matrices.append(1) or stiffness(*words))
+    forces, stiffness = AxisymmetricSurface._force, AxisymmetricSurface._matrix
+    monkeypatch.setattr(AxisymmetricSurface, "_force", lambda *words: states.append(1) or forces(*words))
+    monkeypatch.setattr(AxisymmetricSurface, "_matrix", lambda *words: matrices.append(1) or stiffness(*words))
     path = follow(crown(), [0.05, 0.1], 0.005, 0.02, 1e-4, lattice=True)
     # One more for the way in which the path begins.
     assert len(matrices) <= path.newton_iterations + 1 < 0.7 * len(states)
@@ -40,7 +40,7 @@ def test_the_matrix_of_contact_is_the_slope_of_its_force():
 
 
 def test_first_touch_without_contact_is_solved_once(monkeypatch):
-    problem = block_problem(Block((0.7, 0.7), (7.5, 7.5)), Cells(0.6), folded=True)
+    problem = block_problem(SquareProblem((0.7, 0.7), (7.5, 7.5)), CornerCells(0.6), folded=True)
     solved = []
     whole = problem.pattern.solve
     monkeypatch.setattr(problem.pattern, "solve", lambda *words: solved.append(1) or whole(*words))

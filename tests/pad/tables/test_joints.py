@@ -10,7 +10,7 @@ import json
 import numpy as np
 import pytest
 
-from dummydesign.core.library import table_path
+from dummydesign.core.user_library import table_path
 from dummydesign.pad.tables import puck
 from dummydesign.pad.tables.bumped import HEIGHT_OVER_PITCH, PLACES, SMALLEST
 from dummydesign.pad.tables.filleted import FILLETS, load_filleted

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from dummydesign.core.library import data_folder
+from dummydesign.core.user_library import data_folder
 from dummydesign.pad.tables import filleted, puck, slab
 from dummydesign.pad.tables.crowned import crown_inputs
 from dummydesign.pad.tables.puck import PuckTable, friction_of, grip, interpolate, uniaxial

@@ -7,13 +7,13 @@ import json
 import numpy as np
 import pytest
 
-from dummydesign.core.library import data_folder
+from dummydesign.core.user_library import data_folder
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.pad.axisymmetric.finite_strain import nodes_of_motion
 from dummydesign.pad.material.hyperelastic import Ogden
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.predict import MARGIN, load_quick_error, predict_motion, predict_static
-from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import load_table
 from studies.tables.separability import RADIUS_MM
 from tests.support.refusal import raises_code
@@ -146,7 +146,7 @@ def test_static_depths_have_no_relaxation():
 
 
 def test_a_damaged_file_names_the_command_that_makes_it(monkeypatch, tmp_path):
-    monkeypatch.setattr("dummydesign.core.library.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.core.user_library.data_folder", lambda: tmp_path)
     load_quick_error.cache_clear()
     with raises_code("table_unavailable", "table"):
         load_quick_error()

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from dummydesign.core.library import data_folder
+from dummydesign.core.user_library import data_folder
 from dummydesign.geometry.dimensions import EXTENT_OVER_RADIUS
 from dummydesign.geometry.shapes.boned import Boned
 from dummydesign.geometry.shapes.bumped import Bumped

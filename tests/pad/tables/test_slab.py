@@ -7,11 +7,11 @@ import json
 import numpy as np
 import pytest
 
-from dummydesign.core.library import data_folder
+from dummydesign.core.user_library import data_folder
 from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 from dummydesign.pad.axisymmetric.case import Case, first_stiffness
 from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
-from dummydesign.pad.specimen import Pad
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.tables.slab import load_table
 from tests.support.refusal import raises_code
 
@@ -92,7 +92,7 @@ def test_a_damaged_table_names_the_command_that_rebuilds_it(monkeypatch, tmp_pat
     tables = tmp_path / "materials" / "tables"
     tables.mkdir(parents=True)
     (tables / "slab-bonded.json").write_text("{ torn")
-    monkeypatch.setattr("dummydesign.core.library.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.core.user_library.data_folder", lambda: tmp_path)
     load_table.cache_clear()
     with raises_code("table_unavailable", "table"):
         load_table()

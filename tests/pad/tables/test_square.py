@@ -7,20 +7,20 @@ import json
 import numpy as np
 import pytest
 
-from dummydesign.core.library import data_folder
+from dummydesign.core.user_library import data_folder
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.predict import predict_static
 from dummydesign.pad.spatial.square_punch import (
     CORRECTION_ERROR,
     MESH_ERROR,
-    Block,
-    Cells,
+    CornerCells,
     FactorCurve,
+    SquareProblem,
     block_problem,
     solve_factor,
     solve_ratios,
     twin_problem,
 )
-from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import load_table
 from dummydesign.pad.tables.square import HELD_ERROR, SIDE_OVER_RADIUS, load_square, square_factor
 from tests.support.refusal import raises_code
@@ -28,9 +28,9 @@ from tests.support.refusal import raises_code
 RADIUS = 7.0 / SIDE_OVER_RADIUS
 
 
-def block(thickness: float, base: str = "bonded") -> Block:
+def block(thickness: float, base: str = "bonded") -> SquareProblem:
     """The 14 mm square on the 150 x 120 mm slab."""
-    return Block((7.0 / thickness,) * 2, (75.0 / thickness, 60.0 / thickness), base)
+    return SquareProblem((7.0 / thickness,) * 2, (75.0 / thickness, 60.0 / thickness), base)
 
 
 @pytest.mark.parametrize(("thickness", "expected"), [(5.0, 1.002), (10.0, 1.028), (15.0, 1.032), (20.0, 1.032)])
@@ -45,7 +45,7 @@ def test_the_factor_at_small_depth_is_that_of_another_code(thickness, expected):
 @pytest.mark.parametrize("thickness", [6.3, 13.0])
 def test_the_factor_agrees_with_a_solve_between_its_ratios(base, thickness):
     """At ratios a / h that were not solved for the table, on other cells, where one corner cell is good to 0.1 %."""
-    found = solve_ratios(block(thickness, base), np.array([0.04, 0.08]), Cells(0.25, 1.8))
+    found = solve_ratios(block(thickness, base), np.array([0.04, 0.08]), CornerCells(0.25, 1.8))
     factor, _ = square_factor(np.array([0.0, 0.04, 0.08]) * thickness, thickness, RADIUS, base)
     assert len(found.depth) == 2
     assert factor == pytest.approx(np.array([found.first, *found.ratio]), abs=2e-3)
@@ -53,7 +53,7 @@ def test_the_factor_agrees_with_a_solve_between_its_ratios(base, thickness):
 
 @pytest.mark.parametrize("base", ["bonded", "sliding"])
 def test_first_touch_agrees_with_fine_cells(base):
-    cells = Cells(0.1)
+    cells = CornerCells(0.1)
     pad = block(10.0, base)
     found = 4.0 * block_problem(pad, cells).stiffness() / twin_problem(pad, cells).stiffness()
     assert square_factor(0.0, 10.0, RADIUS, base)[0] == pytest.approx(found, abs=1e-3)
@@ -114,7 +114,7 @@ def test_a_square_punch_carries_the_table_times_its_factor_and_their_errors_add_
 def test_the_factor_at_depth_agrees_with_a_beaded_solve_between_its_ratios(thickness):
     """At ratios a / h and with a bead that were not solved for the table: within its stated error and 0.5 %."""
     depth = np.array([0.3, 0.4, 0.5])
-    found = solve_ratios(block(thickness), depth, Cells(0.16), 0.16)
+    found = solve_ratios(block(thickness), depth, CornerCells(0.16), 0.16)
     factor, error = square_factor(depth * thickness, thickness, RADIUS)
     assert np.all(np.abs(factor / found.ratio - 1.0) < error + 5e-3)
     assert error.max() < 0.015
@@ -138,7 +138,7 @@ def test_what_cannot_be_known_is_refused(monkeypatch, tmp_path):
         square_factor(0.1, 1.0, 7.9)
     with raises_code("unsupported", "fidelity"):
         predict_static(Pad(10.0, 0.03, RADIUS), [1.0], "3d")
-    monkeypatch.setattr("dummydesign.core.library.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.core.user_library.data_folder", lambda: tmp_path)
     load_square.cache_clear()
     with raises_code("table_unavailable", "table"):
         load_square()

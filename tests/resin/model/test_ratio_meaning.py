@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.core import library
+from dummydesign.core import user_library
 from dummydesign.mold.files.pour_sheet import pour_sheet
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import MouldSpec
@@ -17,7 +17,7 @@ from dummydesign.resin.model.resin import save_resin
 from tests.support.refusal import raises_code
 from tests.support.sheet_text import sheet_text
 
-TEXT = (library.data_folder() / "materials" / "resins" / "polyurethane-nagoya.toml").read_text(encoding="utf-8")
+TEXT = (user_library.data_folder() / "materials" / "resins" / "polyurethane-nagoya.toml").read_text(encoding="utf-8")
 MEANING = next(line for line in TEXT.splitlines() if line.startswith("ratio_meaning"))
 TITLE = next(line for line in TEXT.splitlines() if line.startswith("title"))
 

@@ -6,14 +6,14 @@ import tomllib
 import numpy as np
 import pytest
 
-from dummydesign.core import library
+from dummydesign.core import user_library
 from dummydesign.core.quantity import Quantity
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.resin import Point, save_resin
 from dummydesign.resin.update.modulus import add_resin, update_resin
 from tests.support.refusal import raises_code
 
-BUILT_IN = library.data_folder() / "materials" / "resins" / "polyurethane-nagoya.toml"
+BUILT_IN = user_library.data_folder() / "materials" / "resins" / "polyurethane-nagoya.toml"
 
 
 def changed(tmp_path, old, new, count=1):

@@ -10,7 +10,7 @@ import pytest
 from dummydesign.cli.entry import run
 from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.specimen import Puck
+from dummydesign.pad.pad_under_punch import Puck
 from dummydesign.resin import load_resin
 from dummydesign.resin.puck_test.add_compression import loading
 from tests.support.puck_history import frictionless, ramps, relaxed

@@ -7,7 +7,7 @@ import pytest
 
 from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import Ogden
-from dummydesign.pad.specimen import Puck
+from dummydesign.pad.pad_under_punch import Puck
 from dummydesign.pad.tables.puck import friction_of, grip, load_puck_table, uniaxial
 from dummydesign.resin.puck_test.loading_fit import LoadingCurve, fit_pucks
 from tests.support.refusal import raises_code
@@ -81,7 +81,7 @@ def test_another_shape_and_bad_curves_are_refused(table, monkeypatch, tmp_path):
         fit_pucks([curve], 50.0, 30.0, table, (1.0, 25.0))
     with raises_code("not_enough_data", "curve"):
         fit_pucks([LoadingCurve("A2", "A", GRID, -GRID)], 50.0, 30.0, table, WINDOW)
-    monkeypatch.setattr("dummydesign.core.library.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.core.user_library.data_folder", lambda: tmp_path)
     load_puck_table.cache_clear()
     with raises_code("table_unavailable", "table"):
         load_puck_table()

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from dummydesign.measurement.landmarks import find_holds
+from dummydesign.measurement.ramp_detection import find_holds
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 from dummydesign.pad.tables.puck import table_for
 from dummydesign.resin.puck_test.loading_fit import REPEAT, PuckNoise, covariance, reduce_press

@@ -7,13 +7,13 @@ import pytest
 
 from dummydesign.core.quantity import HALF_WIDTH, Quantity
 from dummydesign.resin import load_resin
-from dummydesign.resin.model.resin import Arm, save_resin
+from dummydesign.resin.model.resin import ResinArm, save_resin
 from dummydesign.resin.update.relaxation import update_relaxation
 
 
 def arm(tau_s, beta, spread=0.05):
     ends = [beta * math.exp(k * HALF_WIDTH * spread) for k in (0.0, -1.0, 1.0)]
-    return Arm(Quantity(tau_s, 0.9 * tau_s, 1.1 * tau_s, "fitted", "puck"), Quantity(*ends, "fitted", "puck"))
+    return ResinArm(Quantity(tau_s, 0.9 * tau_s, 1.1 * tau_s, "fitted", "puck"), Quantity(*ends, "fitted", "puck"))
 
 
 @pytest.fixture(scope="module")

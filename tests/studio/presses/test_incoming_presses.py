@@ -7,7 +7,7 @@ import pytest
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import make_project
 from dummydesign.studio import incoming_presses as incoming
-from dummydesign.studio import project_files as bin
+from dummydesign.studio import trash as bin
 from tests.support.refusal import raises_code
 
 PLAN = """schema = 1

@@ -7,8 +7,8 @@ import json
 from dummydesign.project.folder import make_project
 from dummydesign.studio import incoming_presses as plan_defaults
 from dummydesign.studio.pages.campaign import ALL, days_of, rows_of, table_html
-from dummydesign.studio.parts import number_of
 from dummydesign.studio.state import read_state
+from dummydesign.studio.widgets import number_of
 from tests.support.refusal import raises_code
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import make_project
-from dummydesign.studio import made as pressed_pads
+from dummydesign.studio import project_index as pressed_pads
 from dummydesign.studio.state import read_state
 
 TRACE = "time_s,displacement_mm,force_N\n" + "".join(

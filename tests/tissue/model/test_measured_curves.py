@@ -10,7 +10,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.design.measured_pad import verdict_of_traces
 from dummydesign.design.request import Protocol
 from dummydesign.design.safety import tissue_body
-from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import Ranges, ranges_of, readings_of

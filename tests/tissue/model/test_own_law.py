@@ -11,7 +11,7 @@ from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.laws import LAWS
-from dummydesign.tissue.model.maxwell_law import Drive, MaxwellLaw
+from dummydesign.tissue.model.maxwell_law import MaxwellLaw, MotionResponse
 from tests.support.refusal import raises_code
 
 DEPTH_MM = 4.0
@@ -25,11 +25,11 @@ class OneTime(MaxwellLaw):
     reference = "made up for this test"
     elements = (3, 5)
 
-    def drive(self, motion: Motion) -> Drive:
+    def drive(self, motion: Motion) -> MotionResponse:
         return OneTimeDrive(motion)
 
 
-class OneTimeDrive(Drive):
+class OneTimeDrive(MotionResponse):
     def __init__(self, motion: Motion) -> None:
         self._x = np.maximum(np.asarray(motion.displacement_mm, float), 0.0)
         self._step = np.diff(np.asarray(motion.time_s, float), axis=-1)

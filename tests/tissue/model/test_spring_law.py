@@ -8,7 +8,7 @@ import pytest
 from dummydesign.core.errors import InputError
 from dummydesign.design.measured_pad import verdict_of_traces
 from dummydesign.design.safety import impact, tissue_body
-from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
+from dummydesign.design.scoring.press_simulation import PadBatch, Sampling, make_curves
 from dummydesign.design.scoring.score import evaluate, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import deviations, ranges_of, readings_of
@@ -41,7 +41,7 @@ class Linear(ExactLaw):
 def linear_pads(springs, beta=1e-9):
     count = len(springs)
     curves = make_curves(Linear(), [10.0], 7.9, 0.6)
-    return Slabs(curves, np.zeros(count, int), np.asarray(springs, float), (0.3,), np.full((count, 1), beta))
+    return PadBatch(curves, np.zeros(count, int), np.asarray(springs, float), (0.3,), np.full((count, 1), beta))
 
 
 def test_force_is_k_times_depth_in_any_motion_and_steady_depth_is_force_over_k(spring):

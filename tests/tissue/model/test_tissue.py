@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from dummydesign.core.library import data_folder, read_toml
+from dummydesign.core.user_library import data_folder, read_toml
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.parameters import Parameters

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import TOLERANCE, Readings, ranges_of, readings_of

@@ -58,7 +58,7 @@ def test_a_measured_tissue_is_drawn_with_its_names_law_and_speeds_and_the_same_e
 
 
 def test_an_inferred_tissue_is_drawn_from_its_posterior():
-    from dummydesign.core.library import find
+    from dummydesign.core.user_library import find
     from dummydesign.tissue.model.posterior import draws_path, read_draws
 
     tissue = load_tissue("forefinger")

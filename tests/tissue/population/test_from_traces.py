@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.cli.entry import run
-from dummydesign.core.library import entries
+from dummydesign.core.user_library import entries
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.adding.from_points import next_measurement

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import Motion, ramp_and_hold
-from dummydesign.tissue.model.maxwell_law import Drive, MaxwellLaw
+from dummydesign.tissue.model.maxwell_law import MaxwellLaw, MotionResponse
 from dummydesign.tissue.model.measured_curves import FORCE_FACTOR, HOLD_FACTOR, LAW, SHARES, common_span, hold_times
 
 
@@ -35,7 +35,7 @@ class Curves(MaxwellLaw):
             "and energies; there are no parameters, and nothing is extrapolated to presses that were not made"
         )
 
-    def drive(self, motion: Motion) -> Drive:
+    def drive(self, motion: Motion) -> MotionResponse:
         """Curves answer to no motion."""
         message = "measured curves give the presses that were made, not the force under any motion"
         raise InputError(message, "unsupported", "law", LAW)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.measurement.motion import Motion
-from dummydesign.tissue.model.maxwell_law import Drive, MaxwellLaw
+from dummydesign.tissue.model.maxwell_law import MaxwellLaw, MotionResponse
 
 
 class IdealRamp(MaxwellLaw):
@@ -46,7 +46,7 @@ class Published(IdealRamp):
     running_clock = True
 
 
-class RampDrive(Drive):
+class RampDrive(MotionResponse):
     """X and A of the ideal ramp that stands in for a motion."""
 
     def __init__(self, motion: Motion, running_clock: bool) -> None:
@@ -70,7 +70,7 @@ class RampDrive(Drive):
 
 def ramps_of(motion: Motion) -> tuple[NDArray, NDArray, NDArray]:
     """Contact time [s], stop time [s] and depth [mm] of each motion, each of shape (...)."""
-    from dummydesign.measurement.landmarks import find_ramp
+    from dummydesign.measurement.ramp_detection import find_ramp
 
     time, x = np.broadcast_arrays(motion.time_s, motion.displacement_mm)
     ramps = [find_ramp(*row) for row in zip(time.reshape(-1, time.shape[-1]), x.reshape(-1, x.shape[-1]))]

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.measurement.motion import Motion
-from dummydesign.tissue.model.maxwell_law import Drive, MaxwellLaw
+from dummydesign.tissue.model.maxwell_law import MaxwellLaw, MotionResponse
 
 _GAUSS_X, _GAUSS_W = (0.5 * (x + shift) for x, shift in zip(np.polynomial.legendre.leggauss(4), (1.0, 0.0)))
 
@@ -33,7 +33,7 @@ class Ode(MaxwellLaw):
         return np.ones_like(rate), rate * (depth_mm**2)[..., None]
 
 
-class OdeDrive(Drive):
+class OdeDrive(MotionResponse):
     """X = x^3, and A = x^2 e by the exact integrating factor of each step on which x is linear."""
 
     def __init__(self, motion: Motion) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.measurement.motion import Motion
-from dummydesign.tissue.model.maxwell_law import Drive, MaxwellLaw
+from dummydesign.tissue.model.maxwell_law import MaxwellLaw, MotionResponse
 
 
 class Spring(MaxwellLaw):
@@ -28,9 +28,9 @@ class Spring(MaxwellLaw):
             "person's"
         )
 
-    def drive(self, motion: Motion) -> Drive:
+    def drive(self, motion: Motion) -> MotionResponse:
         """Drive by the depth as it is: X = x. [mm]"""
-        drive = Drive()
+        drive = MotionResponse()
         drive.elastic = np.maximum(np.asarray(motion.displacement_mm, float), 0.0)
         return drive
 

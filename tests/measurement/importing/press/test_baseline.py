@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.measurement.importing.baseline import Noise, digit_step
+from dummydesign.measurement.importing.baseline import BaselineNoise, digit_step
 from dummydesign.measurement.importing.decisions import Settings
 from dummydesign.measurement.importing.read import import_files
 from tests.support.refusal import raises_code
@@ -86,6 +86,6 @@ def test_a_ripple_before_contact_is_no_tare(tmp_path):
 def test_the_step_of_the_digits_is_found_and_noise_spreads_its_error():
     force = np.random.default_rng(5).normal(0.0, 0.3, 400)
     assert digit_step(np.round(force, 1)) == pytest.approx(0.1, rel=1e-3) and digit_step(force) == 0.0
-    noise = Noise(0.0, 0.0, 0.0, 0.1)
+    noise = BaselineNoise(0.0, 0.0, 0.0, 0.1)
     assert noise.rounding_N == pytest.approx(0.1 / np.sqrt(12.0))
     assert replace(noise, sample_N=0.1).rounding_N < 1e-9

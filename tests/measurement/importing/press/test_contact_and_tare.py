@@ -7,7 +7,7 @@ import pytest
 
 from dummydesign.measurement.importing.contact import FILTER_DELAY_S, find_contact, find_contacts, find_tares, interval
 from dummydesign.measurement.importing.decisions import ImportLog
-from dummydesign.measurement.importing.signs import find_presses
+from dummydesign.measurement.importing.sign_convention import find_presses
 from tests.support.machine_presses import recording
 from tests.support.parted_press import parts_of
 from tests.support.refusal import raises_code

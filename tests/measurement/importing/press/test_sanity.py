@@ -7,8 +7,8 @@ import pytest
 
 from dummydesign.measurement.importing.contact import find_contact
 from dummydesign.measurement.importing.press_checks import check_press, doubts_of
-from dummydesign.measurement.importing.signs import find_presses
-from dummydesign.measurement.landmarks import summarise
+from dummydesign.measurement.importing.sign_convention import find_presses
+from dummydesign.measurement.ramp_detection import summarise
 from dummydesign.measurement.trace import Trace
 
 

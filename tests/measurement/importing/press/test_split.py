@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from dummydesign.measurement.importing.signs import find_presses
+from dummydesign.measurement.importing.sign_convention import find_presses
 from tests.support.machine_presses import recording
 from tests.support.parted_press import parts_of
 

@@ -7,7 +7,7 @@ import pytest
 
 from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import Ogden
-from dummydesign.pad.specimen import Puck
+from dummydesign.pad.pad_under_punch import Puck
 from dummydesign.pad.tables.puck import (
     grip,
     interpolate,
@@ -65,7 +65,7 @@ def test_proportions_beyond_the_solved_ones_are_refused():
 
 
 def test_a_missing_table_names_the_command_that_makes_it(monkeypatch, tmp_path):
-    monkeypatch.setattr("dummydesign.core.library.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.core.user_library.data_folder", lambda: tmp_path)
     load_shapes.cache_clear()
     with raises_code("table_unavailable", "table"):
         load_shapes()

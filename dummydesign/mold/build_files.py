@@ -1,0 +1,194 @@
+"""Make all files of a mould in one folder and check them. CAD child only."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dummydesign.core.progress import write_progress
+from dummydesign.mold.cad.build import Parts, build
+from dummydesign.mold.cad.tessellate import tessellate
+from dummydesign.mold.checks import files as check_files
+from dummydesign.mold.checks import release
+from dummydesign.mold.checks.process import check_process
+from dummydesign.mold.checks.solids import check_shape, check_solids
+from dummydesign.mold.files import picture as view
+from dummydesign.mold.files.meshes import lying, write_3mf
+from dummydesign.mold.files.part_drawings import part_views, sheets
+from dummydesign.mold.files.picture import turned_over
+from dummydesign.mold.files.pour_sheet import Foot, pour_sheet, write_papers
+from dummydesign.mold.files.solid_view import mould_view
+from dummydesign.mold.files.step import step_text
+from dummydesign.mold.model.printed_parts import printed_parts
+from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.acceptance import gauge_points
+from dummydesign.mold.pour.plan import PourPlan, batches_of, pour_plan
+from dummydesign.mold.pour.warnings import pour_warnings
+
+PICTURE_S = 600
+"""A renderer that hangs (a driver without a screen) is given up after this time; drawing takes a few seconds. [s]"""
+
+
+def produce(spec: MouldSpec, folder: Path, foot: Foot, bone_file: Path | None = None) -> dict[str, Any]:
+    """Build, write, read again and check; return what the parent turns into a result."""
+    write_progress("step 1 of 5: building the solids")
+    made = build(spec, bone_file)
+    write_progress("step 2 of 5: meshes and STEP files")
+    meshes = {name: tessellate(part.solid) for name, part in made.parts.items()}
+    picture = _start_picture(made, meshes, folder)
+    try:
+        return _write_and_check(made, meshes, folder, foot, picture)
+    finally:
+        if picture.poll() is None:
+            # A check failed or the user stopped: nobody waits for it any more.
+            picture.kill()
+            picture.wait()
+
+
+def _write_and_check(
+    made: Parts, meshes: dict[str, Any], folder: Path, foot: Foot, picture: subprocess.Popen[bytes]
+) -> dict[str, Any]:
+    spec = made.spec
+    files = _write_steps(made, folder)
+    mesh_files = _write_meshes(made, meshes, folder)
+    volumes = {
+        "cavity": made.cavity.Volume(),
+        "pad_nominal": made.pad_nominal.Volume(),
+        "pad_compensated": made.parts["pad"].volume_mm3,
+        **{name: part.volume_mm3 for name, part in made.parts.items() if name != "pad"},
+    }
+    plan = pour_plan(spec, volumes["pad_compensated"], volumes["mould"] + volumes.get("lid", 0.0))
+    write_progress("step 3 of 5: checking the solids")
+    tool = meshes["mould"] if made.whole is None else tessellate(made.mould)
+    checks = check_solids(made, {**meshes, "mould": tool}) + check_shape(made)
+    checks += release.check_mould_mesh(made, tool, tessellate(made.core, *release.FINE))
+    write_progress("step 4 of 5: reading the files again")
+    assembly = folder / files["assembly"]
+    bone_mm3 = 0.0 if spec.insert is None else spec.insert.volume_error_mm3(spec.pad.thickness_mm)
+    single = {name: folder / files[name] for name in made.parts}
+    checks += check_files.check_step(made.parts, single, assembly, bone_mm3)
+    checks += check_files.check_step_text(assembly, folder / files["pad"], spec.hash)
+    total = sum(part.volume_mm3 for part in made.parts.values())
+    checks.append(check_files.check_second_reader(assembly, total, len(made.parts)))
+    checks += check_files.check_meshes(made, mesh_files)
+    checks += check_files.check_lying(made, mesh_files)
+    write_progress("step 5 of 5: drawings, picture and pour sheet")
+    warnings = pour_warnings(spec, plan)
+    checks += check_process(spec, plan, warnings)
+    files |= {f"{name}_3mf": path.name for name, path in mesh_files.items()}
+    files |= {"view": _write_view(made, meshes, folder)}
+    files |= _write_papers(made, plan, warnings, folder, foot)
+    files |= finish_picture(picture, folder, spec, warnings)
+    files |= {"spec": "spec.json", "checks": "checks.json"}
+    listed = [item.to_dict() for item in checks]
+    points = [point.to_dict() for point in gauge_points(spec)]
+    write_json(folder / files["spec"], {"hash": spec.hash, "spec": spec.to_dict(), "gauge_points": points})
+    write_json(folder / files["checks"], listed)
+    return {
+        "files": files,
+        "volumes_mm3": volumes,
+        "checks": listed,
+        "warnings": warnings,
+        "pour": plan.to_dict(),
+        "batch": batches_of(spec, plan),
+        "step_sha256": hashlib.sha256(assembly.read_bytes()).hexdigest(),
+    }
+
+
+def _write_steps(made: Parts, folder: Path) -> dict[str, str]:
+    """One STEP file per part and one assembly; return role to file name."""
+    files, spec = {}, made.spec
+    for name in (*made.parts, "assembly"):
+        parts = list(made.parts.values()) if name == "assembly" else [made.parts[name]]
+        files[name] = f"{name}_{spec.tag}.step"
+        text = step_text(parts, f"{name}_{spec.tag}", description(spec, name))
+        (folder / files[name]).write_text(text, encoding="utf-8")
+    return files
+
+
+def description(spec: MouldSpec, name: str) -> str:
+    """What a STEP file says of itself."""
+    return f"{name} of the {spec.preset} mould for a {spec.pad.title}, specification {spec.hash}, lengths in mm"
+
+
+def _write_meshes(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str, Path]:
+    """3MF of what is printed, as it lies on the bed."""
+    turned = {part.name: part.turned for part in printed_parts(made.spec)}
+    files = {name: folder / f"{name}_{made.spec.tag}.3mf" for name, part in made.parts.items() if part.is_printed}
+    for name, path in files.items():
+        write_3mf(lying(meshes[name], turned[name], made.print_scale(name)), path)
+    return files
+
+
+def _start_picture(made: Parts, meshes: dict[str, Any], folder: Path) -> subprocess.Popen[bytes]:
+    spec = made.spec
+    title = f"{spec.preset} mould, {spec.pad.title}   #{spec.hash}"
+    packed = folder / ".picture.npz"
+    view.pack(*_shown(made, meshes), title, packed)
+    picture = str(folder / f"mould_{spec.tag}.png")
+    command = [sys.executable, "-m", "dummydesign.mold.files.picture", str(packed), picture]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def _shown(made: Parts, meshes: dict[str, Any]) -> tuple[dict[str, Any], dict[str, tuple[float, float, float]]]:
+    """Meshes as pictures show them and their colours: turned over where what matters is below, and named so."""
+    shape, shown, colours = made.spec.pad.shape, {}, {}
+    upside = {"carrier": "carrier, bone up"} if shape.bone_height_mm else {}
+    upside |= {"pad": "pad, tested face up"} if shape.relief_mm else {}
+    for name, part in meshes.items():
+        if name == "pad" and "layer_top" in meshes:
+            # Its two layers are shown instead.
+            continue
+        if name in upside:
+            part = part.copy()
+            part.vertices = turned_over(np.asarray(part.vertices))
+        shown[upside.get(name, name)] = part
+        colours[upside.get(name, name)] = made.parts[name].material.colour
+    return shown, colours
+
+
+def finish_picture(
+    process: subprocess.Popen[bytes], folder: Path, spec: MouldSpec, warnings: list[dict[str, str]]
+) -> dict[str, str]:
+    """Wait for the picture; without one the mould is as good, with a warning."""
+    try:
+        process.wait(PICTURE_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+    (folder / ".picture.npz").unlink(missing_ok=True)
+    picture = folder / f"mould_{spec.tag}.png"
+    if picture.is_file():
+        return {"picture": picture.name}
+    message = "no picture: it could not be drawn in time; the drawings and files are complete"
+    warnings.append({"code": "no_picture", "message": message})
+    return {}
+
+
+def _write_view(made: Parts, meshes: dict[str, Any], folder: Path) -> str:
+    """A one-file HTML view with the stacked parts lifted apart; return its name."""
+    page = mould_view(*_shown(made, meshes), f"Mould {made.spec.tag}, specification {made.spec.hash}")
+    name = f"assembly_{made.spec.tag}.html"
+    (folder / name).write_text(page, encoding="utf-8")
+    return name
+
+
+def _write_papers(
+    made: Parts, plan: PourPlan, warnings: list[dict[str, str]], folder: Path, foot: Foot
+) -> dict[str, str]:
+    """Drawings and pour sheet; return role to file name."""
+    drawn = sheets(made, part_views(made), foot.date, foot.paper)
+    printed = {name: part.volume_mm3 for name, part in made.parts.items() if part.is_printed}
+    blocks = pour_sheet(made.spec, plan, warnings, printed)
+    return write_papers(folder, made.spec.tag, blocks, foot, list(drawn.values()), [drawn["pad"], drawn["mould"]])
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write plain data as JSON with sorted keys."""
+    path.write_text(json.dumps(content, indent=1, sort_keys=True, allow_nan=False) + "\n", encoding="utf-8")

@@ -1,0 +1,298 @@
+"""Run the CAD child from outside: place a bone, make a mould."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shlex
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from dummydesign.core.blas_threads import ONE_THREAD
+from dummydesign.core.cpu_limit import HUNG_S, ran_out
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.files import output_folder, writing
+from dummydesign.core.manifest import COMMAND_LINE
+from dummydesign.core.serialise import Serialised
+from dummydesign.geometry.dimensions import RIM_FREE_MM
+from dummydesign.mold.model.spec import Insert, MouldSpec, Placing
+from dummydesign.mold.model.validate import validate
+from dummydesign.mold.pour.acceptance import GaugePoint, gauge_points
+from dummydesign.mold.pour.plan import batches_of, pour_plan
+from dummydesign.mold.pour.printing import check_layers
+from dummydesign.mold.pour.warnings import pour_warnings
+
+if TYPE_CHECKING:
+    from dummydesign.mold.puck.ring import PuckSpec
+
+SUFFIXES = (".stl", ".step", ".stp")
+TIMEOUT_S = 300.0
+
+
+def insert_bone(
+    file: Path, placing: Placing, thickness_mm: float, length_mm: float, width_mm: float, solid: Path
+) -> tuple[Insert, tuple[tuple[str, float], ...]]:
+    """Read a bone, set it into a pad and find the dome that stands for it."""
+    placing.check(thickness_mm)
+    if file.suffix.lower() not in SUFFIXES:
+        message = f"bone '{file.name}': a name that ends in {', '.join(SUFFIXES)} is needed"
+        raise InputError(message, "unsupported", "bone", file.suffix, SUFFIXES)
+    try:
+        content = file.read_bytes()
+    except OSError as problem:
+        code = "file_not_found" if isinstance(problem, FileNotFoundError) else "file_unreadable"
+        raise InputError(f"bone '{file}': cannot be read: {problem.strerror}", code, "bone", str(file)) from None
+    room = min(length_mm, width_mm) / 2 - RIM_FREE_MM
+    measured = _measured(
+        {
+            "file": str(file),
+            "solid": str(solid),
+            "placing": asdict(placing),
+            "thickness_mm": thickness_mm,
+            "room_mm": room,
+        }
+    )
+    dome = (
+        ("radius", round(measured.pop("tip_mm"), 2)),
+        ("height", placing.height_mm),
+        ("foot", round(measured.pop("foot_mm"), 2)),
+    )
+    insert = Insert(file.name, hashlib.sha256(content).hexdigest(), placing, **measured)
+    insert.check(length_mm, width_mm)
+    return insert, dome
+
+
+def _measured(asked: dict[str, Any]) -> dict[str, Any]:
+    """What the child measured of a bone; its error as ours."""
+    done, measured = _answered(asked, TIMEOUT_S)
+    if done is None:
+        raise NoAnswerError("cad_failed", f"the bone was not read within {TIMEOUT_S:g} s", {}, "bone")
+    if not measured:
+        ended = f"signal {-done.returncode}" if done.returncode < 0 else _last_line(done, f"status {done.returncode}")
+        message = (
+            f"the CAD kernel broke off while it read or cut the bone ({ended}), as it does where a surface "
+            "crosses or touches itself; repair it, or simplify it"
+        )
+        raise NoAnswerError("cad_failed", message, {}, "bone")
+    if "error" not in measured:
+        return measured
+    if "fault" in measured["error"]:
+        raise InputError(*measured["error"]["fault"])
+    code, message = measured["error"]["code"], measured["error"]["message"]
+    raise NoAnswerError(code, message, {}, "bone")
+
+
+WORKER = ("-m", "dummydesign.mold.child_main")
+
+
+def _answered(
+    asked: dict[str, Any], timeout_s: float
+) -> tuple[subprocess.CompletedProcess[str] | None, dict[str, Any]]:
+    """Ask this Python with one thread and this package; no process when it did not end in time, {} without answer."""
+    package = str(Path(__file__).resolve().parents[2])
+    path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
+    environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path}
+    with tempfile.TemporaryDirectory(prefix="dummydesign-cad-") as work:
+        question, answer = Path(work) / "question.json", Path(work) / "answer.json"
+        question.write_text(json.dumps(asked), encoding="utf-8")
+        try:
+            done = subprocess.run(
+                [sys.executable, *WORKER, str(question), str(answer)],
+                capture_output=True,
+                encoding="utf-8",
+                errors="replace",
+                timeout=timeout_s,
+                env=environment,
+            )
+        except subprocess.TimeoutExpired:
+            return None, {}
+        # One that was stopped by its limit may have been writing.
+        whole = answer.is_file() and not ran_out(done.returncode)
+        return done, json.loads(answer.read_text(encoding="utf-8")) if whole else {}
+
+
+def _last_line(done: subprocess.CompletedProcess[str], without: str) -> str:
+    """Last line that a child wrote of its error."""
+    return (done.stderr.strip().splitlines() or [without])[-1]
+
+
+PROCESSOR_S = 900.0
+"""Processor time after which the CAD kernel is given up; the largest moulds take a tenth of it. [s]"""
+
+
+@dataclass(frozen=True)
+class Made(Serialised):
+    """What was made: files by role, volumes, masses to weigh, all checks, and the hash of the assembly."""
+
+    files: dict[str, str]
+    volumes_mm3: dict[str, float]
+    masses_g: dict[str, float]
+    checks: list[dict[str, Any]]
+    step_sha256: str
+    warnings: list[dict[str, str]]
+    pour: dict[str, Any]
+    spec_hash: str
+
+
+M = TypeVar("M", bound=Made)
+
+
+@dataclass(frozen=True)
+class MouldResult(Made):
+    """A mould that was made, with the batch to mix and where its pad is gauged."""
+
+    batch: dict[str, Any]
+    gauge_points: tuple[GaugePoint, ...]
+    seconds: float = field(default=0.0, compare=False)
+    memory_MB: float = field(default=0.0, compare=False)
+
+
+def make_mold(
+    spec: MouldSpec, folder: Path, processor_s: float = PROCESSOR_S, bone_file: Path | None = None, paper: str = "A4"
+) -> MouldResult:
+    """Build the mould of a specification with all its files into a folder; an error leaves nothing there."""
+    validate(spec)
+    check_layers(spec)
+    if spec.insert is not None and bone_file is None:
+        message = f"the bone of this mould comes from {spec.insert.file}; give the file again"
+        raise InputError(message, "missing", "bone")
+    asked = {
+        "spec": spec.to_dict(),
+        "bone": str(bone_file) if bone_file else None,
+        "processor_s": processor_s,
+        "papers": papers(paper),
+    }
+    what = f"preset {spec.preset}, {spec.pad.title}, specification {spec.hash}"
+
+    def result(answer: dict[str, Any]) -> MouldResult:
+        return MouldResult(
+            **answer, masses_g=masses_g(answer["pour"]), spec_hash=spec.hash, gauge_points=gauge_points(spec)
+        )
+
+    return _build(folder, ".mould-", asked, what, without_cad(spec), result)
+
+
+def _build(
+    folder: Path,
+    prefix: str,
+    asked: dict[str, Any],
+    what: str,
+    known: dict[str, Any],
+    result_of: Callable[[dict[str, Any]], M],
+) -> M:
+    """Let the child make all files in a place of their own; they are moved when no check failed."""
+    target = output_folder(folder)
+    with tempfile.TemporaryDirectory(prefix=prefix, dir=target, ignore_cleanup_errors=True) as work:
+        answer = _made({**asked, "folder": work}, what, known)
+        files = answer["files"]
+        result = result_of({**answer, "files": {role: str(target / name) for role, name in files.items()}})
+        failed = [item for item in result.checks if item["status"] == "fail"]
+        if failed:
+            names = "; ".join(f"{item['id']} = {item['value']} (limit {item['limit']})" for item in failed)
+            message = f"the mould was built but failed {names}; no file was kept"
+            raise NoAnswerError("check_failed", message, {**result.to_dict(), "files": {}}, "mould")
+        _move(Path(work), target, files)
+    return result
+
+
+@dataclass(frozen=True)
+class PuckResult(Made):
+    """Rings of pucks that were made; hours and grams of printing are estimates."""
+
+    printing_h: float
+    filament_g: float
+    seconds: float = field(default=0.0, compare=False)
+
+
+def make_puck_rings(spec: PuckSpec, folder: Path, processor_s: float = PROCESSOR_S, paper: str = "A4") -> PuckResult:
+    """Build the rings of some pucks with all their files into a folder; an error leaves nothing there."""
+    from dummydesign.mold.puck.plan import puck_plan, spec_cost, warnings_of
+
+    plan, cost = puck_plan(spec), spec_cost(spec)
+    known = {
+        "files": {},
+        "masses_g": dict(plan.mix.components),
+        "pour": plan.to_dict(),
+        "spec_hash": spec.hash,
+        "printing_h": cost.printing_h,
+        "filament_g": cost.filament_g,
+        "warnings": warnings_of(spec, plan),
+    }
+    asked = {"puck": spec.to_dict(), "processor_s": processor_s, "papers": papers(paper)}
+
+    def result(answer: dict[str, Any]) -> PuckResult:
+        return PuckResult(**{name: value for name, value in answer.items() if name != "memory_MB"})
+
+    return _build(folder, ".puck-", asked, f"{spec.title}, specification {spec.hash}", known, result)
+
+
+def _move(work: Path, target: Path, files: dict[str, str]) -> None:
+    """Rename the checked files into place."""
+    for name in files.values():
+        if (target / name).is_dir():
+            message = f"'{target / name}' is a folder; a file of that name has to be written"
+            raise InputError(message, "file_exists", "out", str(target / name))
+    with writing("output folder", target, "out"):
+        for name in files.values():
+            os.replace(work / name, target / name)
+
+
+def without_cad(spec: MouldSpec) -> dict[str, Any]:
+    """What is known of a mould without CAD: weights from closed forms, warnings, the hash."""
+    plan = pour_plan(spec)
+    return {
+        "files": {},
+        "masses_g": masses_g(plan.to_dict()),
+        "pour": plan.to_dict(),
+        "batch": batches_of(spec, plan),
+        "spec_hash": spec.hash,
+        "gauge_points": [point.to_dict() for point in gauge_points(spec)],
+        "warnings": pour_warnings(spec, plan),
+    }
+
+
+def masses_g(pour: dict[str, Any]) -> dict[str, float]:
+    """What is weighed: the resin's components, those of a layered pad's base as ``NAME (base)``, the silicone. [g]"""
+    masses = {part["name"]: part["mass_g"] for part in pour["components"]}
+    under = pour.get("base", {"components": []})
+    masses |= {f"{part['name']} (base)": part["mass_g"] for part in under["components"]}
+    return {**masses, "silicone": pour["silicone_mass_g"]} if pour["silicone_mass_g"] else masses
+
+
+def _made(asked: dict[str, Any], what: str, known: dict[str, Any]) -> dict[str, Any]:
+    """Have the child make a mould, and turn every way it can end into a result or a named error with what is known."""
+    processor_s = asked["processor_s"]
+    done, answer = _answered(asked, HUNG_S)
+    code, how = "cad_failed", ""
+    if done is None:
+        how = f"did not end within {HUNG_S:g} s"
+    elif ran_out(done.returncode):
+        how = f"did not finish within {processor_s:g} s of processor time"
+    elif not answer:
+        last = _last_line(done, "no message")
+        status = f"signal {-done.returncode}" if done.returncode < 0 else f"exit status {done.returncode}: {last}"
+        how = f"ended without an answer ({status})"
+    elif "error" not in answer:
+        return answer
+    else:
+        code, how = answer["error"]["code"], f"failed: {answer['error']['message']}"
+    message = f"the CAD kernel {how} ({what}); nothing was written"
+    if code == "cad_unavailable":
+        message = answer["error"]["message"]
+    raise NoAnswerError(code, message, known, "mould")
+
+
+def papers(paper: str) -> dict[str, str]:
+    """What drawings and sheet are on and carry: paper, command line as typed, date (``SOURCE_DATE_EPOCH`` if given)."""
+    words = COMMAND_LINE.get()
+    command = "" if words is None else shlex.join(["dummydesign", *words])
+    fixed = os.environ.get("SOURCE_DATE_EPOCH", "")
+    day = datetime.fromtimestamp(int(fixed), UTC) if fixed.isdigit() else datetime.now()
+    return {"command": command, "date": day.date().isoformat(), "paper": paper}

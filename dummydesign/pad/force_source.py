@@ -1,0 +1,233 @@
+"""Where the long-term force of a pad comes from: the response table, or a solve by the elements that fit it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dummydesign.core.cache import cached
+from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.geometry.dimensions import PAD_EXTENT_MM
+from dummydesign.geometry.interface import BASES, Interface
+from dummydesign.pad.force_law import (
+    ForceCurve,
+    ForceLaw,
+    PadCurve,
+    curve_at,
+    depth_grid,
+    interpolate_curve,
+    scale_curve,
+)
+from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.pad_under_punch import SLAB, Pad, Puck
+
+if TYPE_CHECKING:
+    from dummydesign.pad.tables.shape import TabulatedShapeLaw
+
+Array = np.ndarray
+FIDELITIES = ("table", "axisymmetric", "viscoelastic", "3d")
+
+
+def elastic_curve(
+    pad: Pad | Puck,
+    fidelity: str,
+    deepest_mm: float | None = None,
+    depths_mm: Array | None = None,
+    force_law: ForceLaw | None = None,
+) -> ForceCurve:
+    """Long-term force as a function of depth, by the table or solved by finite elements."""
+    if fidelity not in FIDELITIES:
+        raise unknown_name("fidelity", fidelity, FIDELITIES)
+    if force_law is not None:
+        if fidelity != "table":
+            message = f"fidelity = {fidelity} solves the pad; a force law of your own goes with table"
+            raise InputError(message, "conflict", "fidelity", fidelity, "table")
+        return curve_at(force_law, pad.thickness_mm, pad.young_MPa, pad.radius_mm)
+    if isinstance(pad, Puck):
+        if fidelity == "table":
+            raise _not_tabulated("punch", "plate", "flat")
+        if fidelity != "axisymmetric":
+            message = f"fidelity = {fidelity} is not for pucks between plates; use --fidelity axisymmetric"
+            raise InputError(message, "unsupported", "fidelity", fidelity, "axisymmetric")
+        return _by_elements(pad, deepest_mm, depths_mm)
+    if fidelity in ("3d", "viscoelastic"):
+        if Interface.names_friction(pad.base):
+            raise _unsupported("base", pad.base, fidelity)
+        if pad.edge_radius_mm:
+            raise _unsupported("edge_radius_mm", pad.edge_radius_mm, fidelity)
+    if fidelity == "3d":
+        return _in_space(pad, deepest_mm, depths_mm)
+    if fidelity == "table" or (fidelity == "viscoelastic" and _in_table(pad)):
+        curve = _by_table(pad)
+    else:
+        curve = _by_elements(pad, deepest_mm, depths_mm)
+    if not has_square_factor(pad):
+        return curve
+    from dummydesign.pad.tables.square import square_factor
+
+    def factor(depth: Array) -> tuple[Array, Array]:
+        return square_factor(depth, pad.thickness_mm, pad.radius_mm, pad.base, bool(pad.edge_radius_mm))
+
+    return scale_curve(curve, factor)
+
+
+def _unsupported(name: str, value: str | float, fidelity: str) -> InputError:
+    shown = value if isinstance(value, str) else f"{value:g}"
+    message = f"{name} = {shown} is not solved by fidelity {fidelity}; use --fidelity axisymmetric"
+    return InputError(message, "unsupported", name, value)
+
+
+def _not_tabulated(name: str, value: Any, held: Any) -> InputError:
+    message = f"{name} = {value} is not in the table (only {held}); add --fidelity axisymmetric"
+    return InputError(message, "not_tabulated", name.removeprefix("punch "), value, held)
+
+
+def has_square_factor(pad: Pad) -> bool:
+    """Whether the punch is a square whose factor over the circle of its area is tabulated."""
+    if pad.sides_mm is None or pad.sides_mm[0] != pad.sides_mm[1]:
+        return False
+    return _tabulated(replace(pad, edge_radius_mm=0.0))
+
+
+def _tabulated(pad: Pad) -> bool:
+    """Whether base, law and a / h are within the tables."""
+    from dummydesign.pad.tables.slab import load_table
+
+    if pad.base not in BASES or not _in_table(pad):
+        return False
+    low, high = load_table(pad.base).ratio_range
+    return low <= pad.radius_mm / pad.thickness_mm <= high
+
+
+def _in_space(pad: Pad, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
+    """The axisymmetric curve of the circle of equal area, times the ratio solved in space on twin cells."""
+    from dummydesign.pad.solve.continuation import add_costs
+    from dummydesign.pad.spatial.square_punch import FactorCurve, SquareProblem, solve_factor
+
+    if pad.geometry != SLAB:
+        return _shape_in_space(pad, deepest_mm, depths_mm)
+    if pad.sides_mm is None:
+        message = "fidelity = 3d is for square and rectangular punches; a round one is solved by axisymmetric"
+        raise InputError(message, "unsupported", "fidelity", "3d", "axisymmetric")
+    h = pad.thickness_mm
+    (a, b), (length, width) = pad.sides_mm, pad.slab_mm
+    block = SquareProblem(
+        (0.5 * a / h, 0.5 * b / h), (0.5 * length / h, 0.5 * width / h), pad.base, pad.condition, pad.shape, pad.poisson
+    )
+    curve = _by_elements(pad, deepest_mm, depths_mm)
+    if curve.notes and _tabulated(pad):
+        # The table averages over many neighbouring solves and reaches where a single one may stop.
+        note = f"the round twin's curve is the response table's: the solve was not complete ({curve.notes[0]})"
+        curve = replace(_by_table(pad), solver=curve.solver, notes=(note,))
+    deepest = min(deepest_mm or curve.limit_mm, curve.limit_mm) / h
+    inputs = {"block": block, "deepest": deepest}
+    solved = FactorCurve(**cached("3d", inputs, lambda: vars(solve_factor(block, deepest))))
+    solver = add_costs(curve.solver, solved.solver) | {"unknowns": solved.solver["unknowns"]}
+    return replace(scale_curve(curve, lambda depth: solved.factor(depth / h)), solver=solver)
+
+
+def _in_table(pad: Pad) -> bool:
+    plain = pad.profile_mm is None and pad.geometry == SLAB
+    return plain and pad.condition == "bonded" and pad.poisson == 0.5 and pad.shape == Yeoh(1.0)
+
+
+def _by_table(pad: Pad) -> ForceCurve:
+    from dummydesign.pad.tables.filleted import slab_table
+
+    material = "neo-hookean" if pad.shape == Yeoh(1.0) else type(pad.shape).__name__.lower()
+    for name, value, held in (
+        ("punch", "profile" if pad.profile_mm else "flat", "flat"),
+        ("punch condition", pad.condition, "bonded"),
+        ("poisson", pad.poisson, 0.5),
+        ("law", material, "neo-hookean"),
+    ):
+        if value != held:
+            raise _not_tabulated(name, value, held)
+    law: ForceLaw = slab_table(pad.base, pad.edge_radius_mm, pad.radius_mm) if pad.geometry == SLAB else _shape_law(pad)
+    return curve_at(law, pad.thickness_mm, pad.young_MPa, pad.radius_mm)
+
+
+def _shape_law(pad: Pad) -> TabulatedShapeLaw:
+    """Response table of a shaped pad on a bonded base under a sharp edge."""
+    from dummydesign.pad.tables.shape import TabulatedShapeLaw
+
+    if pad.edge_radius_mm:
+        raise _not_tabulated("edge_radius_mm", pad.edge_radius_mm, 0.0)
+    if pad.base != "bonded":
+        raise _not_tabulated("base", pad.base, "bonded")
+    if not pad.geometry.tabulated:
+        why = "" if pad.geometry.axisymmetric else "is not round and "
+        message = f"shape {pad.geometry} {why}has no table; add --fidelity {pad.geometry.fidelity}"
+        raise InputError(message, "not_tabulated", "shape", str(pad.geometry))
+    return TabulatedShapeLaw(pad.geometry)
+
+
+def _by_elements(pad: Pad | Puck, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
+    from dummydesign.pad.first_touch import solvable_depths
+
+    grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
+    return _through(pad, solve_points(pad, solvable_depths(pad, grid)))
+
+
+def _through(pad: Pad | Puck, solved: PadCurve) -> ForceCurve:
+    from dummydesign.pad.first_touch import low_end
+
+    depth, force = solved.depth_mm, solved.force_N
+    end = low_end(pad, depth, force, solved.error_N / force) if len(depth) > 1 else None
+    return interpolate_curve(solved, end)
+
+
+def solve_points(pad: Pad | Puck, depth_mm: Array, cells: int | None = None, independent: bool = False) -> PadCurve:
+    """Static force at given depths, solved by the elements that fit the pad, the punch and its contact.
+
+    ``independent`` of the response table, to check it with (``solve_curve``).
+    """
+    if isinstance(pad, Puck):
+        from dummydesign.pad.axisymmetric.puck import solve_puck
+
+        return solve_puck(pad, depth_mm)
+    from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
+    from dummydesign.pad.axisymmetric.profile_punch import solve_profile
+    from dummydesign.pad.axisymmetric.shaped_pad import solve_flat, solve_shaped_pad
+    from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
+
+    depths = {"extent": pad.extent_mm or PAD_EXTENT_MM, "depth": depth_mm}
+    if pad.geometry != SLAB:
+        if not pad.geometry.axisymmetric:
+            message = f"shape {pad.geometry} is not round; add --fidelity 3d"
+            raise InputError(message, "unsupported", "shape", str(pad.geometry))
+        more: dict[str, Any] = {} if cells is None else {"cells": cells}
+        return _of_unit_modulus("shaped", pad, depths | more, lambda own: solve_shaped_pad(own, depth_mm, **more))
+    if pad.profile_mm is not None:
+        # A pad that rests by its weight is not the same at another modulus.
+        unit = 1.0 if pad.base in BASES else pad.young_MPa
+        return _of_unit_modulus("profile", pad, depths, lambda own: solve_profile(own, depth_mm), unit)
+    if pad.edge_radius_mm:
+        return solve_under_fillet(pad, depth_mm)
+    if pad.condition == "bonded" and pad.base in BASES:
+        return solve_curve(pad, depth_mm, independent)
+    return solve_flat(pad, depth_mm)
+
+
+def _of_unit_modulus(
+    kind: str, pad: Pad, inputs: dict[str, Any], solve: Callable[[Pad], PadCurve], young_MPa: float = 1.0
+) -> PadCurve:
+    """Solve a pad with another modulus, kept in the cache, and scale its force."""
+    own = replace(pad, young_MPa=young_MPa, prony=())
+    made = cached(kind, {"pad": own, **inputs}, lambda: vars(solve(own)))
+    scale = pad.young_MPa / young_MPa
+    return PadCurve(**(made | {name: made[name] * scale for name in ("force_N", "error_N")}))
+
+
+def _shape_in_space(pad: Pad, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
+    """A shaped pad under its own punch, square or round, solved in space with unit modulus."""
+    from dummydesign.pad.first_touch import solvable_depths
+    from dummydesign.pad.spatial.shaped_pad import solve_shaped_block
+
+    grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
+    grid = solvable_depths(pad, grid[1::2] if depths_mm is None else grid, in_space=True)
+    solved = _of_unit_modulus("shape-3d", pad, {"depth": grid}, lambda own: solve_shaped_block(own, grid))
+    return _through(pad, solved)

@@ -1,0 +1,278 @@
+"""Files dropped on a page; buttons that rename, replace and delete what lies in a project, and take it back."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Awaitable, Callable
+from functools import partial
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from nicegui import events, ui
+
+from dummydesign.core.errors import InputError
+from dummydesign.studio import trash as bin
+from dummydesign.studio import widgets
+from dummydesign.studio.access import LARGEST_BYTES
+from dummydesign.studio.widgets import html
+
+HEADER = """
+<div class="drop">
+  <span>Drop WHAT here, or</span>
+  <q-btn outline no-caps label="choose FILES" aria-label="choose FILES" data-test="TEST"
+    @click="props.pickFiles"></q-btn>
+  <span class="hide" aria-hidden="true"><q-uploader-add-trigger></q-uploader-add-trigger></span>
+  <q-spinner v-if="props.isUploading" size="1.4em"></q-spinner>
+</div>
+"""
+"""Of the place for files: a button with words in the place of a plus sign without any; its file field is not in it."""
+REASONS = {"max-file-size": f"is larger than {LARGEST_BYTES // 2**20} MB"}
+STILL_OFFERED_S = 60.0
+"""How long a deletion can be undone right where it happened, also after the page was loaded again. [s]"""
+MOST_LISTED = 3
+"""Files of one drop that are taken and still listed one by one."""
+REJECTED = "(entries) => emit(performance.now(), entries.map((e) => [e.file.name, e.failedPropValidation]))"
+ADDED = "(files) => emit(performance.now())"
+
+Then = Callable[[str, str], None]
+
+
+def manage(root: Path, path: str, kind: str, then: Then) -> None:
+    """A row of buttons to rename and delete a thing of the project, and to replace a file."""
+    name, ending = path.rpartition("/")[2], Path(path).suffix.lower()
+    bar = undo_bar(root)
+
+    def remove() -> None:
+        with widgets.problems_in(refused):
+            bar.offer(bin.delete(root, path), then)
+            bar.run(lambda: then(path, ""))
+
+    def ask_name() -> None:
+        refused.clear()
+        with widgets.fresh(form), ui.element("div").classes("fields"):
+            field = ui.input(f"New name of {name}", value=_short(root, path)).props('data-test="new-name"')
+            with ui.element("div"):
+                widgets.button("Save", lambda: take_name(field.value or ""), "save-name", main=True)
+                widgets.button("Cancel", close)
+        field.on("keydown.enter", lambda: take_name(field.value or ""))
+        field.on("keydown.escape", close)
+        field.run_method("focus")
+
+    def close() -> None:
+        form.clear()
+        refused.clear()
+
+    def take_name(new: str) -> None:
+        now = ""
+        with widgets.problems_in(refused):
+            now = bin.rename(root, path, new)
+            form.clear()
+            bar.say(f"{name} is now {now.rpartition('/')[2]}.")
+        if now:
+            bar.run(lambda: then(path, now))
+
+    async def take_file(event: events.UploadEventArguments) -> None:
+        sent, content = event.file.name, await event.file.read()
+        replaced = False
+        with widgets.problems_in(refused):
+            if Path(sent).suffix.lower() != ending:
+                message = f"{sent} was refused: choose a file that ends in {ending}"
+                raise InputError(message, "unknown_name", "file_ending", sent, ending)
+            stored = bin.store(root, (root / path).parent, name, content, replace=True)
+            form.clear()
+            if stored.gone is None:
+                bar.say(f"{sent} is the same as {stored.name}, which is there: nothing was changed.")
+            else:
+                bar.offer(stored.gone, then)
+                replaced = True
+        if replaced:
+            bar.run(lambda: then(path, path))
+
+    def refuse(name: str, why: str) -> None:
+        with widgets.fresh(refused):
+            widgets.tell_problem(f"{name} was refused: it {why}")
+
+    def ask_file() -> None:
+        refused.clear()
+        with widgets.fresh(form):
+            html(f"<p>Choose the file that replaces {escape(name)}. The earlier one goes to the bin.</p>")
+            drop_zone(take_file, refuse, "replace", multiple=False)
+
+    actions = {"Rename": ask_name, "Replace": ask_file, "Delete": remove}
+    with ui.element("div").classes("manage").props("role=group") as row:
+        row.props["aria-label"] = f"change {name}"
+        for word in ("Rename", "Replace", "Delete") if kind == "file" else ("Rename", "Delete"):
+            made = widgets.button(word, actions[word], word.lower(), f"{word} the {kind} {name}").props("dense")
+            made.props["data-name"] = name
+    form, refused = ui.element("div"), ui.element("div")
+
+
+def _short(root: Path, path: str) -> str:
+    """What can be changed of a name."""
+    target = root / path
+    name = target.stem if target.is_file() else target.name
+    return name.removeprefix("import-") if bin.is_import(path) else name
+
+
+def drop_zone(
+    took: Callable[[events.UploadEventArguments], Awaitable[None]],
+    refused: Callable[[str, str], None],
+    test: str,
+    begins: Callable[[], object] = lambda: None,
+    multiple: bool = True,
+) -> None:
+    """A place to drop files; ``refused`` is called with a name and the reason, ``begins`` once a drop."""
+    last_ms = -1e9
+
+    def begun(ms: float) -> None:
+        nonlocal last_ms
+        # what is refused and what is taken of one drop come in the same moment of the browser's clock
+        if abs(ms - last_ms) > 50.0:
+            begins()
+        last_ms = ms
+
+    def rejected(event: events.GenericEventArguments) -> None:
+        ms, entries = event.args
+        begun(float(ms))
+        for name, reason in entries:
+            refused(str(name), REASONS.get(str(reason), "was dropped twice"))
+
+    def failed(event: events.GenericEventArguments) -> None:
+        for name in event.args:
+            refused(str(name), "did not arrive: drop it again")
+
+    what, choose = ("files", "files") if multiple else ("it", "the file")
+    header = HEADER.replace("TEST", test).replace("WHAT", what).replace("FILES", choose)
+    upload = ui.upload(on_upload=took, multiple=multiple, auto_upload=True, max_file_size=LARGEST_BYTES)
+    upload.props('flat data-test="drop"').add_slot("header", header)
+    upload.on("rejected", rejected, js_handler=REJECTED)
+    upload.on("added", lambda event: begun(float(event.args)), js_handler=ADDED)
+    upload.on("failed", failed, js_handler="(info) => emit(info.files.map((file) => file.name))")
+    # a list that is kept would refuse the same file the next time
+    upload.on("finish", lambda: upload.reset())
+
+
+class DropList:
+    """A place to drop files; what became of each file of the last drop is listed under it."""
+
+    def __init__(
+        self, take: Callable[[str, bytes], str], then: Callable[[], None], words: str = "", test: str = "presses"
+    ) -> None:
+        self._take, self._then = take, then
+        self._taken: tuple[ui.html, list[str]] | None = None
+        if words:
+            html(f'<p class="note">{escape(words)}</p>')
+        with widgets.area(f"drop-{test}"):
+            drop_zone(
+                self._took,
+                lambda name, why: self.tell(f"{name} was refused: it {why}", refused=True),
+                "choose",
+                lambda: self.listed.clear(),
+            )
+        self.listed = widgets.area(f"drop-{test}-said", live=True)
+
+    async def _took(self, event: events.UploadEventArguments) -> None:
+        content = await event.file.read()
+        try:
+            sentence = self._take(event.file.name, content)
+        except InputError as problem:
+            self.tell(f"{event.file.name} was refused: {problem}", refused=True)
+            return
+        if sentence:
+            self.tell(sentence)
+        self._then()
+
+    def tell(self, sentence: str, refused: bool = False) -> None:
+        """Add a sentence to the list."""
+        with self.listed:
+            if refused:
+                html(f'<p class="problem" data-kind="refused">{escape(sentence)}</p>')
+                return
+            if self._taken is None or self._taken[0].is_deleted:
+                self._taken = html(""), []
+        shown, sentences = self._taken
+        sentences.append(sentence)
+        lines = "".join(f'<p class="note" data-kind="taken">{escape(one)}</p>' for one in sentences)
+        count = len(sentences)
+        shown.set_content(
+            lines if count <= MOST_LISTED else f"<details><summary>{count} files were taken</summary>{lines}</details>"
+        )
+
+
+class UndoBar:
+    """The last change at the foot of a page, with a button that takes it back."""
+
+    def __init__(self, root: Path) -> None:
+        self._root = root
+        self._content = ui.context.client.content
+        with self._content:
+            self._area = widgets.area("undo", live=True).classes("undo")
+        newest = next(iter(bin.deleted(root)), None)
+        if newest is not None and newest.why != "undone" and time.time() - newest.time < STILL_OFFERED_S:
+            self.offer(newest, lambda old, new: ui.navigate.reload(), focus=False)
+
+    def run(self, change: Callable[[], None]) -> None:
+        """Run a change of the page that may take away the button that was pressed."""
+        with self._content:
+            change()
+
+    def say(self, text: str) -> ui.element:
+        """Show a sentence in the place of the last."""
+        with widgets.fresh(self._area):
+            html(f"<p>{escape(text)}</p>")
+            line = ui.element("div")
+            widgets.button("Close", self._area.clear, label="Close this message").props("dense")
+        return line
+
+    def offer(self, gone: bin.Deleted, then: Then, focus: bool = True) -> None:
+        """Show what was deleted, with its button; the button that deleted it is gone, so this one gets the focus."""
+        name = gone.path.rpartition("/")[2]
+
+        def undo() -> None:
+            try:
+                back = bin.take_back(self._root, gone)
+            except InputError as problem:
+                self.say(f"{problem}.")
+                return
+            self.say(f"{gone.path} is back." if back == gone.path else f"It is back as {back}.")
+            self.run(lambda: then(gone.path, back))
+
+        with self.say(f"The earlier {name} was replaced." if gone.why == "replaced" else f"{name} was deleted."):
+            back = widgets.button("Undo", undo, "undo-last", f"Undo: bring back {name}", main=True).props("dense")
+            if focus:
+                ui.run_javascript(f"setTimeout(() => document.getElementById('{back.html_id}')?.focus(), 100)")
+
+
+def undo_bar(root: Path) -> UndoBar:
+    """The bar of this page, made when it is first wanted."""
+    client: Any = ui.context.client
+    if not hasattr(client, "undo_bar"):
+        client.undo_bar = UndoBar(root)
+    bar: UndoBar = client.undo_bar
+    return bar
+
+
+def deleted_files(root: Path) -> None:
+    """The list of what was deleted, each with a button that restores it."""
+    section = ui.element("section").props('data-test="deleted"').style("width:100%")
+    message = widgets.area(live=True)
+
+    def restore(one: bin.Deleted) -> None:
+        with widgets.problems_in(message):
+            back = bin.restore(root, one)
+            with message:
+                html(f'<p class="note">{escape(back)} is back. <a href="">Load the page again</a> to see it.</p>')
+        renew()
+
+    def renew() -> None:
+        entries = bin.deleted(root)
+        with widgets.fresh(section):
+            html(f"<h2>Deleted</h2>{'' if entries else '<p>Nothing was deleted.</p>'}")
+            for one in entries:
+                when = time.strftime("%d %b %H:%M", time.localtime(one.time))
+                with ui.element("div").classes("thing"):
+                    html(f"<span>{escape(one.path)}, {escape(one.why)} {when}</span>")
+                    widgets.button("Restore", partial(restore, one), "restore", f"Restore {one.path}").props("dense")
+
+    renew()

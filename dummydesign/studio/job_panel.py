@@ -1,0 +1,163 @@
+"""The panel of work: one command, or several one after the other; how far they are, and what they found."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from html import escape
+from pathlib import Path
+
+from nicegui import ui
+
+from dummydesign.core.errors import InputError
+from dummydesign.studio import jobs, widgets
+from dummydesign.studio.widgets import html
+
+ENDED = {"failed": "no result", "stopped": "stopped", "lost": "ended"}
+Steps = list[list[str]]
+
+
+class JobPanel:
+    """The panel of a long command: its line with a button, a sentence on how far it is, and what it found.
+
+    What is shown comes from the jobs of this name in the folder, so that every tab and a restart see the same: the
+    newest one that belongs to what is chosen and has an answer. A later one that failed is shown over it.
+    """
+
+    def __init__(
+        self,
+        root: Path,
+        name: str,
+        label: str,
+        words: Callable[[], list[str]],
+        show: Callable[[jobs.Job], None],
+        belongs: Callable[[jobs.Job, list[str]], bool] | None = None,
+        ended: Callable[[jobs.Job, bool], None] | None = None,
+        stamp: Callable[[], object] = lambda: None,
+        needs: str = "",
+        first: Callable[[], Steps] = list,
+        check: Callable[[], object] = lambda: None,
+    ) -> None:
+        """Build it.
+
+        ``belongs`` is given a job and the command that is chosen (empty when that is refused), ``ended`` a job that
+        ended and whether it belongs to what is chosen; what is shown is renewed when ``stamp`` changes. Answers without
+        the key ``needs`` are not shown. The commands of ``first`` run before. ``check`` refuses what is chosen before
+        anything is started.
+        """
+        self.root, self.name = root, name
+        self._commands: Callable[[], Steps] = lambda: [*first(), words()]
+        self._show, self._belongs, self._ended, self._stamp = show, belongs, ended, stamp
+        self._needs, self._check = needs, check
+        self._seen: object = None
+        self.shown: jobs.Job | None = None
+        self._watched = ""
+        self._usual: tuple[Path | None, float | None] = None, None
+        self._pressed = self.running = self.answered = False
+        with ui.element("section").classes("work"):
+            with ui.element("div").classes("state"):
+                self._button = widgets.button(label, self.begin, f"run-{name}", main=True)
+                self._stop = widgets.button("Stop", self.end, f"stop-{name}")
+                self._spinner = ui.spinner(size="1.4em")
+                self._status = ui.label("").props('role="status" aria-live="polite"')
+            self._problem, self._lines = ui.element("div"), widgets.area()
+            self._result_area = widgets.area(f"found-{name}")
+        self.renew()
+        ui.timer(0.5, self.update)
+
+    def renew(self) -> None:
+        """Write the command lines anew, after something was chosen, and show what belongs to them."""
+        with widgets.fresh(self._lines):
+            widgets.command_lines(self._commands)
+        self.update()
+
+    def end(self) -> None:
+        """Stop the command that runs."""
+        job = jobs.latest(self.root, self.name)
+        if job is not None:
+            jobs.stop(job)
+            self._status.set_text("stopping …")
+
+    def show_again(self) -> None:
+        """Show anew what is there, after the panel was hidden."""
+        self._seen = ()
+        self.renew()
+
+    def begin(self) -> None:
+        """Start the command as it is shown."""
+        with widgets.problems_in(self._problem):
+            commands = self._commands()
+            self._check()
+            jobs.start(self.root, self.name, *commands)
+            self._pressed = True
+            self.update()
+            _move_focus(self._button, self._stop)
+
+    def update(self) -> None:
+        """Show how the newest command of this step stands, and the newest answer to what is chosen."""
+        every = jobs.all_jobs(self.root, self.name)
+        try:
+            commands = self._commands()
+        except InputError:
+            commands = [[]]
+
+        def same(job: jobs.Job, words: list[str]) -> bool:
+            return [list(one) for one in job.commands] == commands
+
+        belongs, words = self._belongs or same, commands[-1]
+        newest = every[-1] if every else None
+        mine = newest is not None and belongs(newest, words)
+        self.running = newest is not None and newest.state == "running"
+        self._button.set_enabled(not self.running)
+        self._stop.set_visibility(self.running)
+        self._spinner.set_visibility(self.running)
+        if self._pressed and not self.running:
+            self._pressed = False
+            _move_focus(self._stop, self._button)
+        answer = next((one for one in reversed(every) if belongs(one, words) and one.has_answer), None)
+        self.answered = answer is not None
+        self.shown = answer if answer is not None and self._needs in ("", *answer.answer) else None
+        if newest is not None and self.running:
+            self._watched = newest.folder.name
+            if newest.folder != self._usual[0]:
+                self._usual = newest.folder, jobs.usual_s(self.root, self.name)
+            self._status.set_text(jobs.progress_line(newest, self._usual[1]))
+        as_chosen = answer is not None and same(answer, words)
+        ours = newest and (newest.folder.name, newest.state, mine)
+        seen = ours, answer and (answer.folder.name, as_chosen), self._stamp()
+        if seen == self._seen:
+            return
+        self._seen = seen
+        self._tell_end(newest, mine)
+        with widgets.fresh(self._result_area):
+            if answer is not None:
+                if answer is not newest or not as_chosen:
+                    when = time.strftime("%d %b %H:%M", time.localtime(answer.started))
+                    html(f'<p class="source">Result of {when}: <code>{escape(answer.begun)}</code></p>')
+                if self.shown is not None:
+                    self._show(answer)
+        if newest is not None and not self.running and newest.folder.name == self._watched:
+            self._watched = ""
+            if self._ended is not None and newest.answer:
+                self._ended(newest, mine)
+
+    def _tell_end(self, job: jobs.Job | None, mine: bool) -> None:
+        """Say how a command ended; one for another choice is shown with its line."""
+        self._problem.clear()
+        if job is None or job.state == "running":
+            return
+        self._status.set_text(ENDED.get(job.state, f"done in {job.seconds:.0f} s") if mine else "")
+        if mine and job.error and job.state != "done":
+            with self._problem:
+                widgets.tell_problem(job.error)
+            if job.state == "failed" and job.answer:
+                self._status.set_text(f"done in {job.seconds:.0f} s, but the answer is not acceptable")
+
+
+def _move_focus(gone: ui.button, stays: ui.button) -> None:
+    """Hand the focus on from a button that cannot be used any more, unless the user went elsewhere."""
+    ui.run_javascript(
+        "setTimeout(() => { const at = document.activeElement; "
+        f"if (at === document.body || at.id === '{gone.html_id}') "
+        f"document.getElementById('{stays.html_id}')?.focus({{preventScroll: true}}); }}, 200)"
+    )

@@ -1,0 +1,339 @@
+"""What was made and pressed in the project folder: moulds and whose pad they are of, calibrations, files, cast pads."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.files import read_json
+from dummydesign.core.manifest import NAME as MANIFEST
+from dummydesign.core.manifest import sha256_of
+from dummydesign.design.scoring.verdict import LIGHTS
+from dummydesign.geometry.shape_registry import read_shape, shape_kinds
+from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
+from dummydesign.measurement.campaign_file import read_campaign_toml
+from dummydesign.measurement.campaign_from_files import read_trials
+from dummydesign.project.status import finished_manifest, things_in
+from dummydesign.studio import file_transfer, select_options
+from dummydesign.studio.jobs import changed_inputs
+from dummydesign.studio.state import State, design_state, design_summary
+
+GROUPS = ("Pour", "Print or machine", "Draw", "Check", "More")
+PRESETS = {
+    "open": "open: a silicone mould, cavity up; a plate levels the resin at the brim",
+    "lidded": "lidded: a silicone mould with a silicone lid; the resin is filled through a sprue",
+    "printed": "printed: no silicone; the pad is cast in the print, which is taken apart",
+}
+"""Kinds of mould, each in a line."""
+CHECKED = {
+    "checks.json": "Checks of the solids",
+    "manifest.json": "What was asked, and sums of all files",
+    "spec.json": "All dimensions and settings",
+}
+PAD = ("shape", "thickness_mm", "ratio", "resin")
+SIZE = PAD[:2]
+_TAIL = r"_(?:(?:{})_)?t\d+(?:\.\d+)?$"
+
+
+@dataclass(frozen=True)
+class Mould:
+    """A mould in the project."""
+
+    folder: str
+    pad: dict[str, Any]
+    length_mm: float
+    width_mm: float
+    preset: str
+
+    def is_of(self, state: State) -> bool:
+        """Whether it is a mould of the pad that is chosen, of any outline and kind."""
+        return same_pad(self.pad, vars(state))
+
+    @property
+    def label(self) -> str:
+        """The pad and the kind of mould, in one line."""
+        pad = self.pad
+        return (
+            f"{pad['shape']}, {pad['thickness_mm']:g} mm, ratio {pad['ratio']:g}, {pad['resin']}; "
+            f"{self.length_mm:g} x {self.width_mm:g} mm, {self.preset}"
+        )
+
+
+def design_of_pad(root: Path, state: State) -> str:
+    """Folder of the newest design of the pad that is chosen, one for what is asked before all others; else empty."""
+    if state.design:
+        return state.design
+    designs = [
+        folder
+        for folder, _ in _manifests(root, "designs", "suggest")
+        if (pad := design_state(root, folder)) and same_pad(pad, vars(state))
+    ]
+    return ([folder for folder in designs if answers(root, folder, state)] or designs or [""])[-1]
+
+
+def answers(root: Path, folder: str, state: State) -> bool:
+    """Whether a design was made for the tissue, aim, resin, calibration and punch that are chosen."""
+    given = design_state(root, folder)
+    return bool(given) and all(given[name] == value for name, value in state.question.items())
+
+
+def verdict_of_design(root: Path, state: State) -> tuple[str, str] | None:
+    """Light and sentence of the design of this pad, made for what is chosen from files that are still the same."""
+    folder = design_of_pad(root, state)
+    if not folder or not answers(root, folder, state) or changed_inputs(root, root / folder / MANIFEST):
+        return None
+    summary = design_summary(root, folder)
+    light = LIGHTS.get(str(summary.get("verdict")))
+    return None if light is None else (light, str(summary.get("text", "")))
+
+
+@dataclass(frozen=True)
+class CalibrationEntry:
+    """What was learned from a campaign: the folder of its report, and the files that were read."""
+
+    folder: str
+    text: str
+    campaign: str
+    prior: str
+    sums: tuple[tuple[str, str | None], ...]
+
+    @property
+    def file(self) -> str:
+        """For ``--calibration``."""
+        return f"{self.folder}/calibration.json"
+
+    def outdated(self, root: Path) -> bool:
+        """Whether the campaign changed since: a file that was read is another one now."""
+        return any(sha256_of(root / self.campaign / name) != sha for name, sha in self.sums)
+
+
+_UNITS = "kPa|MPa|N|mm|s|deg|kg|g|K|C|um"
+
+
+def name_and_unit(parameter: str) -> tuple[str, str]:
+    """A parameter's name in words, and its unit: ``compliance`` and ``mm/N`` of ``compliance_mm_per_N``."""
+    match = re.fullmatch(rf"(.+?)(?:_({_UNITS}))?(?:_per_({_UNITS}))?", parameter)
+    name, over, under = match.groups() if match else (parameter, None, None)
+    return name.replace("_", " "), f"{over or 1}/{under}" if under else over or ""
+
+
+def shape_key(text: str) -> str:
+    """A shape with its lengths in one form, however it was typed; the text itself where it is none."""
+    with suppress(InputError):
+        return str(read_shape(text.strip()))
+    return text.strip()
+
+
+def same_pad(one: Mapping[str, Any], other: Mapping[str, Any], keys: Sequence[str] = PAD) -> bool:
+    """Whether two pads are the same in these keys: lengths within 1e-6, shapes however they were typed."""
+
+    def same(key: str) -> bool:
+        first, second = (shape_key(pad[key]) if key == "shape" else pad[key] for pad in (one, other))
+        return bool(first == second) if isinstance(first, str) else abs(first - second) < 1e-6
+
+    return all(same(key) for key in keys)
+
+
+def moulds(root: Path) -> list[Mould]:
+    """Moulds of a project, the newest last; those whose manifest cannot be read are left out."""
+    own = []
+    for folder, manifest in _manifests(root, "moulds", "mold"):
+        with suppress(KeyError, TypeError, ValueError):
+            given = manifest["inputs"]
+            pad = {
+                "shape": str(given["shape"]),
+                "thickness_mm": float(given["thickness_mm"]),
+                "ratio": float(given["ratio"]),
+                "resin": str(given["resin"]),
+            }
+            own.append(Mould(folder, pad, float(given["length_mm"]), float(given["width_mm"]), str(given["preset"])))
+    return own
+
+
+def calibrations(root: Path, campaign: str) -> list[CalibrationEntry]:
+    """Calibrations learned from a campaign, the newest last, also those made on the terminal."""
+    own = []
+    for folder, manifest in _manifests(root, "calibrations", "loop"):
+        path = str(manifest.get("inputs", {}).get("campaign", ""))
+        read = manifest.get("files_read") or []
+        sums = tuple(
+            (str(one["file"]), one.get("sha256"))
+            for one in read
+            if str(one.get("name", "")).rpartition("/")[0] == path.rstrip("/")
+        )
+        of_campaign = _names(root, path, campaign) or _was_renamed(root, path, campaign, dict(sums))
+        if of_campaign and (root / folder / "calibration.json").is_file():
+            text = str((manifest["summary"] or {}).get("text", ""))
+            own.append(CalibrationEntry(folder, text, campaign, str(manifest["inputs"].get("prior") or ""), sums))
+    return own
+
+
+def _was_renamed(root: Path, path: str, campaign: str, sums: dict[str, str | None]) -> bool:
+    """Whether a campaign that is not there any more has the file that the chosen one has."""
+    old = sums.get(CAMPAIGN)
+    return bool(old) and not (root / path / CAMPAIGN).is_file() and sha256_of(root / campaign / CAMPAIGN) == old
+
+
+def _names(root: Path, path: str, folder: str) -> bool:
+    """Whether a path, typed in the project or below it, is a folder of the project."""
+    if Path(path).is_absolute():
+        return Path(path).resolve() == (root / folder).resolve()
+    # typed in the project folder, or in one of its rooms
+    parts = tuple(part for part in Path(path).parts if part not in (".", ".."))
+    return bool(parts) and Path(folder).parts[-len(parts) :] == parts
+
+
+def _manifests(root: Path, room: str, command: str) -> list[tuple[str, dict[str, Any]]]:
+    """Folders of a room that a command made, with their manifests, the newest last."""
+    own = (one.folder for one in things_in(root, room) if one.command == command)
+    return [(folder, manifest) for folder in own if (manifest := finished_manifest(root / folder / MANIFEST))]
+
+
+def grouped_files(names: Iterable[str]) -> list[tuple[str, list[tuple[str, str]]]]:
+    """Files of a mould by what one does with them: group, then (words, file name); empty groups are left out."""
+    rows: dict[str, list[tuple[str, str]]] = {group: [] for group in GROUPS}
+    for name in sorted(names):
+        group, words = _group(name)
+        rows[group].append((words, name))
+    rows["Pour"].sort(key=lambda row: ("start here" not in row[0], row[0]))
+    return [(group, entries) for group, entries in rows.items() if entries]
+
+
+def _group(name: str) -> tuple[str, str]:
+    stem, _, ending = name.rpartition(".")
+    tail = re.search(_TAIL.format("|".join(shape_kinds())), stem)
+    part = stem[: tail.start()] if tail else stem
+    words = part.replace("_", " ").capitalize()
+    if part == "pour":
+        return "Pour", "Pour sheet (PDF): start here" if ending == "pdf" else "Pour sheet (web page)"
+    if part == "drawings":
+        return "Draw", f"All drawings ({ending.upper()})"
+    if part == "assembly" and ending in ("html", "step"):
+        kind = ", to turn (web page)" if ending == "html" else f", {ending.upper()}"
+        return "Print or machine", f"All parts{kind}"
+    if part != "assembly" and tail and ending in ("step", "3mf"):
+        return "Print or machine", f"{words}, {ending.upper()}"
+    if part != "assembly" and tail and ending == "png":
+        return "Draw", f"Picture of the {words.lower()}"
+    if record := re.fullmatch(r"record(?:-(\d+))?\.json", name):
+        return "Check", f"Record of the cast pad {record[1] or ''}".rstrip()
+    return ("Check", CHECKED[name]) if name in CHECKED else ("More", name)
+
+
+DROPPED = "measured/cast-pad"
+"""Where presses go that are dropped for a comparison."""
+
+
+@dataclass(frozen=True)
+class PadWithPresses:
+    """A pad with its presses."""
+
+    label: str
+    files: tuple[str, ...]
+    punch: str
+    lowpass: str = ""
+    campaign: str = ""
+    shape: str = ""
+    thickness_mm: float | None = None
+
+
+@dataclass(frozen=True)
+class GaugeMark:
+    """Where the thickness of a cast pad is gauged, and what it may be. [mm]"""
+
+    name: str
+    low_mm: float
+    high_mm: float
+
+
+def pads(root: Path, state: State) -> list[PadWithPresses]:
+    """Every pad of the project with presses: those of the chosen campaign first, then others, then loose files."""
+    own_first = sorted(select_options.campaigns(root), key=lambda name: name != state.campaign)
+    pressed = [pad for name in own_first for pad in _of_campaign(root, name)]
+    loose = {root / DROPPED: "files dropped here"}
+    for folder in sorted((root / "measured").glob("import-*")):
+        loose[folder] = f"{folder.name} of the measured files"
+    for folder, words in loose.items():
+        presses = tuple(sorted(path.relative_to(root).as_posix() for path in folder.glob("*.csv")))
+        if presses:
+            pressed.append(PadWithPresses(f"{words}: {presses_text(presses)}", presses, state.punch))
+    return pressed
+
+
+def nearest(pressed: Sequence[PadWithPresses], state: State) -> PadWithPresses | None:
+    """The pad that is chosen, where one of this shape and thickness was pressed; else the first."""
+    same = (one for one in pressed if one.thickness_mm is not None and same_pad(vars(one), vars(state), SIZE))
+    return next(chain(same, pressed), None)
+
+
+def keep_press(root: Path, name: str, content: bytes) -> str:
+    """Keep a trace that was dropped; return its path from the project folder on."""
+    file_transfer.plain_name(name)
+    file_transfer.check_press(name, content)
+    return file_transfer.save_upload(file_transfer.inside(root, DROPPED), name, content).relative_to(root).as_posix()
+
+
+def records(root: Path, pad: PadWithPresses) -> list[str]:
+    """Records of castings whose mould is of this pad, the newest last."""
+    own = []
+    for mould in moulds(root):
+        if pad.thickness_mm is None or same_pad(mould.pad, vars(pad), SIZE):
+            paths = sorted((root / mould.folder).glob("record*.json"), key=lambda path: path.stat().st_mtime)
+            own += [path.relative_to(root).as_posix() for path in paths]
+    return own
+
+
+def gauge_points(folder: Path) -> list[GaugeMark]:
+    """Gauge points of a mould; empty where its specification cannot be read."""
+    points = read_json(folder / "spec.json").get("gauge_points", [])
+    with suppress(ValueError, KeyError, TypeError):
+        return [GaugeMark(str(one["name"]), float(one["low_mm"]), float(one["high_mm"])) for one in points]
+    return []
+
+
+def presses_text(presses: Sequence[object]) -> str:
+    """How many presses there are, in words."""
+    return f"{len(presses)} press{'es' * (len(presses) != 1)}"
+
+
+def _of_campaign(root: Path, folder: str) -> list[PadWithPresses]:
+    try:
+        trials = read_trials(root / folder)
+        data = read_campaign_toml(root / folder).data
+    except InputError:
+        return []
+    by_pad: dict[tuple[str, float], list[str]] = {}
+    for trial in trials:
+        thickness, shape, file = trial["thickness_mm"], trial["shape"], trial["file"]
+        pad = isinstance(thickness, int | float) and shape != "cylinder"
+        if pad and file and (root / folder / file).is_file():
+            by_pad.setdefault((shape, float(thickness)), []).append(f"{folder}/{file}")
+    punch, lowpass = _punch(data.get("punch"), folder), _lowpass(data.get("sensor"))
+    pads = []
+    for (shape, thickness), presses in by_pad.items():
+        label = f"{folder}: {shape}, {thickness:g} mm, {presses_text(presses)}"
+        pads.append(PadWithPresses(label, tuple(presses), punch, lowpass, folder, shape, thickness))
+    return pads
+
+
+def _punch(table: Any, folder: str) -> str:
+    """The punch of a campaign as an option of ``compare``; the standard one where the file has another form."""
+    table = table if isinstance(table, dict) else {}
+    shape = str(table.get("shape", "square"))
+    if shape == "profile":
+        return f"profile:{folder}/{table.get('file', '')}"
+    size = table.get("side_mm" if shape == "square" else "diameter_mm", 14.0)
+    return f"{shape}:{size:g}" if isinstance(size, int | float) else "square:14"
+
+
+def _lowpass(table: Any) -> str:
+    table = table if isinstance(table, dict) else {}
+    if "lowpass_hz" not in table:
+        return ""
+    return f"{table['lowpass_hz']:g}:{table.get('lowpass_order', 2)}:{table.get('lowpass_passes', 1)}"

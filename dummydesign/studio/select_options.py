@@ -1,0 +1,114 @@
+"""What can be chosen on the pages: names of the library, and what lies in the project."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.user_library import entries
+from dummydesign.project.status import ProjectFile
+from dummydesign.studio.file_transfer import numbered
+
+
+def tissues(root: Path) -> dict[str, str]:
+    """Tissues of the project, then of the library; value for ``--tissue`` to words."""
+    files = sorted(path for path in (root / "tissue").glob("*.toml") if not path.stem.endswith("-manifest"))
+    own = [path.relative_to(root).as_posix() for path in files]
+    return {name: name for name in own} | _of_library("materials/tissues")
+
+
+def resins() -> dict[str, str]:
+    """Resins of the library; value for ``--resin`` to words."""
+    return _of_library("materials/resins")
+
+
+def _of_library(kind: str) -> dict[str, str]:
+    return {entry.name: f"{entry.name} ({entry.origin})" for entry in entries(kind).values()}
+
+
+def shapes() -> dict[str, str]:
+    """Kinds of pads that can be searched."""
+    from dummydesign.design.search.shape_family import designable_kinds
+
+    return {"auto": "auto (the best of all)", "slab": "slab"} | {kind: kind for kind in designable_kinds()}
+
+
+def aims(tissue: str) -> dict[str, str]:
+    """Aims that a tissue allows."""
+    from dummydesign.tissue import load_tissue
+
+    named = {f"subject:{one.name}": f"subject {one.name}" for one in load_tissue(tissue).subjects}
+    return {"average": "average", "safe-side": "safe side"} | named
+
+
+def traces(root: Path) -> dict[str, str]:
+    """Imported presses, path to words."""
+    paths = sorted((root / "measured").glob("import-*/*.csv"))
+    return {path.relative_to(root).as_posix(): f"{path.parent.name}/{path.name}" for path in paths}
+
+
+def folders(root: Path, room: str, holding: str) -> list[str]:
+    """Folders of a room that hold a file of this name, from the project folder on, the newest last."""
+    paths = [path for path in (root / room).glob(f"*/{holding}") if not path.parent.name.startswith(".")]
+    paths.sort(key=lambda path: path.stat().st_mtime)
+    return [path.parent.relative_to(root).as_posix() for path in paths]
+
+
+def free_name(root: Path, room: str, name: str) -> str:
+    """A name that no folder or TOML file of a room has: ``name``, ``name-2``, ..."""
+    folder = root / room
+    return next(one for one in numbered(name) if not ((folder / one).exists() or (folder / f"{one}.toml").exists()))
+
+
+def free_library_name(what: str, name: str) -> str:
+    """A name that no ``tissue`` or ``resin`` of the library has."""
+    known = entries(f"materials/{what}s")
+    return next(one for one in numbered(name) if one not in known)
+
+
+def check_name(what: str, name: str, replace: bool = True) -> None:
+    """Refuse the name of a ``tissue`` or ``resin`` that is not the user's own, or that is not to be replaced."""
+    known = entries(f"materials/{what}s").get(name.strip().lower())
+    if known is None or (known.origin == "user" and replace):
+        return
+    message = f"'{known.name}' is a {what} of the library: choose another name."
+    if known.origin == "user":
+        message = f"You have a {what} '{known.name}': choose another name, or tick Replace."
+    raise InputError(message, "file_exists", what, known.name)
+
+
+def offered(known: Mapping[str, str], value: str, words: str = "") -> dict[str, str]:
+    """What can be chosen, with what is chosen now at its head when it is not there any more."""
+    return dict(known) if value in known else {value: words or value, **known}
+
+
+def calibrations(root: Path) -> dict[str, str]:
+    """Calibrations of the project, the newest first; value for ``--calibration`` to words."""
+    own = reversed(folders(root, "calibrations", "calibration.json"))
+    return {"": "none"} | {f"{one}/calibration.json": one for one in own}
+
+
+def campaigns(root: Path) -> dict[str, str]:
+    """Campaigns of the project by folder, the newest last."""
+    return {one: one for one in folders(root, "campaigns", "campaign.toml")}
+
+
+def file_line(one: ProjectFile) -> str:
+    """One thing that lies in the project, in a line."""
+    name, summary = one.folder.partition("/")[2], _summary_line(one.summary or {})
+    return f"{name}: {summary}" if summary else name
+
+
+def _summary_line(summary: dict[str, Any]) -> str:
+    if "pressed" in summary:
+        left = f", {summary['wrong']} problem{'s' * (summary['wrong'] > 1)}" if summary["wrong"] else ""
+        return f"{summary['pressed']} of {summary['pressed'] + summary['missing']} presses are there{left}"
+    if {"thickness_mm", "ratio", "shape"} <= set(summary):
+        verdict = str(summary.get("verdict", "")).replace("_", " ")
+        pad = f"{summary['thickness_mm']:g} mm {summary['shape']}, ratio {summary['ratio']:g}"
+        return f"{pad}, {verdict}" if verdict else pad
+    if "traces" in summary:
+        return f"{summary['traces']} presses"
+    return str(summary.get("text", ""))

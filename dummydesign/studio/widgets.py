@@ -1,0 +1,388 @@
+"""The frame of every page, and its pieces: text, problems, verdicts, values, tables, links, files."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import cache
+from html import escape
+from pathlib import Path
+from typing import Any, cast
+from urllib.parse import urlencode
+
+from nicegui import ui
+from nicegui.elements.mixins.value_element import ValueElement
+
+from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.project.folder import Project, project_of
+from dummydesign.report import page as report_page
+from dummydesign.studio.jobs import changed_inputs, shown
+from dummydesign.studio.select_options import offered
+from dummydesign.studio.state import State, address, page_link, read_state
+
+STEPS = (
+    ("/", "Overview"),
+    ("/measured", "1 Measured"),
+    ("/tissue", "2 Tissue"),
+    ("/design", "3 Design"),
+    ("/mould", "4 Mould"),
+    ("/cast", "5 Cast pad"),
+    ("/campaign", "6 Campaign"),
+    ("/learn", "7 Learn"),
+)
+
+
+@cache
+def page_head() -> str:
+    """Return style and scripts of a page, for its head: those of the reports and those of the studio."""
+    return (
+        f"<style>{_file(report_page.__file__, 'page.css')}{_file(__file__, 'studio.css')}</style>"
+        f"<script>document.documentElement.lang = 'en'</script><script>{report_page.plots_js()}</script>"
+        f"<script>{_file(__file__, 'studio.js')}</script>"
+    )
+
+
+def _file(module: str, name: str) -> str:
+    """Return the text of a file of this package, which lies beside a module."""
+    return (Path(module).parent / name).read_text(encoding="utf-8")
+
+
+Body = Callable[[Project, State, Mapping[str, str]], object]
+
+
+def lay_out(
+    root: Path,
+    here: str,
+    title: str,
+    query: Mapping[str, str],
+    body: Body,
+    empty: Callable[[Path], None] | None = None,
+) -> None:
+    """Lay out a page; with faults of the folder on it."""
+    ui.colors(primary="#0b5cad")
+    ui.add_head_html(page_head())
+    ui.page_title(f"{title} – dummydesign studio")
+    problem, project, state = "", None, None
+    try:
+        project = project_of(root)
+        state = read_state(project, query) if project else None
+    except (InputError, OSError) as refused:
+        problem = problem_text(refused)
+    links = "".join(page_link(path, words, current=path == here) for path, words in STEPS)
+    html(
+        '<a class="skip" href="#body">to the content</a><div class="top"><div class="bar"><span class="name">'
+        f'{escape(project.name if project else root.name)}</span><nav aria-label="steps">{links}</nav></div></div>'
+    )
+    kept = json.dumps(state.query() if state else "").replace("<", "\\u003c")
+    ui.add_body_html(f"<script>stateQuery = {kept};</script>")
+    with ui.element("div").classes("body").props('id="body" tabindex="-1"'):
+        html(f"<h1>{escape(title)}</h1>")
+        _tell_failures()
+        if problem:
+            tell_problem(f"{problem}. Fix the file in an editor, then load this page again; nothing was changed.")
+            return
+        try:
+            if project and state:
+                for sentence in state.missing:
+                    tell_problem(sentence)
+                body(project, state, query)
+            elif empty:
+                empty(root)
+            else:
+                html(f'<p class="note">This folder is no project yet: {page_link("/", "make it one")} first.</p>')
+        except (InputError, OSError) as refused:
+            tell_problem(problem_text(refused))
+        html(f'<footer class="glossary">{report_page.whole_glossary()}</footer>')
+
+
+LONGEST_ADDRESS = 8000
+"""Characters of what a page keeps in its address besides the state; servers refuse addresses that are too long."""
+
+
+def keep_state(state: State, **more: str) -> None:
+    """Write a state into the address and into all links that carry it; back, reload and other tabs then show it."""
+    own = urlencode({name: text for name, text in more.items() if text})
+    kept = own if len(own) <= LONGEST_ADDRESS else ""
+    ui.run_javascript(f"keepState({json.dumps(state.query())}, {json.dumps(kept)})")
+
+
+class Kept:
+    """What a page keeps in its address: the state, and choices of this page alone by name."""
+
+    def __init__(self, state: State, **own: str) -> None:
+        self.state, self.own = state, own
+
+    def keep(self, **own: str) -> None:
+        """Keep further choices."""
+        self.own |= own
+        keep_state(self.state, **self.own)
+
+
+def open_page(path: str, state: State) -> None:
+    """Go to a page in a state."""
+    ui.navigate.to(f"{address(path)}?{state.query()}")
+
+
+TIMER_S = 5.0
+"""Longer than the time between two calls of any timer of a page. [s]"""
+
+
+def _tell_failures() -> None:
+    """Show on the page what a click or a timer could not do, wherever the code is that did not expect it."""
+    notice = area()
+    seen_s: dict[str, float] = {}
+
+    def tell(problem: Exception) -> None:
+        text, now = problem_text(problem), time.monotonic()
+        before, seen_s[text] = seen_s.get(text, -math.inf), now
+        if now - before < TIMER_S:
+            return  # a timer that fails again and again
+        with fresh(notice):
+            tell_problem(text)
+        ui.run_javascript(f"document.getElementById('{notice.html_id}')?.scrollIntoView({{block: 'center'}})")
+
+    ui.on_exception(tell)
+
+
+for kind in (ui.expansion, ui.select):
+    kind.default_style("width:100%")
+
+
+def html(text: str) -> ui.html:
+    """Add a piece of HTML of our own; whatever comes from a file is escaped by then."""
+    return ui.html(text, sanitize=False)
+
+
+def area(test: str = "", live: bool = False) -> ui.element:
+    """Add an empty place as wide as the page; screen readers speak what appears in a ``live`` one."""
+    element = ui.element("div").style("width:100%")
+    if test:
+        element.props(f'data-test="{test}"')
+    return element.props('role="status" aria-live="polite"') if live else element
+
+
+def fresh(element: ui.element) -> ui.element:
+    """Empty a place, to fill it anew in a ``with`` block."""
+    element.clear()
+    return element
+
+
+def on_change(then: Callable[..., object], *fields: ui.element) -> None:
+    """Call a function whenever one of some fields gets another value."""
+    for field in fields:
+        cast(ValueElement, field).on_value_change(then)
+
+
+def button(words: str, action: Callable[..., object], test: str = "", label: str = "", main: bool = False) -> ui.button:
+    """Add a button, outlined unless it is a main one; ``label`` is what screen readers speak for its words."""
+    added = ui.button(words, on_click=action, color="primary" if main else None).props("" if main else "outline")
+    # not in a text of properties: a name with a backslash in it would break off there
+    added.props.update({name: text for name, text in (("data-test", test), ("aria-label", label)) if text})
+    return added
+
+
+def number_of(text: str, name: str, key: str = "") -> float | None:
+    """A typed number, with a dot or a comma; None for an empty field."""
+    given = text.strip().replace(",", ".")
+    if not given:
+        return None
+    try:
+        value = float(given)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(f"{name} = '{text.strip()}' is not a number", "not_a_number", key or name, text.strip())
+    return value
+
+
+class NumberField(ui.input):
+    """A field for a number. What is not allowed stays as it was typed, with the reason under it."""
+
+    def __init__(
+        self,
+        label: str,
+        value: float | None = None,
+        low: float = 0.0,
+        high: float = 1e6,
+        test: str = "",
+        hint: str = "",
+    ) -> None:
+        self._name, self._low, self._high = label, low, high
+        super().__init__(label, value="" if value is None else f"{value:.10g}", validation=self._refusal)
+        given = {"inputmode": "decimal", "data-test": test, "hint": hint}
+        self.props("hide-bottom-space").props.update({name: text for name, text in given.items() if text})
+
+    @property
+    def number(self) -> float | None:
+        """The number; None for an empty field, InputError for one that is not allowed."""
+        value = number_of(self.value or "", self._name)
+        if value is not None and not self._low <= value <= self._high:
+            raise out_of_range(self._name, f"{value:g}", f"{self._low:g}", f"{self._high:g}")
+        return value
+
+    def _refusal(self, text: object) -> str | None:
+        try:
+            self.number  # noqa: B018
+        except InputError as refused:
+            return str(refused)
+        return None
+
+
+def values_of(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """Values of fields by name (InputError for a number that is not allowed)."""
+    return {name: field.number if isinstance(field, NumberField) else field.value for name, field in fields.items()}
+
+
+def select(label: str, known: Mapping[str, str], value: str, test: str = "") -> ui.select:
+    """Add a field to choose from value to words; what is chosen now is offered too when it is not there any more."""
+    added = ui.select(offered(known, value), value=value, label=label)
+    added.props.update({"data-test": test} if test else {})
+    return added
+
+
+def select_several(label: str, known: Mapping[str, str], value: Sequence[str], test: str) -> ui.select:
+    """Add a field to choose several of value to words."""
+    added = ui.select(dict(known), multiple=True, value=list(value), label=label)
+    return added.props(f'use-chips data-test="{test}"')
+
+
+def marked(text: str) -> str:
+    """Return a text as HTML in which the first use of each term opens its definition under the pointer and by touch."""
+    pieces, at = [], 0
+    for start, end, term in report_page.marked_terms(text):
+        definition = f'<abbr class="term" data-term="{escape(term.text)}">{escape(text[start:end])}</abbr>'
+        pieces += [escape(text[at:start]), definition]
+        at = end
+    return "".join([*pieces, escape(text[at:])])
+
+
+def tell_problem(text: str) -> None:
+    """Say on the page what is wrong."""
+    html(f'<div class="problem" role="alert">{escape(text)}</div>')
+
+
+@contextmanager
+def problems_in(element: ui.element) -> Iterator[None]:
+    """Empty a place, and say there why the work of this block was refused (InputError)."""
+    element.clear()
+    try:
+        yield
+    except InputError as problem:
+        with element:
+            tell_problem(str(problem))
+
+
+def problem_text(problem: Exception) -> str:
+    """Return what went wrong in a sentence: refused by a command or the system, or unexpected."""
+    if isinstance(problem, InputError):
+        return str(problem)
+    if isinstance(problem, OSError):
+        file = f"'{Path(str(problem.filename)).name}': " if problem.filename else ""
+        return f"{file}{problem.strerror or problem}. Mend this, then try again"
+    return f"This failed unexpectedly ({type(problem).__name__}: {problem}). Load this page again"
+
+
+def command_lines(commands: Callable[[], Sequence[Sequence[str]]]) -> None:
+    """Show the commands of what is chosen, or why it is refused."""
+    try:
+        for words in commands():
+            command_line(words)
+    except InputError as refused:
+        html(f'<p class="note">{escape(str(refused))}</p>')
+
+
+def tell_changes(root: Path, manifest: str, advice: str) -> None:
+    """Name the files that are no longer what a command read, with what to do."""
+    for name in changed_inputs(root, root / manifest):
+        tell_problem(f"{name} has changed since. {advice}")
+
+
+def tell_verdict(light: str, text: str, state: str = "", note: str = "", label: str = "", test: str = "") -> None:
+    """Show a verdict: its light, also for those who cannot see it, and its sentence."""
+    light, marks = escape(light), f' data-test="{escape(test)}"' if test else ""
+    more = f" <small>{escape(note)}</small>" if note else ""
+    more += f'<small class="label">{escape(label)}</small>' if label else ""
+    html(
+        f'<div class="verdict {light}" data-state="{escape(state)}"{marks}><span class="light" aria-hidden="true">'
+        f'</span><p><span class="hide">{light} light: </span>{marked(text)}{more}</p></div>'
+    )
+
+
+def command_line(words: Sequence[str]) -> None:
+    """Show the command that does the same as the page, to copy."""
+    text = shown(words)
+    with ui.element("div").classes("command"):
+        html(f'<code tabindex="0" title="{escape(text)}">{escape(text)}</code>')
+        copy = ui.button("Copy", on_click=lambda: ui.clipboard.write(text), color=None)
+        copy.props('flat dense aria-label="copy the command"')
+
+
+def facts(rows: Sequence[tuple[str, str]]) -> None:
+    """Show values, large, with what they are."""
+    values = "".join(
+        f'<div class="fact"><b>{escape(value)}</b><span>{marked(what)}</span></div>' for value, what in rows
+    )
+    html(f'<div class="facts">{values}</div>')
+
+
+MOST_WARNINGS = 4
+"""Warnings in sight; further ones are folded."""
+
+
+def warnings(answer: Mapping[str, Any]) -> None:
+    """Show what a command warned of."""
+    lines = [f"<li>{marked(str(one['message']))}</li>" for one in answer.get("warnings", [])]
+    left = len(lines) - MOST_WARNINGS
+    if lines:
+        html(f'<ul class="warnings">{"".join(lines[:MOST_WARNINGS])}</ul>')
+    if left > 0:
+        html(
+            f'<details><summary>{left} more warnings</summary><ul class="warnings">{"".join(lines[MOST_WARNINGS:])}'
+            "</ul></details>"
+        )
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[object]], words: bool = False, under: str = "") -> None:
+    """Show a table that scrolls by itself; ``under`` is the line that it is folded under."""
+    text = report_page.Table(head, rows).html()
+    text = re.sub(r"(<th[^>]*>)([^<&]+)(</th>)", lambda match: match[1] + marked(match[2]) + match[3], text)
+    text = f'<div class="words">{text}</div>' if words else text
+    html(f"<details><summary>{escape(under)}</summary>{text}</details>" if under else text)
+
+
+def file_links(rows: Sequence[tuple[str, str]]) -> None:
+    """Show links to files of the project: (words, path from the project folder on)."""
+    html(f'<div class="links">{"".join(file_link(*row) for row in rows)}</div>')
+
+
+def file_link(words: str, path: str, kind: str = "") -> str:
+    """Return a link to a file of the project as HTML."""
+    return (
+        f'<a class="{escape(kind)}" href="{address(f"/files/{path}")}" target="_blank" rel="noopener">'
+        f"{escape(words)}</a>"
+    )
+
+
+def zip_link(folder: str, sheets: Sequence[str] = ()) -> None:
+    """Show a link that downloads a folder of the project as one file; a button beside that of its pour sheet."""
+    kind, more = "go" if sheets else "", "".join(file_link("Pour sheet (PDF)", path, "go") for path in sheets)
+    link = f'<a class="{kind}" data-test="zip" href="{address(f"/zip/{folder}")}" download>Download all files (ZIP)</a>'
+    html(f'<div class="links">{link}{more}</div>')
+
+
+def show_report(root: Path, files: Mapping[str, str], title: str) -> None:
+    """Show the report among the files of an answer, with a link to them all; nothing where it is gone."""
+    report = files.get("report")
+    if report and (root / report).is_file():
+        zip_link(Path(report).parent.as_posix())
+        shown_file(f"/files/{report}", title)
+
+
+def shown_file(path: str, title: str, kind: str = "shown", **query: object) -> None:
+    """Show a page of the project inside this one."""
+    source = escape(address(path, **query))
+    html(f'<iframe class="{kind}" src="{source}" title="{escape(title)}" loading="lazy"></iframe>')

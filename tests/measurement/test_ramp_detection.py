@@ -1,0 +1,113 @@
+"""Both rules for the stop and the search for holds agree where a motion is clean, and differ where they should."""
+
+import numpy as np
+import pytest
+
+from benchmarks.accuracy.overshoot import drawn
+from dummydesign.measurement.ramp_detection import find_holds, find_ramp, ringing_times, summarise
+from tests.support.refusal import raises_code
+
+
+def ramp(creep_mm=0.0):
+    time = np.arange(0.0, 6.0, 1e-3)
+    x = np.clip(10.0 * (time - 0.2), -2.0, 5.0)
+    held = time > 0.7
+    x[held] += creep_mm * (1.0 - np.exp(-(time[held] - 0.7) / 0.3))
+    return time, x
+
+
+@pytest.mark.parametrize("stop", ["reached", "slowed"])
+def test_a_clean_ramp_has_the_same_landmarks_by_either_rule(stop):
+    found = find_ramp(*ramp(), stop)
+    assert found.contact_time_s == pytest.approx(0.2, abs=1e-6)
+    assert found.stop_time_s == pytest.approx(0.7, abs=5e-3)
+    assert found.hold_end_s == pytest.approx(5.999)
+    assert (found.depth_mm, found.velocity_mm_s) == pytest.approx((5.0, 10.0), rel=0.01)
+
+
+def test_creep_after_the_stop_moves_the_reached_depth_but_not_the_slowing():
+    time, x = ramp(0.08)
+    assert find_ramp(time, x, "slowed").stop_time_s == pytest.approx(0.7, abs=0.01)
+    assert find_ramp(time, x, "reached").stop_time_s > 0.75
+
+
+def test_the_hold_of_a_ramp_is_the_one_hold_that_is_found():
+    time, x = ramp()
+    (hold,) = find_holds(time, x)
+    assert (hold.start_s, hold.end_s, hold.displacement_mm) == pytest.approx((0.7, 5.999, 5.0), abs=2e-3)
+
+
+@pytest.mark.parametrize("stop", ["reached", "slowed"])
+def test_what_is_no_press_is_refused_by_either_rule(stop):
+    time = np.arange(0.0, 1.0, 0.01)
+    with raises_code("nothing_found", "displacement_mm"):
+        find_ramp(time, -1.0 - time, stop)
+    with raises_code("not_enough_data", "displacement_mm"):
+        find_ramp(time, np.full(100, 3.0), stop)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_depth_hold_and_steady_force_are_those_before_and_after_an_overshoot(seed):
+    """Drawn overshoot, ringing, damping, depth, speed and sampling, by an integrator of its own."""
+    press = drawn(np.random.default_rng(3000 + seed))
+    found = summarise("drawn", press.time_s, press.displacement_mm, press.force_N)
+    hold = press.end_s - press.stop_s
+    assert found.depth_mm == pytest.approx(press.depth_mm, rel=0.01)
+    assert found.hold_s == pytest.approx(hold, abs=max(0.3, 0.03 * hold))
+    assert found.steady_force_N == pytest.approx(press.steady_N, rel=0.01)
+
+
+def test_overshoot_period_and_end_of_a_ringing_are_those_that_were_drawn():
+    time = np.arange(-0.3, 8.5, 5e-4)
+    since = np.maximum(time - 0.5, 0.0)
+    x = np.clip(10.0 * time, -1.0, 5.0) + 0.3 * np.exp(-4.0 * since) * np.sin(2.0 * np.pi * 10.0 * since)
+    found = find_ramp(time, x)
+    assert found.overshoot_mm == pytest.approx(0.3 * np.exp(-4.0 * 0.025), rel=0.02)
+    assert found.period_s == pytest.approx(0.1, rel=0.02)
+    assert found.settled_s == pytest.approx(0.5 + np.log(0.3 / 0.005) / 4.0, abs=0.1)
+    times = ringing_times(found)
+    assert np.diff(times[times <= found.settled_s]).max() < 0.1 / 15 and times[-1] > found.settled_s
+    beyond = np.diff(times[times >= found.settled_s])
+    assert np.allclose(beyond[1:] / beyond[:-1], 1.3) and beyond[-1] > 5.0 * beyond[0]
+    clean = find_ramp(*ramp())
+    assert (clean.overshoot_mm, clean.period_s, len(ringing_times(clean))) == (0.0, 0.0, 0)
+
+
+@pytest.mark.parametrize("noise_mm", [0.0, 0.001, 0.003])
+@pytest.mark.parametrize("form", ["triangle", "half sine", "parabola"])
+def test_a_turn_has_no_hold(form, noise_mm):
+    time = np.arange(-1.0, 21.0, 2e-3)
+    share = np.clip(time / 20.0, 0.0, 1.0)
+    x = (
+        5.0
+        * {
+            "triangle": 1.0 - np.abs(2.0 * share - 1.0),
+            "half sine": np.sin(np.pi * share),
+            "parabola": 4.0 * share * (1.0 - share),
+        }[form]
+    )
+    x = np.where(time < 0.0, 0.5 * time, x) + noise_mm * np.random.default_rng(1).standard_normal(len(time))
+    for stop in ("reached", "slowed"):
+        found = find_ramp(time, x, stop)
+        assert found.hold_end_s == found.stop_time_s and found.depth_mm == pytest.approx(5.0, abs=0.02)
+    shown = summarise("turn", time, x, np.maximum(x, 0.0) ** 3)
+    assert (shown.hold_s, shown.steady_force_N) == (0.0, None)
+
+
+@pytest.mark.parametrize("noise_mm", [0.0, 0.002])
+def test_a_slow_release_at_fast_sampling_does_not_end_the_hold_early(noise_mm):
+    """The path falls by less than its noise over a few samples."""
+    time = np.arange(-0.2, 12.0, 2e-4)
+    x = np.minimum(np.clip(10.0 * time, -1.0, 5.0), np.maximum(5.0 - 1.0 * (time - 6.0), -1.0))
+    x = x + noise_mm * np.random.default_rng(2).standard_normal(len(time))
+    found = find_ramp(time, x, "slowed")
+    assert (found.stop_time_s, found.hold_end_s) == pytest.approx((0.5, 6.0), abs=0.02)
+
+
+def test_a_punch_that_creeps_under_a_held_force_holds_from_where_it_slows():
+    time = np.arange(-0.2, 10.0, 2e-3)
+    x = np.clip(10.0 * time, -1.0, 4.0) + 1.0 * (1.0 - np.exp(-np.maximum(time - 0.4, 0.0) / 2.0))
+    for stop in ("reached", "slowed"):
+        found = find_ramp(time, x, stop)
+        assert 0.38 < found.stop_time_s < 0.8 and found.hold_end_s == time[-1]
+        assert found.depth_mm == pytest.approx(5.0, rel=0.01) and found.overshoot_mm == 0.0

@@ -1,0 +1,125 @@
+"""The pad under the sliders is the pad of the command line: same punch, same calibration, same verdict."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dummydesign.core.user_library import find
+from dummydesign.design.plot_data import force_grids
+from dummydesign.design.problem import read_problem
+from dummydesign.design.request import Request
+from dummydesign.design.suggest import design
+from dummydesign.geometry.punch import read_punch
+from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.loop.calibration_file import write_calibration
+from dummydesign.studio import figures
+from dummydesign.studio.slider_model import evaluator_of
+from dummydesign.studio.state import State
+from tests.support.made_calibration import calibration, effect
+from tests.support.refusal import raises_code
+
+CROWN = "crowned:20,2,9"
+
+
+def looked(root, shape, thickness_mm, ratio, **asked):
+    evaluator = evaluator_of(root, State("forefinger", **asked))
+    pad = evaluator.evaluate(read_shape(shape), thickness_mm, ratio)
+    return evaluator.problem, pad, evaluator.with_castings(pad, read_shape(shape))
+
+
+def suggested(shape, thickness_mm, ratio, **more):
+    return design(
+        read_problem(
+            Request(
+                "forefinger", thickness_mm=(thickness_mm,) * 2, ratio=(ratio,) * 2, shape=shape, verify=False, **more
+            )
+        )
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("punch", "shape", "thickness_mm"), [("round:20", "slab", 9.0), ("round:20", CROWN, 9.0), ("square:14", CROWN, 9.0)]
+)
+def test_the_verdict_and_the_curve_are_those_of_suggest_under_the_same_punch(tmp_path, punch, shape, thickness_mm):
+    _, pad, verdict = looked(tmp_path, shape, thickness_mm, 15.0, punch=punch)
+    found = suggested(shape, thickness_mm, 15.0, punch=punch)
+    grids = force_grids(found.targets.protocol)
+    depth, wanted = (one.steady_depth_mm(grids.pad) for one in (pad.candidate, found.best))
+    assert np.allclose(depth, wanted, rtol=1e-9, equal_nan=True)
+    # once the resin is measured suggest has one ratio here, the sliders have all
+    assert verdict.castings == found.verdict.castings and verdict.reads == found.verdict.reads
+    assert (verdict.shortfall, verdict.over) == (found.verdict.shortfall, found.verdict.over)
+
+
+def test_a_wider_punch_sinks_in_less(tmp_path):
+    force = np.array([5.0, 10.0])
+    narrow, wide = (looked(tmp_path, "slab", 9.0, 15.0, punch=punch)[1] for punch in ("square:14", "round:20"))
+    assert (wide.candidate.steady_depth_mm(force) < 0.95 * narrow.candidate.steady_depth_mm(force)).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", ["slab", CROWN])
+def test_a_calibration_is_in_the_pad_of_every_shape_as_suggest_has_it(tmp_path, shape):
+    learned = calibration(effect("strain_stiffening", coefficient=2.0))
+    path = write_calibration(learned, tmp_path / "calibration.json")
+    _, pad, verdict = looked(tmp_path, shape, 9.0, 15.0, calibration="calibration.json")
+    found = suggested(shape, 9.0, 15.0, calibration=str(path))
+    grids = force_grids(found.targets.protocol)
+    depth = pad.candidate.steady_depth_mm(grids.pad)
+    assert np.allclose(depth, found.best.steady_depth_mm(grids.pad), rtol=1e-9, equal_nan=True)
+    assert verdict.text == found.verdict.text
+    stiff = calibration()
+    write_calibration(stiff, tmp_path / "plain.json")
+    plain = looked(tmp_path, shape, 9.0, 15.0, calibration="plain.json")[1].candidate.steady_depth_mm(grids.pad)
+    deep = np.isfinite(depth) & np.isfinite(plain) & (plain > 2.0)
+    assert deep.any() and (depth[deep] < 0.99 * plain[deep]).all()
+
+
+def test_what_no_table_has_under_a_punch_is_refused_by_name_before_anything_is_solved(tmp_path):
+    with raises_code("unsupported", "shape"):
+        looked(tmp_path, "bumped:5,2.91,1.24,0.34", 9.0, 15.0, punch="round:16")
+    with raises_code("not_tabulated", "punch"):
+        looked(tmp_path, "slab", 9.0, 15.0, punch="ball:20")
+    with raises_code("not_tabulated", "punch"):
+        looked(tmp_path, "slab", 30.0, 15.0, punch="round:20")
+
+
+def test_a_punch_from_a_file_of_the_project_is_read_from_its_folder(tmp_path):
+    (tmp_path / "tip.csv").write_text("r_mm,z_mm\n0,0\n3,0.5\n6,2\n8,5\n", encoding="utf-8")
+    with raises_code("not_tabulated", "punch"):
+        looked(tmp_path, "slab", 9.0, 15.0, punch="profile:tip.csv")
+    with raises_code("file_not_found", "punch_profile"):
+        looked(tmp_path, "slab", 9.0, 15.0, punch="profile:other.csv")
+
+
+@pytest.mark.parametrize(("punch", "half"), [("square:14", 7.0), ("round:20", 10.0), ("rectangle:20x10", 5.0)])
+def test_the_cross_section_shows_the_punch_that_presses(punch, half):
+    drawn = figures.section(read_shape(CROWN), 9.0, read_punch(punch))
+    outline = next(layer for layer in drawn.layers if layer.name == f"punch, {punch}")
+    assert np.isclose(np.abs(outline.x).max(), half) and outline.y.min() > 9.0
+
+
+def test_a_ball_over_the_pad_is_round():
+    drawn = figures.section(read_shape("slab"), 9.0, read_punch("ball:20"))
+    outline = next(layer for layer in drawn.layers if layer.name == "punch, ball:20")
+    low = outline.y - outline.y.min()
+    near = np.abs(outline.x) < 5.0
+    assert np.allclose(low[near], 10.0 - np.sqrt(100.0 - outline.x[near] ** 2), atol=0.02)
+
+
+def test_a_resin_of_the_user_that_changed_is_read_anew(tmp_path, monkeypatch):
+    """A library name, whose file lies in the user's folder: 25 kPa, then 40."""
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / "home"))
+    folder = tmp_path / "home" / "materials" / "resins"
+    folder.mkdir(parents=True)
+    text = find("materials/resins", "resin", "polyurethane-nagoya").path.read_text(encoding="utf-8")
+    own = folder / "mine.toml"
+    own.write_text(text.replace('name = "polyurethane-nagoya"', 'name = "mine"'), encoding="utf-8")
+    state = State("forefinger", resin="mine")
+    before = evaluator_of(tmp_path, state).problem.space.resin.young_MPa(15.0)
+    stiffer = "[modulus.young_ref_kPa]\nvalue = 40.0"
+    own.write_text(own.read_text(encoding="utf-8").replace("[modulus.young_ref_kPa]\nvalue = 25.0", stiffer), "utf-8")
+    after = evaluator_of(tmp_path, state).problem.space.resin.young_MPa(15.0)
+    assert after / before == pytest.approx(1.6, rel=1e-6)

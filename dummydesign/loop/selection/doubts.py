@@ -13,8 +13,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.library import toml_value
 from dummydesign.core.serialise import Serialised
+from dummydesign.core.user_library import toml_value
 from dummydesign.loop.data.trials import Presses, stack
 from dummydesign.loop.fitting.by_trial import UNDECLARED_HZ, Own, cutoffs, gains, of_pad, zeros
 from dummydesign.loop.fitting.fit import CampaignFit, fit_base

@@ -20,7 +20,7 @@ from dummydesign.loop.fitting.by_trial import UNDECLARED_HZ, Own, cutoffs, gains
 from dummydesign.loop.fitting.fit import CampaignFit, fit_base
 from dummydesign.loop.model.campaign_law import BEYOND, within_reach
 from dummydesign.measurement.campaign import Campaign, Trial, held_force
-from dummydesign.measurement.landmarks import approach_velocity
+from dummydesign.measurement.ramp_detection import approach_velocity
 
 ODD_Z, FITS_Z = 6.0, 4.0
 """Standard deviations from which a press is odd, and up to which another label fits it."""

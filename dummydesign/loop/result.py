@@ -15,6 +15,7 @@ from dummydesign.loop.next_measurement import NextMeasurement
 from dummydesign.loop.pad_scatter import pad_scatter
 from dummydesign.loop.prior import PooledFit
 from dummydesign.loop.selection.cross_validation import AssessedModel, effect_intervals, lack_of_fit
+from dummydesign.loop.selection.doubts import Doubt
 from dummydesign.loop.selection.explanations import Among, Explanation, residual_N
 from dummydesign.loop.selection.nonparametric_effect import NonparametricEffect
 from dummydesign.loop.selection.residuals import ResidualDiagnostics
@@ -50,6 +51,7 @@ class LoopResult(EffectModel):
     untested: dict[str, str]
     warnings: tuple[dict[str, str], ...]
     joined: PooledFit | None
+    doubts: tuple[Doubt, ...] = ()
 
 
 def result_dict(result: LoopResult) -> dict[str, Any]:
@@ -60,6 +62,7 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
     lack = lack_of_fit(ranking[0].fit).ratio if ranking else None
     return {
         "answer": answer_of(result),
+        "doubts": to_plain(result.doubts),
         "worth": [asdict(worth_of(result, effect)) for effect in effects],
         "base": result.base.to_dict(),
         "verdict": result.verdict,
@@ -177,7 +180,8 @@ def answer_of(result: LoopResult) -> list[str]:
         )
     # what the fit did not see comes first
     unseen = "".join(f"{one['message']}. " for one in result.warnings if one["code"] == "beyond_table")
-    lines = [unseen + first]
+    doubtful = f"Look at the sheet first: {'; '.join(one.text for one in result.doubts)}. " if result.doubts else ""
+    lines = [doubtful + unseen + first]
     if result.among is None or not doubted:
         lines += [_effect_text(result, one.candidate.effect, one.confounded_with) for one in result.effects]
     else:
@@ -214,6 +218,14 @@ def answer_of(result: LoopResult) -> list[str]:
 def answer_words(data: dict[str, Any]) -> str:
     """The answer's sentences in one text, without the next measurement."""
     return " ".join(text.strip() for text in data["answer"] if not text.startswith("Next:"))
+
+
+def read_as_words(data: dict[str, Any]) -> list[str]:
+    """Lines of ``campaign.toml`` that read presses in doubt as they look, and what to write if the sheet is right."""
+    if not data["doubts"]:
+        return []
+    lines = [line for one in data["doubts"] for line in one["read_as"].splitlines()]
+    return [*lines, "# where the sheet is right: confirmed = true in place of the last line"]
 
 
 def answer_rows(data: dict[str, Any]) -> tuple[list[str], list[list[str]]]:

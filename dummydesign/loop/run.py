@@ -28,6 +28,7 @@ from dummydesign.loop.pad_scatter import known_pads
 from dummydesign.loop.prior import PooledFit, check_prior, join, with_prior_effects
 from dummydesign.loop.result import EffectModel, LoopResult, listed, named
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
+from dummydesign.loop.selection.doubts import doubt_warnings, doubts_of, without_doubted
 from dummydesign.loop.selection.explanations import explain, one_shape
 from dummydesign.loop.selection.holdout_test import left_out_errors, predicts_worse
 from dummydesign.loop.selection.nonparametric_effect import can_be_learned, learn, learned_alone, learned_first
@@ -127,9 +128,15 @@ def close_loop(
         check_prior(prior, campaign)
     campaign = with_pad_factors(campaign, None if prior is None else prior.pad)
     law = law_of(campaign, progress)
-    campaign, presses, beyond = within_reach(campaign, make_presses(campaign), law)
+    declared, every = campaign, make_presses(campaign)
+    campaign, presses, beyond = within_reach(declared, every, law)
     with processor_budget(budget_s) as budget:
-        base = assess(fit_base(presses, law, 1e-3 * start_young_kPa(campaign), progress))
+        first = fit_base(presses, law, 1e-3 * start_young_kPa(campaign), progress)
+        progress("labels")
+        # a label that is wrong is no effect, and would be taken for one
+        doubts = doubts_of(declared, every, first)
+        campaign, presses, first = without_doubted(campaign, presses, first, doubts)
+        base = assess(first)
         available, untested = _available(presses, law)
         seen = diagnose(base.fit)
         explained = _explain(base, seen, available, progress)
@@ -152,7 +159,8 @@ def close_loop(
     following = _next(campaign, base, answer.effects, answer.selection.ranking, most)
     stopped = f"{budget_s:g} s of processor time" if budget.ran_out else ""
     better = _better_alone(answer.selection, after) if answer.among is None else ()
-    warnings = (*_warnings(campaign, presses, beyond, stopped, answer, joined), *better)
+    labels = doubt_warnings(doubts, presses)
+    warnings = (*labels, *_warnings(campaign, presses, beyond, stopped, answer, joined), *better)
     return LoopResult(
         **{**vars(answer), "after": after},
         campaign=campaign,
@@ -163,6 +171,7 @@ def close_loop(
         untested=untested,
         warnings=warnings,
         joined=joined,
+        doubts=doubts,
     )
 
 

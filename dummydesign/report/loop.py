@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.loop.result import LoopResult, answer_rows, answer_words, listed, named, result_dict
+from dummydesign.loop.result import LoopResult, answer_rows, answer_words, listed, named, read_as_words, result_dict
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, Series, press_plot
@@ -243,6 +243,7 @@ def write_loop_report(folder: Path, result: LoopResult) -> dict[str, str]:
     because = [f"{data['verdict'].capitalize()}: {reason}." for reason in data["residual"]["unexplained_because"]]
     sections = [
         Section("Answer", "\n\n".join(answer[1:])),
+        *_sheet(data),
         Section(
             "Effects",
             "\n\n".join([*because, *_effect_words(data)]),
@@ -273,6 +274,16 @@ def write_loop_report(folder: Path, result: LoopResult) -> dict[str, str]:
         sources=data["sources"],
         front=_front(title, data, presses, trial_plot(result, data)),
     )
+
+
+def _sheet(data: dict[str, Any]) -> Iterator[Section]:
+    """Labels in doubt, and the lines that read them as they look."""
+    if data["doubts"]:
+        rows = [[one["kind"], one["text"], f"{abs(one['z']):.1f}"] for one in data["doubts"]]
+        words = "Nothing is read otherwise before these lines are in campaign.toml:\n\n" + "\n\n".join(
+            read_as_words(data)
+        )
+        yield Section("Labels in doubt", words, table=Table(["kind", "what", "standard deviations"], rows))
 
 
 def _front(title: str, data: dict[str, Any], presses: list[Plot], trials: Plot) -> FrontPage:

@@ -43,16 +43,17 @@ def default_out(options: argparse.Namespace) -> str:
 
 def render(result: dict[str, Any]) -> str:
     """The answer in words, then error and parameters before and after."""
-    from dummydesign.loop.result import answer_rows, answer_words
+    from dummydesign.loop.result import answer_rows, answer_words, read_as_words
 
     head, body = answer_rows(result)
     rows = [
         f"  {row[0]:<20} " + " ".join(f"{cell:>9}" for cell in row[1:5]) + "".join(f"  {word}" for word in row[5:])
         for row in (head, *body)
     ]
-    coming = result["next_measurement"]
+    coming, read_as = result["next_measurement"], read_as_words(result)
     return screen(
         [*labelled("RESULT", answer_words(result), 9), ""],
+        [*(f"  {line}" for line in ("to read them so, in campaign.toml:", *read_as)), ""] if read_as else [],
         rows,
         [""],
         warning_block(result),

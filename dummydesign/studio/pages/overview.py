@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import shlex
+import shutil
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from html import escape
 from pathlib import Path
 
+import numpy as np
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import csv_text, write_text
+from dummydesign.core.user_library import data_folder
 from dummydesign.design.scoring.verdict import LEVELS, LIGHTS
 from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
@@ -59,7 +63,39 @@ def make_new(root: Path) -> None:
             make_project(root, **given())
             ui.navigate.to(address("/"))
 
-    widgets.button("Make the project", make, "make", main=True)
+    def example() -> None:
+        with widgets.problems_in(problem):
+            make_example(root)
+            ui.navigate.to(address("/"))
+
+    with ui.element("div").classes("links"):
+        widgets.button("Make the project", make, "make", main=True)
+        widgets.button("Open an example instead", example, "example")
+    html("<p>The example has presses of a forefinger and a pressed campaign, both simulated.</p>")
+
+
+EXAMPLE_SEED, NOISE_N, RATE_HZ = 1, 0.02, 1000.0
+
+
+def make_example(root: Path) -> None:
+    """Make a project to try all steps with: presses of the forefinger's aim, simulated, and a pressed campaign."""
+    from dummydesign.design.scoring.press_simulation import Sampling
+    from dummydesign.design.scoring.targets import make_targets
+    from dummydesign.tissue import load_tissue
+
+    make_project(root, "Example", tissue="forefinger")
+    sampling, draw = Sampling(400, 100, 400), np.random.default_rng(EXAMPLE_SEED)
+    for press in make_targets(load_tissue("forefinger"), "average", sampling).conditions:
+        moved = sampling.motion(press.velocity_mm_s, press.aim.depth_mm)
+        time_s = np.arange(-0.2, press.aim.time_s[-1], 1.0 / RATE_HZ)
+        way_mm = np.where(
+            time_s < 0, time_s * press.velocity_mm_s, np.interp(time_s, moved.time_s[0], moved.displacement_mm[0])
+        )
+        force_N = np.interp(time_s, press.aim.time_s, press.aim.curves_N[0], left=0.0)
+        rows = np.column_stack([time_s + 0.2, way_mm, force_N + draw.normal(0.0, NOISE_N, len(time_s))])
+        name = f"finger_v{press.velocity_mm_s:03.0f}_f{press.steady_force_N:02.0f}.csv"
+        write_text(root / "measured" / name, csv_text(("time_s", "displacement_mm", "force_N"), np.round(rows, 4)))
+    shutil.copytree(data_folder() / "examples" / "campaign", root / "campaigns" / "example")
 
 
 def show_status(project: Project, state: State, query: Mapping[str, str]) -> None:

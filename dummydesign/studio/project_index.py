@@ -248,6 +248,8 @@ class GaugeMark:
     """Where the thickness of a cast pad is gauged, and what it may be. [mm]"""
 
     name: str
+    x_mm: float
+    y_mm: float
     low_mm: float
     high_mm: float
 
@@ -293,7 +295,8 @@ def gauge_points(folder: Path) -> list[GaugeMark]:
     """Gauge points of a mould; empty where its specification cannot be read."""
     points = read_json(folder / "spec.json").get("gauge_points", [])
     with suppress(ValueError, KeyError, TypeError):
-        return [GaugeMark(str(one["name"]), float(one["low_mm"]), float(one["high_mm"])) for one in points]
+        keys = ("x_mm", "y_mm", "low_mm", "high_mm")
+        return [GaugeMark(str(one["name"]), *(float(one[key]) for key in keys)) for one in points]
     return []
 
 

@@ -60,8 +60,9 @@ class Slider:
         self, name: str, unit: str, low: float, high: float, step: float, value: float, moved: Callable[[], None]
     ) -> None:
         self.value, self._name, self._moved, self._written = value, name, moved, 0
-        self._box = ui.html("", sanitize=False).classes("slide")
-        self._beside = ui.label("").classes("beside")
+        with ui.element("div").classes("slider"):
+            self._box = ui.html("", sanitize=False).classes("slide")
+            self._beside = ui.label("").classes("beside")
         self._box.on("input", self._take, js_handler=SLIDE, throttle=THROTTLE_S)
         for event in ("change", "keydown"):
             self._box.on(event, self._take, js_handler=SLIDE)

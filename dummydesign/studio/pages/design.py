@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from nicegui import run, ui
@@ -59,37 +60,42 @@ class DesignPage:
         self.busy = self.setting = False
         self.lengths: dict[str, Slider] = {}
         self.kind_of_lengths: tuple[str, float] = ("", 0.0)
-        self.verdict = widgets.area("verdict", live=True).classes("sticky")
-        self.search = search.Search(project, lambda: self.state, self.take)
-        with ui.element("div").classes("two"):
+        with ui.element("div").classes("two instrument"):
+            choices = ui.element("div").classes("choices")
             with ui.element("div"):
-                self._controls()
-            with ui.element("div"):
+                self.verdict = widgets.area("verdict", live=True).classes("sticky")
+                found = widgets.area()
                 self.plots = html("").props('data-test="plots"').style("width:100%")
-                self.numbers = widgets.area("numbers")
-                self.solid = widgets.area("solid")
                 self.solved = search.SolvedPad(self.root, lambda: self.state, self._say)
-        html("<h2>This pad by the command line</h2>")
-        self.same = widgets.area("same")
-        html("<h2>Designs of this project</h2>")
-        search.DesignList(self.root, lambda: self.state)
+                self.numbers = widgets.area("numbers")
+                with widgets.fold("The pad as a solid, to turn"):
+                    self.solid = widgets.area("solid")
+                with widgets.fold("This pad by the command line"):
+                    self.same = widgets.area("same")
+                with widgets.fold("Designs of this project", "earlier"):
+                    search.DesignList(self.root, lambda: self.state)
+            with choices:
+                self.search = search.Search(project, lambda: self.state, self.take, found)
+                self._controls()
         self.stamp: object = None
         self.take(state)
         ui.timer(WATCH_S, self.watch)
 
     def _controls(self) -> None:
         """Build the controls, empty of what the state says."""
-        self.fields = {
-            name: ui.select({}, label=name.capitalize()).props(f'data-test="{name}"')
-            for name in ("tissue", "aim", "resin", "calibration")
-        }
-        self.punch = ui.input("Punch").props('data-test="punch"')
         kinds = {name: words for name, words in select_options.shapes().items() if name != "auto"}
-        self.kind = ui.select(kinds, label="Shape").props('data-test="kind"')
+        self.kind = widgets.select("Shape", kinds, self.state.kind, "kind")
         self.thickness = Slider("Thickness", "mm", 3.0, 30.0, 0.1, self.state.thickness_mm, self.moved)
         self.ratio = Slider("Ratio", "", self.state.ratio, self.state.ratio, 0.05, self.state.ratio, self.moved)
         self.length_box = ui.element("div").style("width:100%")
-        self.shape = ui.input("Shape with its lengths").props('data-test="shape"')
+        self.question = widgets.fold("", "question")
+        with self.question:
+            self.fields = {
+                name: widgets.select(name.capitalize(), {}, "", name)
+                for name in ("tissue", "aim", "resin", "calibration")
+            }
+            self.punch = ui.input("Punch").props('data-test="punch"')
+            self.shape = ui.input("Shape with its lengths").props('data-test="shape"')
         for typed in (self.punch, self.shape):
             typed.style("width:100%")
         for name, field in self.fields.items():
@@ -171,6 +177,8 @@ class DesignPage:
         for name, offered in known.items():
             value = getattr(state, name)
             self.fields[name].set_options(select_options.offered(offered, value, f"{value} (missing)"), value=value)
+        known = (state.tissue, state.aim, state.resin, Path(state.calibration).parent.name, state.punch)
+        self.question.set_text(f"Judged against {', '.join(name for name in known if name)}")
         self.kind.set_value(state.kind)
         self.punch.set_value(state.punch)
         self.shape.set_value(state.shape)
@@ -262,7 +270,8 @@ class DesignPage:
         inputs, targets = evaluator.problem, evaluator.problem.space.targets
         section = figures.section(shape, state.thickness_mm, inputs.punch)
         large = figures.plots_html([figures.steady(inputs.tissue, targets, pad), section])
-        small = figures.plots_html(figures.presses(targets, pad), small=True)
+        presses = figures.plots_html(figures.presses(targets, pad), small=True)
+        small = f'<div class="row-of-plots" tabindex="0" role="group" aria-label="the presses">{presses}</div>'
         rows = search.press_rows(condition_rows(pad.candidate, targets, shape))
         return PadView(evaluator, shape, pad, large + small, rows)
 

@@ -263,7 +263,8 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
     chosen = widgets.select("Mould it was cast in", known, before if before in known else first, "record-mould")
     others, gauged = widgets.Form("record", typed), widgets.Form("gauge", typed)
     with ui.element("div").classes("pair"):
-        map_of = html("")
+        with ui.element("div"):
+            map_of, button = html(""), ui.element("div")
         with ui.element("div"):
             points = widgets.fields()
             with widgets.fields():
@@ -296,10 +297,18 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
         marks = project_index.gauge_points(root / chosen.value)
         map_of.set_content(gauge_map(marks, mould.length_mm, mould.width_mm, gauged.kept()))
 
-    work = JobPanel(
-        root, "record", "Keep this record", words, show, ended=lambda job, mine: list_records(), needs="limits"
-    )
-    records = widgets.area()
+    found, records = widgets.area(), widgets.area()
+    with button:
+        work = JobPanel(
+            root,
+            "record",
+            "Keep this record",
+            words,
+            show,
+            ended=lambda job, mine: list_records(),
+            needs="limits",
+            found=found,
+        )
 
     def new_mould() -> None:
         gauged.fields.clear()

@@ -177,8 +177,8 @@ class DesignPage:
         for name, offered in known.items():
             value = getattr(state, name)
             self.fields[name].set_options(select_options.offered(offered, value, f"{value} (missing)"), value=value)
-        known = (state.tissue, state.aim, state.resin, Path(state.calibration).parent.name, state.punch)
-        self.question.set_text(f"Judged against {', '.join(name for name in known if name)}")
+        asked = (state.tissue, state.aim, state.resin, Path(state.calibration).parent.name, state.punch)
+        self.question.set_text(f"Judged against {', '.join(name for name in asked if name)}")
         self.kind.set_value(state.kind)
         self.punch.set_value(state.punch)
         self.shape.set_value(state.shape)

@@ -14,7 +14,7 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project, change_project, project_of
-from dummydesign.studio import figures, file_transfer, jobs, select_options, widgets
+from dummydesign.studio import figures, file_transfer, jobs, project_index, select_options, widgets
 from dummydesign.studio.file_actions import manage, undo_bar
 from dummydesign.studio.job_panel import JobPanel, Steps
 from dummydesign.studio.state import State, absolute, page_link
@@ -31,20 +31,20 @@ class TissuePage:
         self.root, self.query = project.root, query
         self._project, self._state = project, state
         self._own = {name: query[name] for name in OWN if name in query}
-        html("<p>The tissue that the dummy imitates. Its band is the range of the subjects that were measured.</p>")
-        self._chosen = ui.select({}, label="Tissue").props('data-test="tissue"')
         undo_bar(self.root)
-        widgets.button("Use it for this project", lambda: self.use(self.tissue), "use", main=True)
+        with widgets.fields():
+            self._chosen = widgets.select("Tissue that the dummy imitates", {}, "", "tissue")
+            with ui.element("div"):
+                widgets.button("Use it for this project", lambda: self.use(self.tissue), "use", main=True)
         self._problem, self._shown = widgets.area(), widgets.area()
         self._renew()
         self._chosen.on_value_change(self._choose_shown)
-        html("<h2>Fit a tissue to your own presses</h2>")
         if not select_options.traces(self.root):
-            html(f'<p class="note">No presses yet: {page_link("/measured", "bring in files")} first.</p>')
+            html(f'<p class="note">Your own tissue: {page_link("/measured", "bring in files")} of presses first.</p>')
             return
-        fit_panel(self)
-        html("<h2>Several people in one tissue</h2>")
-        with ui.expansion("Assign presses to people", value="people" in query).props('data-test="people"'):
+        with widgets.fold("Fit a tissue to your own presses", "fit", opened=True):
+            fit_panel(self)
+        with widgets.fold("Several people in one tissue: assign presses to them", "people", opened="people" in query):
             _People(self)
 
     @property
@@ -114,7 +114,6 @@ def _show_tissue(root: Path, name: str) -> None:
     from dummydesign.design.scoring.targets import make_targets
     from dummydesign.tissue import load_tissue
 
-    widgets.command_line(["tissues", "show", name])
     if name.endswith(".toml") and not (root / name).is_file():
         _tell_missing(name)
         return
@@ -125,16 +124,16 @@ def _show_tissue(root: Path, name: str) -> None:
         widgets.tell_problem(str(problem))
         return
     subjects = f"{len(tissue.subjects)} subject{'s' * (len(tissue.subjects) != 1)}"
-    html(f"<p><b>{escape(name)}</b>: {escape(tissue.title)}, {escape(subjects)}, law {escape(tissue.law)}</p>")
-    rows = parameter_rows(tissue.to_dict()["bands"], lambda one: one["kind"])
     with ui.element("div").classes("pair"):
         html(plot.html())
-        widgets.table(["parameter", "mean", "lowest", "highest", "kind"], rows)
+        with ui.element("div"):
+            html(f"<p><b>{escape(name)}</b>: {escape(tissue.title)}, {escape(subjects)}, law {escape(tissue.law)}</p>")
+            parameter_table(("mean", "lowest", "highest", "kind"), tissue.to_dict()["bands"], lambda one: one["kind"])
+            widgets.command_line(["tissues", "show", name])
     report = f"{name.removesuffix('.toml')}-report.html"
     if name.endswith(".toml") and (root / report).is_file():
         widgets.file_links([("report of the fit", report)])
-    for note in tissue.notes:
-        html(f"<p>{escape(note)}</p>")
+    html("".join(f'<p class="source">{escape(note)}</p>' for note in tissue.notes))
 
 
 SEPARATOR = "\n"
@@ -177,7 +176,15 @@ def fit_panel(page: TissuePage) -> None:
             page.choose(_tissue_of(job))
 
     work = JobPanel(
-        root, "fit", "Fit the tissue", words, lambda job: _show(page, job), belongs, ended, needs="parameters"
+        root,
+        "fit",
+        "Fit the tissue",
+        words,
+        lambda job: _show(page, job),
+        belongs,
+        ended,
+        needs="parameters",
+        main=False,
     )
 
     def renew() -> None:
@@ -217,8 +224,8 @@ def _show(page: TissuePage, job: jobs.Job) -> None:
     page.use_button(tissue)
     widgets.warnings(answer)
     show_curves(root, answer)
-    rows = parameter_rows(answer["parameters"], lambda one: "at bound" if one["at_bound"] else "")
-    widgets.table(["parameter", "value", "95 % low", "95 % high", ""], rows)
+    head = ("value", "95 % low", "95 % high", "")
+    parameter_table(head, answer["parameters"], lambda one: "at bound" if one["at_bound"] else "")
 
 
 def show_curves(root: Path, answer: Mapping[str, Any]) -> None:
@@ -233,13 +240,44 @@ def show_curves(root: Path, answer: Mapping[str, Any]) -> None:
         widgets.file_links([("report of the fit, with its residuals", report)])
 
 
-def parameter_rows(parameters: Mapping[str, Any], note_of: Callable[[Mapping[str, Any]], object]) -> list[list[object]]:
-    """Rows of a table of a tissue's parameters with a note each, dampers by speed."""
-    rows = []
+def parameter_table(
+    head: Sequence[str], parameters: Mapping[str, Any], note_of: Callable[[Mapping[str, Any]], object]
+) -> None:
+    """Show a tissue's parameters in words, with a note each; their symbols under the pointer."""
+    rows, symbols = [], []
+    arms = arm_names(parameters)
     for label, entry in parameters.items():
-        by_label = {label: entry} if "value" in entry else {f"{label} at {v} mm/s": one for v, one in entry.items()}
-        rows += [[key, one["value"], one["low"], one["high"], note_of(one)] for key, one in by_label.items()]
-    return rows
+        for speed, one in {"": entry}.items() if "value" in entry else entry.items():
+            words, unit = parameter_words(label, arms)
+            rows.append([f"{words} at {speed} mm/s" if speed else words, unit, one["value"], one["low"], one["high"]])
+            rows[-1].append(note_of(one))
+            symbols.append(label)
+    widgets.table(["of the law", "", *head], rows, symbols=symbols)
+
+
+ARM = re.compile(r"(gamma|c)([2-9])_")
+SPEEDS_OF_ARMS = {1: ("",), 2: ("fast", "slow"), 3: ("fast", "middle", "slow")}
+
+
+def arm_names(parameters: Mapping[str, Any]) -> dict[str, str]:
+    """Arms of a law by number, named by how fast they relax: damper over stiffness, at the first speed."""
+    values: dict[str, dict[str, float]] = {}
+    for label, entry in parameters.items():
+        if match := ARM.match(label):
+            one = entry if "value" in entry else next(iter(entry.values()))
+            values.setdefault(match[2], {})[match[1]] = float(one["value"])
+    order = sorted(values, key=lambda arm: values[arm].get("c", 0.0) / (values[arm].get("gamma") or 1.0))
+    return dict(zip(order, SPEEDS_OF_ARMS.get(len(order), tuple(f"{number}." for number in range(1, 9)))))
+
+
+def parameter_words(label: str, arms: Mapping[str, str]) -> tuple[str, str]:
+    """A parameter of the law in words, and its unit."""
+    words, unit = project_index.name_and_unit(label)
+    if match := ARM.match(label):
+        words = f"{arms[match[2]]} arm, {'stiffness' if match[1] == 'gamma' else 'damper'}".strip()
+    elif label.startswith("gamma1_"):
+        words = "steady stiffness"
+    return words, unit
 
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
@@ -281,6 +319,7 @@ class _People:
             needs="name",
             first=self._fits,
             check=self._check,
+            main=False,
         )
         widgets.on_change(self._renew, *self._fields.values(), self._name, self._elements, self._lowpass, self._replace)
 
@@ -365,14 +404,8 @@ class _People:
         widgets.warnings(answer)
         for fit in fits:
             widgets.tell_changes(self._root, fit["files"].get("manifest", ""), "Fit all again.")
-            panel = ui.expansion(f"{Path(fit['files']['tissue']).stem}: measured and fitted force")
-            panel.on_value_change(partial(self._open, panel, fit))
-
-    def _open(self, panel: ui.expansion, fit: Mapping[str, Any]) -> None:
-        panel.clear()
-        if panel.value:
-            with panel, widgets.area():
-                show_curves(self._root, fit)
+            words = f"{Path(fit['files']['tissue']).stem}: measured and fitted force"
+            widgets.fold(words, fill=partial(show_curves, self._root, fit))
 
     def _ended(self, job: jobs.Job, mine: bool) -> None:
         if mine and job.state == "done":

@@ -122,7 +122,7 @@ class JobPanel:
         if newest is not None and self.running:
             self._watched = newest.folder.name
             if newest.folder != self._usual[0]:
-                self._usual = newest.folder, jobs.usual_s(self.root, self.name)
+                self._usual = newest.folder, jobs.usual_s(self.name)
             self._status.set_text(jobs.progress_line(newest, self._usual[1]))
         as_chosen = answer is not None and same(answer, words)
         ours = newest and (newest.folder.name, newest.state, mine)

@@ -88,7 +88,7 @@ class DesignPage:
         self.thickness = Slider("Thickness", "mm", 3.0, 30.0, 0.1, self.state.thickness_mm, self.moved)
         self.ratio = Slider("Ratio", "", self.state.ratio, self.state.ratio, 0.05, self.state.ratio, self.moved)
         self.length_box = ui.element("div").style("width:100%")
-        self.question = widgets.fold("", "question")
+        self.question = widgets.fold("", "question", opened=bool(self.state.missing))
         with self.question:
             self.fields = {
                 name: widgets.select(name.capitalize(), {}, "", name)

@@ -36,7 +36,7 @@ class TissuePage:
             self._chosen = widgets.select("Tissue that the dummy imitates", {}, "", "tissue")
             with ui.element("div"):
                 widgets.button("Use it for this project", lambda: self.use(self.tissue), "use", main=True)
-        self._problem, self._shown = widgets.area(), widgets.area()
+        self._problem, self._shown = widgets.area(), widgets.area("tissue-shown")
         self._renew()
         self._chosen.on_value_change(self._choose_shown)
         if not select_options.traces(self.root):
@@ -272,12 +272,12 @@ def arm_names(parameters: Mapping[str, Any]) -> dict[str, str]:
 
 def parameter_words(label: str, arms: Mapping[str, str]) -> tuple[str, str]:
     """A parameter of the law in words, and its unit."""
-    words, unit = project_index.name_and_unit(label)
+    if label.startswith("gamma1_"):
+        return "steady stiffness", "N/mm³"
     if match := ARM.match(label):
-        words = f"{arms[match[2]]} arm, {'stiffness' if match[1] == 'gamma' else 'damper'}".strip()
-    elif label.startswith("gamma1_"):
-        words = "steady stiffness"
-    return words, unit
+        what, unit = ("stiffness", "N/mm³") if match[1] == "gamma" else ("damper", "N s/mm")
+        return f"{arms[match[2]]} arm, {what}".strip(), unit
+    return project_index.name_and_unit(label)
 
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")

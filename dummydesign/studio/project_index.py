@@ -8,10 +8,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import read_json
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
 from dummydesign.design.scoring.verdict import LIGHTS
@@ -23,6 +22,9 @@ from dummydesign.project.status import finished_manifest, things_in
 from dummydesign.studio import file_transfer, select_options
 from dummydesign.studio.jobs import changed_inputs
 from dummydesign.studio.state import State, design_state, design_summary
+
+if TYPE_CHECKING:
+    from dummydesign.mold.pour.acceptance import GaugePoint
 
 GROUPS = ("Pour", "Print or machine", "Draw", "Check", "More")
 PRESETS = {
@@ -243,17 +245,6 @@ class PadWithPresses:
     thickness_mm: float | None = None
 
 
-@dataclass(frozen=True)
-class GaugeMark:
-    """Where the thickness of a cast pad is gauged, and what it may be. [mm]"""
-
-    name: str
-    x_mm: float
-    y_mm: float
-    low_mm: float
-    high_mm: float
-
-
 def pads(root: Path, state: State) -> list[PadWithPresses]:
     """Every pad of the project with presses: those of the chosen campaign first, then others, then loose files."""
     own_first = sorted(select_options.campaigns(root), key=lambda name: name != state.campaign)
@@ -291,13 +282,13 @@ def records(root: Path, pad: PadWithPresses) -> list[str]:
     return own
 
 
-def gauge_points(folder: Path) -> list[GaugeMark]:
+def gauge_points(folder: Path) -> Sequence[GaugePoint]:
     """Gauge points of a mould; empty where its specification cannot be read."""
-    points = read_json(folder / "spec.json").get("gauge_points", [])
-    with suppress(ValueError, KeyError, TypeError):
-        keys = ("x_mm", "y_mm", "low_mm", "high_mm")
-        return [GaugeMark(str(one["name"]), *(float(one[key]) for key in keys)) for one in points]
-    return []
+    from dummydesign.mold.pour.record import read_points
+
+    with suppress(InputError):
+        return read_points(folder)
+    return ()
 
 
 def presses_text(presses: Sequence[object]) -> str:

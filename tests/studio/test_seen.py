@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
 
 from dummydesign.loop.calibration_file import write_calibration
@@ -71,13 +69,13 @@ def test_a_mould_is_shown_once_when_its_page_is_opened_again(page, studio):
 
 def test_a_record_is_shown_for_its_own_readings_alone_and_typed_ones_outlive_a_reload(page, studio):
     root = studio[1]
-    points = [{"name": "middle", "x_mm": 0.0, "y_mm": 0.0, "low_mm": 5.9, "high_mm": 6.1}]
-    (root / "moulds" / "mould_t6" / "spec.json").write_text(json.dumps({"gauge_points": points}), encoding="utf-8")
-    words = ["mold", "record", "moulds/mould_t6", "--thickness", "middle=6.02", "--mass", "112"]
-    limit = {"what": "thickness", "value": 6.02, "unit": "mm", "low": 5.9, "high": 6.1, "missed": False}
+    lab.gauged(root / "moulds" / "mould_t6", 6.0)
+    words = ["mold", "record", "moulds/mould_t6", "--thickness", "middle=6.02,corner1=6", "--mass", "112"]
+    limit = {"what": "thickness", "value": 6.02, "unit": "mm", "low": 5.82, "high": 6.18, "missed": False}
     lab.job(root, 1, "record", words, {"accepted": True, "missed": [], "limits": [limit]}, 0)
     gauge, mass, shown = f"input{by('gauge-middle')}", f"input{by('record-mass')}", f"{by('found-record')} .green"
     opened(page, studio, "cast?tissue=forefinger&shape=slab&thickness_mm=6&ratio=15")
+    page.locator(f"input{by('gauge-corner1')}").fill("6")
     page.locator(gauge).fill("6,02")
     page.locator(mass).fill("112")
     page.wait_for_selector(shown)

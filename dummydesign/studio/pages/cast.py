@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import nullcontext, suppress
+from contextlib import suppress
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
@@ -15,15 +15,17 @@ from dummydesign.core.files import read_json
 from dummydesign.core.parsing import QuantitySpec
 from dummydesign.person.drives import DRIVES, read_drive
 from dummydesign.project.folder import Project
-from dummydesign.project.status import things_in
 from dummydesign.report import on_person_facts as people
 from dummydesign.studio import file_transfer, project_index, select_options, widgets
 from dummydesign.studio.file_actions import DropList
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, changed_since, options
-from dummydesign.studio.project_index import GaugeMark, PadWithPresses
+from dummydesign.studio.project_index import PadWithPresses
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.widgets import NumberField, html
+
+if TYPE_CHECKING:
+    from dummydesign.mold.pour.acceptance import GaugePoint
 
 TABS = {"record": "1 Record what was cast", "compare": "2 Compare with the tissue", "people": "3 On people"}
 
@@ -73,7 +75,6 @@ class PressComparison:
                     self.replay_belongs,
                     needs="trials",
                 )
-            self._list_earlier()
         with people_place:
             self.people = PeopleOfPad(self)
         self.find_pads()
@@ -89,8 +90,7 @@ class PressComparison:
         first = project_index.nearest(self.pads, self.state)
         if dropped:
             first, before = next(one for one in self.pads if one.files[0].startswith(project_index.DROPPED)), None
-        kept = before if before in named else first.label if first else None
-        self.pad.set_options(named, value=kept)
+        self.pad.set_options(named, value=before if before in named else first.label if first else None)
         self.pad.set_enabled(bool(named))
         self.new_pad()
 
@@ -212,15 +212,6 @@ class PressComparison:
         widgets.warnings(answer)
         widgets.show_report(self.root, files, "report of the comparison")
 
-    def _list_earlier(self) -> None:
-        """Comparisons and presses on people in the folder, also those made on the terminal."""
-        earlier = [one for one in things_in(self.root, "designs") if one.command in ("compare", "on-person")]
-        with widgets.fold(f"{len(earlier)} earlier comparisons in this project") if earlier else nullcontext():
-            for one in reversed(earlier):
-                html(f"<p>{escape(select_options.file_line(one))}</p>")
-                if (self.root / one.folder / "report.html").is_file():
-                    widgets.file_links([(f"report of {one.folder}", f"{one.folder}/report.html")])
-
 
 def show_verdict(verdict: Mapping[str, Any]) -> None:
     """The verdict of an answer."""
@@ -327,7 +318,7 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
     others.on_change(renew)
 
 
-def gauge_map(marks: Sequence[GaugeMark], length_mm: float, width_mm: float, typed: Mapping[str, str]) -> str:
+def gauge_map(marks: Sequence[GaugePoint], length_mm: float, width_mm: float, typed: Mapping[str, str]) -> str:
     """The pad from above with its gauge points, numbered; green within the limits, red outside, empty before."""
     dots = ""
     for number, one in enumerate(marks, 1):

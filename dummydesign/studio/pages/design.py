@@ -43,14 +43,6 @@ class PadView:
     presses: Sequence[Sequence[object]]
 
 
-@dataclass(frozen=True)
-class Refusal:
-    """Why there is no pad of a state, and whether finite elements can solve it."""
-
-    problem: str
-    solvable: bool = False
-
-
 class DesignPage:
     """The page: one state, from which every control and every panel is drawn."""
 
@@ -254,19 +246,17 @@ class DesignPage:
         if number == self.wanted and view is not None:
             await self.settle(state, view, number)
 
-    def view_of(self, state: State) -> PadView | Refusal:
+    def view_of(self, state: State) -> PadView | InputError:
         """Press the pad of a state and draw it, apart from the page."""
         from dummydesign.design.suggestion import condition_rows
 
         try:
             evaluator, shape = sliders.evaluator_of(self.root, state), read_shape(state.shape)
             pad = evaluator.evaluate(shape, state.thickness_mm, state.ratio)
-        except NotTabulated as problem:
-            return Refusal(str(problem), solvable=not state.calibration)
         except InputError as problem:
-            return Refusal(str(problem))
+            return problem
         except Exception as problem:
-            return Refusal(f"this pad cannot be evaluated ({type(problem).__name__}: {problem})")
+            return InputError(f"this pad cannot be evaluated ({type(problem).__name__}: {problem})")
         inputs, targets = evaluator.problem, evaluator.problem.space.targets
         section = figures.section(shape, state.thickness_mm, inputs.punch)
         large = figures.plots_html([figures.steady(inputs.tissue, targets, pad), section])
@@ -275,37 +265,40 @@ class DesignPage:
         rows = search.press_rows(condition_rows(pad.candidate, targets, shape))
         return PadView(evaluator, shape, pad, large + small, rows)
 
-    def draw(self, state: State, view: PadView | Refusal) -> None:
+    def solvable(self, view: InputError) -> bool:
+        """Whether finite elements can solve a pad that no table holds."""
+        return isinstance(view, NotTabulated) and not self.state.calibration
+
+    def draw(self, state: State, view: PadView | InputError) -> None:
         """Draw a pad, or why there is none: what belongs to another pad goes."""
         for area in (self.numbers, self.solid, self.same):
             area.clear()
         self.solved.hide()
-        if isinstance(view, Refusal):
+        if isinstance(view, InputError):
             self.plots.set_content("")
-            self._say(state, "amber" if view.solvable else "red", view.problem, "refused")
+            self._say(state, "amber" if self.solvable(view) else "red", str(view), "refused")
             return
         self.plots.set_content(view.plots)
         self._say(state, view.pad.verdict.light, view.pad.verdict.text, "")
-        resin = view.evaluator.problem.space.resin
-        young = 1e3 * float(resin.young_MPa(state.ratio))
+        young = 1e3 * float(view.evaluator.problem.space.resin.young_MPa(state.ratio))
         with self.numbers:
             if (calibrated := view.evaluator.problem.calibrated) is not None:
                 widgets.warnings({"warnings": calibrated.warnings})
             widgets.table(search.PRESS_HEAD, view.presses, under=f"the {len(view.presses)} presses in numbers")
             self.ratio.say(f"modulus {young:.3g} kPa")
 
-    async def settle(self, state: State, view: PadView | Refusal, number: int) -> None:
+    async def settle(self, state: State, view: PadView | InputError, number: int) -> None:
         """After the last move: castings in the verdict, solid, command line, address, ends of the lengths."""
         keep_state(state)
         if (state.kind, state.thickness_mm) != self.kind_of_lengths:
             self._set_lengths()
         with self.same:
             widgets.command_lines(lambda: [self.pad_words()])
-        if isinstance(view, Refusal):
+        if isinstance(view, InputError):
             with self.numbers:
                 if state.kind != "slab":
                     widgets.button("Use lengths that fit", lambda: self.choose_kind(state.kind), "fit-lengths")
-            if view.solvable:
+            if self.solvable(view):
                 self.solved.offer()
             return
         verdict = await run.io_bound(self._verdict, state, view)
@@ -314,8 +307,9 @@ class DesignPage:
         self._say(state, *verdict[:2], "settled", verdict[2])
         with self.solid:
             size = f"{state.thickness_mm:g}"
-            title = f"solid of {state.shape}, {size} mm"
-            widgets.shown_file("/solid/pad", title, "shown solid", shape=state.shape, thickness=size)
+            widgets.shown_file(
+                "/solid/pad", f"solid of {state.shape}, {size} mm", "shown solid", shape=state.shape, thickness=size
+            )
 
     def _verdict(self, state: State, view: PadView) -> tuple[str, str, str]:
         """Light, sentence and source: the design of this pad where there is one, else an estimate by the table."""

@@ -72,14 +72,9 @@ def main(folder: Path, handed_on: int | None = None) -> int:
     lock.close()
     if awake is not None:
         awake.close()
-    if status in ANSWERED and not stopped:
+    if status in (0, 1) and not stopped:
         remember(asked.get("name", ""), ended["end"] - start)
     return status
-
-
-ANSWERED = (0, 1)
-"""Exit statuses of a command with an answer, acceptable or not."""
-MOST_TIMES = 5
 
 
 def times_file() -> Path:
@@ -90,7 +85,7 @@ def times_file() -> Path:
 def remember(name: str, seconds: float) -> None:
     """Keep how long a step took; where that cannot be written, the next time left is less sure, no more."""
     kept = read_json(times_file())
-    kept[name] = [*kept.get(name, []), round(seconds, 1)][-MOST_TIMES:]
+    kept[name] = [*kept.get(name, []), round(seconds, 1)][-5:]
     with suppress(InputError, OSError):
         times_file().parent.mkdir(parents=True, exist_ok=True)
         write_text(times_file(), json.dumps(kept))

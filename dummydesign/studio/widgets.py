@@ -305,7 +305,11 @@ def tabs(names: Mapping[str, str], first: str, turned: Callable[[str], object]) 
     """Add tabs, name to words, and return the place of each."""
     with ui.tabs(on_change=lambda event: turned(event.value)).props("no-caps align=left") as row:
         made = {name: ui.tab(name, words).props(f'data-test="tab-{name}"') for name, words in names.items()}
-    with ui.tab_panels(row, value=made[first], animated=False).props("keep-alive").style("width:100%"):
+    with (
+        ui.tab_panels(row, value=made.get(first, made[next(iter(made))]), animated=False)
+        .props("keep-alive")
+        .style("width:100%")
+    ):
         return {name: ui.tab_panel(name) for name in names}
 
 

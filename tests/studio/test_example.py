@@ -6,8 +6,7 @@ import pytest
 
 from dummydesign.measurement.campaign_status import check_campaign
 from dummydesign.measurement.trace import read_trace
-from dummydesign.project.folder import read_project
-from dummydesign.studio.pages.overview import make_example
+from dummydesign.project.folder import make_example, read_project
 from tests.support.studio import browser, running
 from tests.support.studio import test_id as by
 

@@ -71,8 +71,7 @@ class BringIn:
             }
             self.form = widgets.Form("bring")
             with widgets.fields():
-                resins = {"": "unknown", **select_options.resins()}
-                self.form.choice("resin", "Resin of the pads", resins, state.resin)
+                self.form.choice("resin", "Resin of the pads", {"": "unknown", **select_options.resins()}, state.resin)
                 for key, label in FIELDS.items():
                     self.form.text(key, label, start.get(key, ""))
             self.work = JobPanel(root, "fromfiles", "Make the campaign", self.words, self.done, self.belongs)
@@ -178,8 +177,11 @@ class CampaignPresses:
         )
         self.undone, self.held = widgets.area(), widgets.area()
         self.holder = widgets.area()
-        words = "Values of the presses: order, age, temperature, rest"
-        self.values = widgets.fold(words, "values", lambda: TrialTable(self.folder, self.renew))
+        self.values = widgets.fold(
+            "Values of the presses: order, age, temperature, rest",
+            "values",
+            lambda: TrialTable(self.folder, self.renew),
+        )
         self.change = widgets.area()
         links = [
             ("the sheet to press from", f"{self.campaign}/{name}")
@@ -241,8 +243,9 @@ class CampaignPresses:
             bar.run(self.show_held)
 
         with ui.element("div").classes("fields").props('data-test="held"'):
-            planned = incoming.presses_for(self.root, self.campaign, name)
-            pressed = ui.select(planned, label=f"{name} is the press").props('data-test="assign-to"')
+            pressed = ui.select(
+                incoming.presses_for(self.root, self.campaign, name), label=f"{name} is the press"
+            ).props('data-test="assign-to"')
             widgets.button("Assign", assign, "assign", f"assign {name}", main=True)
             widgets.button("Move to the bin", discard, "discard", f"move {name} to the bin")
 
@@ -441,11 +444,16 @@ class PlanForm:
         self.form = form = widgets.Form("replan" if replaced else "plan")
         with widgets.fields():
             if not replaced:
-                free = select_options.free_name(root, "campaigns", "first")
-                self.name = ui.input("Name", value=free).props('data-test="plan-name"')
+                self.name = ui.input("Name", value=select_options.free_name(root, "campaigns", "first")).props(
+                    'data-test="plan-name"'
+                )
                 self.name.on_value_change(self.renew)
-            sources = {one: one for one in ((MOULDED, TYPED) if known else (TYPED,))}
-            self.source = widgets.select("Pads are those of", sources, MOULDED if usual else TYPED, f"{name}-source")
+            self.source = widgets.select(
+                "Pads are those of",
+                {one: one for one in ((MOULDED, TYPED) if known else (TYPED,))},
+                MOULDED if usual else TYPED,
+                f"{name}-source",
+            )
         self.moulds = widgets.select_several("Moulds", known, usual, f"{name}-moulds")
         with widgets.fields() as self.typed:
             form.text("pads", "Pads, thickness [mm]", given["pads"])
@@ -459,8 +467,15 @@ class PlanForm:
             form.number("repeats", "Repeats", given["repeats"], 1, 9)
             form.text("ages", "Age of the pads on each day [days]", given["ages"])
             form.number("hold", "Hold [s]", given["hold"], 1, 600)
-        label = "Change the plan" if replaced else "Plan it"
-        self.work = JobPanel(root, name, label, self.words, self.show, self.belongs, needs="trials")
+        self.work = JobPanel(
+            root,
+            name,
+            "Change the plan" if replaced else "Plan it",
+            self.words,
+            self.show,
+            self.belongs,
+            needs="trials",
+        )
         form.on_change(self.renew)
         widgets.on_change(self.renew, self.source, self.moulds)
         self.renew()
@@ -480,8 +495,12 @@ class PlanForm:
             raise InputError("choose the moulds whose pads are pressed", "missing", "moulds")
         given |= {"moulds": moulds, "punch": self.punch, "repeats": int(given["repeats"])}
         folder = self.replaced or f"campaigns/{file_transfer.plain_name((self.name.value or '').strip())}"
-        typed = incoming.plan_options(given) | {"replace": bool(self.replaced)}
-        return ["campaign", "new", folder, *jobs.options(typed)]
+        return [
+            "campaign",
+            "new",
+            folder,
+            *jobs.options(incoming.plan_options(given) | {"replace": bool(self.replaced)}),
+        ]
 
     def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job made the plan that is chosen, and it is still there."""

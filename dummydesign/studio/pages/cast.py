@@ -33,9 +33,8 @@ TABS = {"record": "1 Record what was cast", "compare": "2 Compare with the tissu
 def show_cast_pad(project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page."""
     kept = widgets.Kept(state, **{name: text for name, text in query.items() if name.startswith(TYPED)})
-    first = kept.own.get(TAB, "")
-    first = first if first in TABS else "record" if project_index.moulds(project.root) else "compare"
-    places = widgets.tabs(TABS, first, lambda name: kept.keep(**{TAB: name}))
+    usual = "record" if project_index.moulds(project.root) else "compare"
+    places = widgets.tabs(TABS, kept.own.get(TAB, usual), lambda name: kept.keep(**{TAB: name}))
     comparison = PressComparison(project.root, kept, places["compare"], places["people"])
     with places["record"]:
         record_form(project.root, kept, comparison.find_pads)
@@ -64,8 +63,9 @@ class PressComparison:
                 )
             self.model = widgets.fold("By the calibration: what the model says of these presses", "model")
             with self.model:
-                known = select_options.calibrations(root)
-                self.calibration = widgets.select("Calibration", known, state.calibration, "calibration")
+                self.calibration = widgets.select(
+                    "Calibration", select_options.calibrations(root), state.calibration, "calibration"
+                )
                 self.replay = JobPanel(
                     root,
                     "replay",
@@ -112,8 +112,10 @@ class PressComparison:
         self.files.set_options(names, value=list(names))
         self.files.set_enabled(bool(names))
         records = project_index.records(self.root, pad) if pad else []
-        kept = self.record.value if self.record.value in records else ""
-        self.record.set_options({"": "none"} | {one: one for one in records}, value=kept)
+        self.record.set_options(
+            {"": "none"} | {one: one for one in records},
+            value=self.record.value if self.record.value in records else "",
+        )
         self.model.set_visibility(bool(pad and pad.campaign))
         self.people.tell_pad(f"Presses of {pad.label}, against {self.tissue.value}." if pad else "No presses yet.")
         self.renew_lines()
@@ -265,9 +267,15 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
 
     def words() -> list[str]:
         thickness = gauged.filled(**{name: f"thickness at {name}" for name in gauged.fields})
-        values = others.filled(mass="the mass of the trimmed pad")
-        readings = ",".join(f"{name}={value:g}" for name, value in thickness.items())
-        return ["mold", "record", chosen.value, *options({"thickness": readings} | values)]
+        return [
+            "mold",
+            "record",
+            chosen.value,
+            *options(
+                {"thickness": ",".join(f"{name}={value:g}" for name, value in thickness.items())}
+                | others.filled(mass="the mass of the trimmed pad")
+            ),
+        ]
 
     def show(job: Job) -> None:
         show_record(job.answer)
@@ -285,8 +293,9 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
 
     def draw_map() -> None:
         mould = next(one for one in moulds if one.folder == chosen.value)
-        marks = project_index.gauge_points(root / chosen.value)
-        map_of.set_content(gauge_map(marks, mould.length_mm, mould.width_mm, gauged.kept()))
+        map_of.set_content(
+            gauge_map(project_index.gauge_points(root / chosen.value), mould.length_mm, mould.width_mm, gauged.kept())
+        )
 
     found, records = widgets.area(), widgets.area()
     with button:
@@ -305,8 +314,9 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
         gauged.fields.clear()
         with widgets.fresh(points):
             for number, one in enumerate(project_index.gauge_points(root / chosen.value), 1):
-                allowed = f"{one.low_mm:.2f} to {one.high_mm:.2f} mm"
-                gauged.number(one.name, f"{number} Thickness, {one.name} [mm]", hint=allowed)
+                gauged.number(
+                    one.name, f"{number} Thickness, {one.name} [mm]", hint=f"{one.low_mm:.2f} to {one.high_mm:.2f} mm"
+                )
                 gauged.fields[one.name].on_value_change(renew)
         draw_map()
         list_records()
@@ -438,8 +448,7 @@ class PeopleOfPad:
         self.work.renew()
 
     def _known_limits(self) -> dict[str, str]:
-        paths = sorted((self.root / LIMITS).glob("*.toml"))
-        return {"": "none"} | {path.relative_to(self.root).as_posix(): path.stem for path in paths}
+        return {"": "none"} | {f"{LIMITS}/{one.name}": one.stem for one in sorted((self.root / LIMITS).glob("*.toml"))}
 
     def _find_limits(self) -> None:
         known = self._known_limits()

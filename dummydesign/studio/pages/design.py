@@ -258,12 +258,14 @@ class DesignPage:
         except Exception as problem:
             return InputError(f"this pad cannot be evaluated ({type(problem).__name__}: {problem})")
         inputs, targets = evaluator.problem, evaluator.problem.space.targets
-        section = figures.section(shape, state.thickness_mm, inputs.punch)
-        large = figures.plots_html([figures.steady(inputs.tissue, targets, pad), section])
+        large = figures.plots_html(
+            [figures.steady(inputs.tissue, targets, pad), figures.section(shape, state.thickness_mm, inputs.punch)]
+        )
         presses = figures.plots_html(figures.presses(targets, pad), small=True)
         small = f'<div class="row-of-plots" tabindex="0" role="group" aria-label="the presses">{presses}</div>'
-        rows = search.press_rows(condition_rows(pad.candidate, targets, shape))
-        return PadView(evaluator, shape, pad, large + small, rows)
+        return PadView(
+            evaluator, shape, pad, large + small, search.press_rows(condition_rows(pad.candidate, targets, shape))
+        )
 
     def solvable(self, view: InputError) -> bool:
         """Whether finite elements can solve a pad that no table holds."""

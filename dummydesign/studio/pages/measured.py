@@ -135,8 +135,11 @@ class MeasuredPage:
             raise InputError("Choose a file to read.", "missing", "file")
         names = list(self._chosen.value)
         stem = names[0].rpartition(".")[0] if len(names) == 1 else "all"
-        given = self._open.values() | {"out": f"measured/import-{stem}"}
-        return ["import", *(f"measured/{name}" for name in names), *jobs.options(given)]
+        return [
+            "import",
+            *(f"measured/{name}" for name in names),
+            *jobs.options(self._open.values() | {"out": f"measured/import-{stem}"}),
+        ]
 
     def _belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job read the chosen files, and its presses are still there."""
@@ -170,8 +173,9 @@ class MeasuredPage:
             if folders:
                 html("<h2>Presses that were read</h2>")
             for path in folders:
-                words = f"{path.name}: {presses_text(list(path.glob('*.csv')))}"
-                widgets.fold(words, "import", partial(self._open_import, path))
+                widgets.fold(
+                    f"{path.name}: {presses_text(list(path.glob('*.csv')))}", "import", partial(self._open_import, path)
+                )
 
     def _open_import(self, path: Path) -> None:
         inner = f"measured/{path.name}"
@@ -194,8 +198,12 @@ class MeasuredPage:
         widgets.table(head, [[trace[key] for key in keys] for _, trace in traces])
         made = [(Path(one["source"]).name, each) for one in files for each in one["decisions"]]
         rows = [[name, one["what"], str(one["value"]), one["why"]] for name, one in made]
-        under = f"how {len(rows)} things were decided, and why"
-        widgets.table(["file", "decided", "value", "because"], rows, words=True, under=under)
+        widgets.table(
+            ["file", "decided", "value", "because"],
+            rows,
+            words=True,
+            under=f"how {len(rows)} things were decided, and why",
+        )
         if answer.get("preview") and (self._root / answer["preview"]).is_file():
             widgets.shown_file(f"/files/{answer['preview']}", "preview of the presses")
 

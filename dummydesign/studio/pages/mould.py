@@ -204,10 +204,10 @@ def _part_table(rows: Sequence[tuple[str, str]], folder: str) -> str:
         part, _, kind = words.removeprefix("Drawing of the ").removeprefix("Picture of the ").partition(", ")
         part, kind = part.capitalize(), kind or name.rpartition(".")[2].upper()
         by_part.setdefault(part, []).append((kind, f"{folder}/{name}"))
-    lines = ""
-    for part, files in by_part.items():
-        links = " ".join(widgets.file_link(*one) for one in files)
-        lines += f"<tr><th scope=row>{escape(part)}</th><td>{links}</td></tr>"
+    lines = "".join(
+        f"<tr><th scope=row>{escape(part)}</th><td>{' '.join(widgets.file_link(*one) for one in files)}</td></tr>"
+        for part, files in by_part.items()
+    )
     return f'<table class="files" data-test="parts"><tbody>{lines}</tbody></table>'
 
 

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import shlex
-import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from html import escape
 from pathlib import Path
 
-import numpy as np
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import csv_text, write_text
-from dummydesign.core.user_library import data_folder
 from dummydesign.design.scoring.verdict import LEVELS, LIGHTS
 from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.project.folder import Project, make_project
+from dummydesign.project.folder import Project, make_example, make_project
 from dummydesign.project.status import STANDARD_RESIN, ProjectStatus, pads_of, status_of
 from dummydesign.studio import figures, jobs, project_index, select_options, widgets
 from dummydesign.studio.file_actions import deleted_files
@@ -41,20 +37,21 @@ def make_new(root: Path) -> None:
         "<p>A project folder keeps everything about one dummy: what was measured, the tissue, designs, moulds, "
         "campaigns and what was learned. The files in it are all there is; this page keeps nothing.</p>"
     )
-    with ui.element("div").classes("fields"):
-        name = ui.input("Name", value=root.name).props('data-test="name"')
-        tissue = widgets.select("Tissue", {"": "decide later", **select_options.tissues(root)}, "", "tissue")
-        resin = widgets.select("Resin", select_options.resins(), STANDARD_RESIN)
+    form = widgets.Form("new")
+    with widgets.fields():
+        form.add("name", ui.input("Name", value=root.name), "name")
+        form.add("tissue", widgets.select("Tissue", {"": "decide later", **select_options.tissues(root)}, ""), "tissue")
+        form.choice("resin", "Resin", select_options.resins(), STANDARD_RESIN)
     line = widgets.area()
 
     def given() -> dict[str, str | None]:
-        return {"name": name.value or None, "tissue": tissue.value or None, "resin": resin.value or None}
+        return {name: text or None for name, text in form.kept().items()}
 
     def renew() -> None:
         with widgets.fresh(line):
             widgets.command_line(["init", ".", *jobs.options(given())])
 
-    widgets.on_change(renew, name, tissue, resin)
+    form.on_change(renew)
     renew()
     problem = ui.element("div")
 
@@ -74,30 +71,6 @@ def make_new(root: Path) -> None:
     html("<p>The example has presses of a forefinger and a pressed campaign, both simulated.</p>")
 
 
-EXAMPLE_SEED, NOISE_N, RATE_HZ = 1, 0.02, 1000.0
-
-
-def make_example(root: Path) -> None:
-    """Make a project to try all steps with: presses of the forefinger's aim, simulated, and a pressed campaign."""
-    from dummydesign.design.scoring.press_simulation import Sampling
-    from dummydesign.design.scoring.targets import make_targets
-    from dummydesign.tissue import load_tissue
-
-    make_project(root, "Example", tissue="forefinger")
-    sampling, draw = Sampling(400, 100, 400), np.random.default_rng(EXAMPLE_SEED)
-    for press in make_targets(load_tissue("forefinger"), "average", sampling).conditions:
-        moved = sampling.motion(press.velocity_mm_s, press.aim.depth_mm)
-        time_s = np.arange(-0.2, press.aim.time_s[-1], 1.0 / RATE_HZ)
-        way_mm = np.where(
-            time_s < 0, time_s * press.velocity_mm_s, np.interp(time_s, moved.time_s[0], moved.displacement_mm[0])
-        )
-        force_N = np.interp(time_s, press.aim.time_s, press.aim.curves_N[0], left=0.0)
-        rows = np.column_stack([time_s + 0.2, way_mm, force_N + draw.normal(0.0, NOISE_N, len(time_s))])
-        name = f"finger_v{press.velocity_mm_s:03.0f}_f{press.steady_force_N:02.0f}.csv"
-        write_text(root / "measured" / name, csv_text(("time_s", "displacement_mm", "force_N"), np.round(rows, 4)))
-    shutil.copytree(data_folder() / "examples" / "campaign", root / "campaigns" / "example")
-
-
 def show_status(project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page of a project."""
     status = status_of(project)
@@ -115,25 +88,32 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
             _show_newest(project.root, status, state)
     for problem in status.problems:
         widgets.tell_problem(problem)
-    links, cards, reports = links_of(project.root, status, state), "", []
+    links, cards = links_of(project.root, status, state), ""
     for room, (path, words) in ROOMS.items():
-        lines = [links.get(one.folder) or escape(select_options.file_line(one)) for one in reversed(status.files[room])]
-        more = f"<details><summary>{len(lines) - 8} more</summary><ul>{_list(lines[8:])}</ul></details>"
-        listed = f"<ul>{_list(lines[:8])}</ul>{more if lines[8:] else ''}" if lines else "<p>none yet</p>"
+        lines = [
+            f"<li>{links.get(one.folder) or escape(select_options.file_line(one))}</li>"
+            for one in reversed(status.files[room])
+        ]
+        more = f"<details><summary>{len(lines) - 8} more</summary><ul>{''.join(lines[8:])}</ul></details>"
+        listed = f"<ul>{''.join(lines[:8])}</ul>{more if lines[8:] else ''}" if lines else "<p>none yet</p>"
         cards += f"<div><h2>{page_link(path, words)}</h2>{listed}</div>"
     html(f'<div class="cards">{cards}</div>')
-    for one in (*status.files["designs"], *status.files["calibrations"]):
-        if (project.root / one.folder / "report.html").is_file():
-            reports.append((f"{one.folder.partition('/')[2]}: report", f"{one.folder}/report.html"))
+    reports = [
+        (f"{one.folder.partition('/')[2]}: report", f"{one.folder}/report.html")
+        for one in (*status.files["designs"], *status.files["calibrations"])
+        if (project.root / one.folder / "report.html").is_file()
+    ]
     if reports:
         html("<h2>Reports</h2>")
         widgets.file_links(reports)
-    with ui.expansion("Deleted").props('data-test="bin"'):
+    with widgets.fold("Deleted", "bin"):
         deleted_files(project.root)
-    with ui.expansion("What was run"):
-        rows = ""
-        for job in reversed(jobs.all_jobs(project.root)[-12:]):
-            rows += f"<li>{_ended(job)}, {job.seconds:.0f} s: <code>{escape(job.begun)}</code></li>"
+    with widgets.fold("What was run"):
+        rows = "".join(
+            f"<li>{'answer not acceptable' if job.state == 'failed' and job.answer else job.state}, {job.seconds:.0f} s: "
+            f"<code>{escape(job.begun)}</code></li>"
+            for job in reversed(jobs.all_jobs(project.root)[-12:])
+        )
         html(f"<ul>{rows}</ul>" if rows else "<p>nothing yet</p>")
 
 
@@ -175,15 +155,15 @@ def _show_newest(root: Path, status: ProjectStatus, state: State) -> None:
     if not designs:
         return
     newest, summary = state.changed(**design_state(root, designs[-1].folder)), designs[-1].summary or {}
-    light = LIGHTS.get(str(summary.get("verdict")), "amber")
-    widgets.tell_verdict(light, str(summary.get("text", "")), label=newest.label, test="newest")
+    widgets.tell_verdict(
+        LIGHTS.get(str(summary.get("verdict")), "amber"),
+        str(summary.get("text", "")),
+        label=newest.label,
+        test="newest",
+    )
     with suppress(InputError):
         plot = figures.section(read_shape(newest.shape), newest.thickness_mm, read_punch(newest.punch))
         html(f'<div class="plots">{plot.html()}</div>')
-
-
-def _list(lines: Sequence[str]) -> str:
-    return "".join(f"<li>{line}</li>" for line in lines)
 
 
 def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:
@@ -208,7 +188,3 @@ def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:
         for folder, (path, of) in states.items()
         if folder in known
     }
-
-
-def _ended(job: jobs.Job) -> str:
-    return "answer not acceptable" if job.state == "failed" and job.answer else job.state

@@ -43,13 +43,18 @@ class PuckPage:
         bases = {"": "default: the batch itself, else polyurethane-nagoya", **select_options.resins()}
         base = start.get("base", "")
         name = start.get("name") or select_options.free_library_name("resin", "my-batch")
-        self._form = form = widgets.Form("puck")
+        self._form = form = widgets.Form(
+            "puck", {name: start[name] for name in ("diameter", "height", "mixed") if name in start}
+        )
         with widgets.fields():
-            presses = select_options.offered(known, first, f"{first} (missing)")
-            form.add("puck", widgets.select("Press of the puck", presses, first), "puck")
-            form.number("diameter", "Diameter [mm]", _number(start.get("diameter")), *SIZES_MM)
-            form.number("height", "Height [mm]", _number(start.get("height")), *SIZES_MM)
-            form.number("mixed", "Mixing ratio", _number(start.get("mixed")) or state.ratio)
+            form.add(
+                "puck",
+                widgets.select("Press of the puck", select_options.offered(known, first, f"{first} (missing)"), first),
+                "puck",
+            )
+            form.number("diameter", "Diameter [mm]", None, *SIZES_MM)
+            form.number("height", "Height [mm]", None, *SIZES_MM)
+            form.number("mixed", "Mixing ratio", state.ratio)
             form.text("name", "Name of the batch", name)
             form.choice("base", "Resin whose law is updated", bases, base if base in bases else "")
         self._work = JobPanel(
@@ -178,10 +183,3 @@ def _last(root: Path) -> dict[str, str]:
     given = dict(zip(job.words[3::2], job.words[4::2]))
     names = {"--diameter": "diameter", "--height": "height", "--ratio": "mixed", "--name": "name", "--resin": "base"}
     return {"puck": job.words[2]} | {name: given[word] for word, name in names.items() if word in given}
-
-
-def _number(text: str | None) -> float | None:
-    try:
-        return widgets.number_of(text or "", "")
-    except InputError:
-        return None

@@ -109,8 +109,9 @@ class Search:
         """The search as a command."""
         state = self.state()
         stem = state.tissue.rpartition("/")[2].removesuffix(".toml")
-        given = {**state.question, "shape": self.kinds.value}
-        return jobs.suggest(given, f"suggest-{stem}{'-calibrated' if state.calibration else ''}")
+        return jobs.suggest(
+            {**state.question, "shape": self.kinds.value}, f"suggest-{stem}{'-calibrated' if state.calibration else ''}"
+        )
 
     def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a search was for what is chosen."""
@@ -173,7 +174,6 @@ class DesignList:
 
     def __init__(self, root: Path, state: Callable[[], State]) -> None:
         self.root, self.state = root, state
-        self.seen: list[str] | None = None
         self.stamps: list[tuple[Path, int]] | None = None
         self.box = widgets.area("designs")
         self.chosen = widgets.select_several("Designs to compare", {}, [], "to-compare")
@@ -198,10 +198,6 @@ class DesignList:
             return
         self.stamps = stamps
         designs = [one for one in things_in(root, "designs") if is_design(one) and design_state(root, one.folder)]
-        names = [f"{one.folder} {one.date}" for one in designs]
-        if names == self.seen:
-            return
-        self.seen = names
         with widgets.fresh(self.box):
             if not designs:
                 html("<p>none yet</p>")

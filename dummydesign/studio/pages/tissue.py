@@ -19,6 +19,7 @@ from dummydesign.studio.file_actions import manage, undo_bar
 from dummydesign.studio.job_panel import JobPanel, Steps
 from dummydesign.studio.state import State, absolute, page_link
 from dummydesign.studio.widgets import html, keep_state, open_page
+from dummydesign.tissue.model.parameters import arm_names, parameter_words
 
 OWN = ("presses", "name", "touched", "people", "group")
 """Choices of this page in the address."""
@@ -80,8 +81,9 @@ class TissuePage:
                 _tell_missing(tissue)
             return
         after = self._state if tissue == self.tissue else self._state.changed(tissue=tissue, aim="average")
-        aim = None if after.aim == "average" else after.aim
-        change_project(project_of(self.root) or self._project, tissue=tissue, aim=aim)
+        change_project(
+            project_of(self.root) or self._project, tissue=tissue, aim=None if after.aim == "average" else after.aim
+        )
         open_page("/design", after)
 
     def use_button(self, tissue: str) -> None:
@@ -224,8 +226,9 @@ def _show(page: TissuePage, job: jobs.Job) -> None:
     page.use_button(tissue)
     widgets.warnings(answer)
     show_curves(root, answer)
-    head = ("value", "95 % low", "95 % high", "")
-    parameter_table(head, answer["parameters"], lambda one: "at bound" if one["at_bound"] else "")
+    parameter_table(
+        ("value", "95 % low", "95 % high", ""), answer["parameters"], lambda one: "at bound" if one["at_bound"] else ""
+    )
 
 
 def show_curves(root: Path, answer: Mapping[str, Any]) -> None:
@@ -244,40 +247,14 @@ def parameter_table(
     head: Sequence[str], parameters: Mapping[str, Any], note_of: Callable[[Mapping[str, Any]], object]
 ) -> None:
     """Show a tissue's parameters in words, with a note each; their symbols under the pointer."""
-    rows, symbols = [], []
-    arms = arm_names(parameters)
+    rows, symbols, arms = [], [], arm_names(parameters)
     for label, entry in parameters.items():
         for speed, one in {"": entry}.items() if "value" in entry else entry.items():
-            words, unit = parameter_words(label, arms)
+            words, unit = parameter_words(label, arms) or project_index.name_and_unit(label)
             rows.append([f"{words} at {speed} mm/s" if speed else words, unit, one["value"], one["low"], one["high"]])
             rows[-1].append(note_of(one))
             symbols.append(label)
     widgets.table(["of the law", "", *head], rows, symbols=symbols)
-
-
-ARM = re.compile(r"(gamma|c)([2-9])_")
-SPEEDS_OF_ARMS = {1: ("",), 2: ("fast", "slow"), 3: ("fast", "middle", "slow")}
-
-
-def arm_names(parameters: Mapping[str, Any]) -> dict[str, str]:
-    """Arms of a law by number, named by how fast they relax: damper over stiffness, at the first speed."""
-    values: dict[str, dict[str, float]] = {}
-    for label, entry in parameters.items():
-        if match := ARM.match(label):
-            one = entry if "value" in entry else next(iter(entry.values()))
-            values.setdefault(match[2], {})[match[1]] = float(one["value"])
-    order = sorted(values, key=lambda arm: values[arm].get("c", 0.0) / (values[arm].get("gamma") or 1.0))
-    return dict(zip(order, SPEEDS_OF_ARMS.get(len(order), tuple(f"{number}." for number in range(1, 9)))))
-
-
-def parameter_words(label: str, arms: Mapping[str, str]) -> tuple[str, str]:
-    """A parameter of the law in words, and its unit."""
-    if label.startswith("gamma1_"):
-        return "steady stiffness", "N/mm³"
-    if match := ARM.match(label):
-        what, unit = ("stiffness", "N/mm³") if match[1] == "gamma" else ("damper", "N s/mm")
-        return f"{arms[match[2]]} arm, {what}".strip(), unit
-    return project_index.name_and_unit(label)
 
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
@@ -378,8 +355,8 @@ class _People:
         if query.get("people"):
             rows = (line.partition("\t") for line in query["people"].split("\n"))
             return {path: person for path, _, person in rows}, query.get("group", "")
-        every = reversed(jobs.all_jobs(self._root, "people"))
-        last = next((job for job in every if job.words[:3] == ("tissues", "add", self._page.tissue)), None)
+        made = ("tissues", "add", self._page.tissue)
+        last = next((job for job in reversed(jobs.all_jobs(self._root, "people")) if job.words[:3] == made), None)
         if last is None:
             return {}, select_options.free_library_name("tissue", "people")
         persons: dict[str, str] = {}
@@ -404,8 +381,10 @@ class _People:
         widgets.warnings(answer)
         for fit in fits:
             widgets.tell_changes(self._root, fit["files"].get("manifest", ""), "Fit all again.")
-            words = f"{Path(fit['files']['tissue']).stem}: measured and fitted force"
-            widgets.fold(words, fill=partial(show_curves, self._root, fit))
+            widgets.fold(
+                f"{Path(fit['files']['tissue']).stem}: measured and fitted force",
+                fill=partial(show_curves, self._root, fit),
+            )
 
     def _ended(self, job: jobs.Job, mine: bool) -> None:
         if mine and job.state == "done":

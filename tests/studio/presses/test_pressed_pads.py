@@ -119,4 +119,4 @@ def test_gauge_points_are_those_of_the_mould_by_name(project):
     ]
     (folder / "spec.json").write_text(json.dumps({"gauge_points": points}), encoding="utf-8")
     assert [(one.name, one.low_mm, one.high_mm) for one in pressed_pads.gauge_points(folder)] == [("tip", 4.37, 4.64)]
-    assert pressed_pads.gauge_points(project.root) == []
+    assert list(pressed_pads.gauge_points(project.root)) == []

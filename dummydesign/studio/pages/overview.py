@@ -110,8 +110,8 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
         deleted_files(project.root)
     with widgets.fold("What was run"):
         rows = "".join(
-            f"<li>{'answer not acceptable' if job.state == 'failed' and job.answer else job.state}, {job.seconds:.0f} s: "
-            f"<code>{escape(job.begun)}</code></li>"
+            f"<li>{'answer not acceptable' if job.state == 'failed' and job.answer else job.state}, "
+            f"{job.seconds:.0f} s: <code>{escape(job.begun)}</code></li>"
             for job in reversed(jobs.all_jobs(project.root)[-12:])
         )
         html(f"<ul>{rows}</ul>" if rows else "<p>nothing yet</p>")

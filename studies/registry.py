@@ -165,7 +165,7 @@ STUDIES = (
     ),
     Study("data_files", "", ("docs/data/README.md",), "list of the data files and where each is from", "1 s"),
     Study("verification", "", ("VERIFICATION.md",), "checks of the pad model against closed forms"),
-    Study("ways", "", ("docs/architecture.md",), "ways of design, campaign and slider", "1 min"),
+    Study("call_traces", "", ("docs/architecture.md",), "ways of design, campaign and slider", "1 min"),
     Study("errors", "", ("docs/errors.md",), "list of error codes", "1 s"),
     Study("front_picture", "", ("docs/images/pad-and-force.png",), "picture of the README", "1 min"),
     Study("loop_figure", "", ("docs/images/loop.svg",), "the loop on one simulated campaign", "30 s"),

@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 
 import pytest
-from tests.mold.test_job import CHILD
 
 from dummydesign import cli
 from dummydesign.mold import client
+from tests.mold.test_batch import CHILD
 
 PLAN = [
     "campaign",

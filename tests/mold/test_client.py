@@ -114,7 +114,8 @@ def test_a_kernel_that_waits_for_a_busy_machine_is_not_stopped(monkeypatch, tmp_
 
 def test_the_worker_takes_its_limit_from_the_question(tmp_path):
     code = (
-        "import sys, resource; from dummydesign.mold import worker; worker.run = lambda *_: {}; worker.main();"
+        "import sys, resource; from dummydesign.mold import child_main;"
+        "child_main.run = lambda *_: {}; child_main.main();"
         "print(resource.getrlimit(resource.RLIMIT_CPU)[0])"
     )
     pytest.importorskip("resource")

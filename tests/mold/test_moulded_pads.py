@@ -7,12 +7,12 @@ import shutil
 from pathlib import Path
 
 import pytest
-from tests.mold.test_job import CHILD
 
 from dummydesign import cli
 from dummydesign.api.moulds import make_mould
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.mold import client
+from tests.mold.test_batch import CHILD
 
 PLAN = ["campaign", "new", "thumb", "--velocity", "10", "--force", "3", "--repeats", "2", "--ages", "9"]
 CROWN, FLATTER = "crowned:radius=20,height=2,foot=9", "crowned:radius=30,height=1.5,foot=9"

@@ -261,30 +261,21 @@ class TableFamily:
 
     def area_mm2(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
         """Force over modulus; NaN where the table does not reach; see :class:`Family`. [mm2]"""
-        inputs = self._inputs(designs, radius_mm)
-        h = designs.thickness_mm[:, None]
-        depth = np.maximum(np.asarray(depth_mm, float), 0.0)
-        limit = (self.limit_mm(designs, radius_mm) if designs.limit_mm is None else designs.limit_mm)[:, None]
-        held = np.minimum(depth, limit)
-        row = np.broadcast_to(np.arange(len(inputs))[:, None], depth.shape)
-        value, _ = self.table.log_factor(inputs, row, held / h)
-        if self.table.similarity.over_tip:
-            base = 16.0 / 9.0 * np.sqrt(designs.parameters["radius"])[:, None] * held**1.5
-        else:
-            base = load_table("bonded").force(held, h, 1.0, radius_mm)
-        return np.where((depth <= limit * (1.0 + 1e-9)) & (limit > 0.0), base * np.exp(value), np.nan)
+        depth = np.asarray(depth_mm, float)
+        limit = self.limit_mm(designs, radius_mm) if designs.limit_mm is None else designs.limit_mm
+        inputs, row = self._inputs(designs, radius_mm), np.broadcast_to(np.arange(len(limit))[:, None], depth.shape)
+        pads = designs.thickness_mm, np.full(len(limit), radius_mm), designs.parameters.get("radius", limit)
+        area, _ = self.table.area_and_slope(inputs, row, depth, limit[row], *(value[row] for value in pads))
+        return np.where(limit[row] > 0.0, area, np.nan)
 
     def limit_mm(self, designs: Designs, radius_mm: float) -> NDArray:
         """Depth to which the table holds, shape (M,); 0 outside its range. [mm]"""
-        inputs = self._inputs(designs, radius_mm)
-        limit, inside = self.table.depth_limit(inputs), self.table.inside(inputs)
+        inputs, thickness = self._inputs(designs, radius_mm), designs.thickness_mm
+        inside = self.table.inside(inputs)
         if not self.table.similarity.over_tip:
-            slab = load_table("bonded")
-            low, high = slab.ratio_range
-            ratio = radius_mm / designs.thickness_mm
-            inside &= (ratio >= low) & (ratio <= high)
-            limit = np.minimum(limit, slab.depth_limit(np.clip(ratio, low, high)))
-        return np.where(inside, limit * designs.thickness_mm, 0.0)
+            low, high = load_table("bonded").ratio_range
+            inside &= (radius_mm / thickness >= low) & (radius_mm / thickness <= high)
+        return np.where(inside, self.table.limit_mm(inputs, thickness, np.asarray(radius_mm)), 0.0)
 
     def relative_error(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
         """Stated error of the force over the force; see :class:`Family`."""

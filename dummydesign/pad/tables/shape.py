@@ -28,7 +28,7 @@ from dummydesign.pad.force_law import BaseForceLaw, ForceAndStiffness
 from dummydesign.pad.tables.bumped import FieldResponse
 from dummydesign.pad.tables.crowned import CrownResponse
 from dummydesign.pad.tables.response_surface import Response
-from dummydesign.pad.tables.slab import ResponseTable, load_table
+from dummydesign.pad.tables.slab import load_table
 
 Array = np.ndarray
 Surface = Response | CrownResponse | FieldResponse
@@ -103,6 +103,39 @@ class ShapeTable:
         levels = np.sqrt(self.error_depth)
         return np.hypot(np.interp(at, levels, self.error), np.interp(at, levels, self.solve_error))
 
+    def limit_mm(self, inputs: Array, thickness_mm: Array, radius_mm: Array) -> Array:
+        """Depth to which the table and, where it is over a slab, the slab's hold pads with these inputs (n, k). [mm]"""
+        limit = self.depth_limit(inputs)
+        if not self.similarity.over_tip:
+            slab = load_table("bonded")
+            limit = np.minimum(limit, slab.depth_limit(np.clip(radius_mm / thickness_mm, *slab.ratio_range)))
+        return limit * thickness_mm
+
+    def area_and_slope(
+        self,
+        inputs: Array,
+        row: Array,
+        depth_mm: Array,
+        limit_mm: Array,
+        thickness_mm: Array,
+        radius_mm: Array,
+        tip_mm: Array,
+    ) -> tuple[Array, Array]:
+        """Force over modulus [mm2] and its derivative with respect to depth [mm]; NaN beyond the limit.
+
+        ``inputs`` are (n, k); all else has the shape of ``row``, which says which of them; ``tip_mm`` is the radius of
+        a rounded tip.
+        """
+        held = np.clip(depth_mm, 0.0, limit_mm)
+        value, bend = self.log_factor(inputs, row, held / thickness_mm)
+        if self.similarity.over_tip:
+            base = 16.0 / 9.0 * np.sqrt(tip_mm) * held**1.5
+            steep = 1.5 * base / np.maximum(held, 1e-12)
+        else:
+            base, steep = load_table("bonded").force_and_stiffness(held, thickness_mm, 1.0, radius_mm)
+        factor = np.where(depth_mm > limit_mm * (1.0 + 1e-9), np.nan, np.exp(value))
+        return base * factor, (steep + base * bend / thickness_mm) * factor
+
     def force_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Error of the force over the force: of the factor and, where it is over a slab, of the slab's table."""
         depth, h, a = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, radius_mm)))
@@ -120,8 +153,6 @@ class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
         shape.check_tabulated()
         self.shape = shape
         self.table = load_shape_table(shape.name)
-        self._tip_radius_mm = float(shape.tip_radius_mm or 0.0)
-        self._slab: ResponseTable | None = None if self.table.similarity.over_tip else load_table("bonded")
 
     def gel_mm(self, thickness_mm: ArrayLike) -> Array:
         """Thickness of the gel under the middle of the punch: the pad's, less a bone. [mm]"""
@@ -144,32 +175,18 @@ class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
         pads, at = np.unique(np.stack([h.ravel(), a.ravel()], axis=1), axis=0, return_inverse=True)
         inputs, row = ratios(self.shape, *pads.T), np.asarray(at).reshape(h.shape)
         self.table.check(inputs, self.shape.fidelity)
-        x = np.maximum(d, 0.0) / h
-        limit = self.table.depth_limit(inputs)[row]
-        if self._slab is not None:
-            limit = np.minimum(limit, self._slab.depth_limit(a / h))
-        held = np.minimum(x, limit)
-        value, slope = self.table.log_factor(inputs, row, held)
-        depth, bend = held * h, slope / h
-        if self._slab is None:
-            base = 16.0 / 9.0 * young * np.sqrt(self._tip_radius_mm) * depth**1.5
-            steep = 1.5 * base / np.maximum(depth, 1e-12)
-        else:
-            base, steep = self._slab.force_and_stiffness(depth, h, young, a)
-        factor = np.exp(value)
-        beyond = np.where(x > limit * (1.0 + 1e-9), np.nan, 1.0)
-        touching = np.where(d > 0.0, 1.0, 0.0)
-        return base * factor * beyond * touching, (steep + base * bend) * factor * beyond * touching
+        limit = self.table.limit_mm(inputs, *pads.T)[row]
+        tip = np.full(h.shape, self.shape.tip_radius_mm or 0.0)
+        area, slope = self.table.area_and_slope(inputs, row, d, limit, h, a, tip)
+        touching = np.where(d > 0.0, young, 0.0)
+        return area * touching, slope * touching
 
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Largest valid depth. [mm]"""
         h, a = np.broadcast_arrays(np.asarray(thickness_mm, dtype=float), np.asarray(radius_mm, dtype=float))
         inputs = ratios(self.shape, h.ravel(), a.ravel())
         self.table.check(inputs, self.shape.fidelity)
-        limit = self.table.depth_limit(inputs).reshape(h.shape)
-        if self._slab is not None:
-            limit = np.minimum(limit, self._slab.depth_limit(a / h))
-        return limit * h
+        return self.table.limit_mm(inputs, h.ravel(), a.ravel()).reshape(h.shape)
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Error of the force over the force: finite elements and regression; see

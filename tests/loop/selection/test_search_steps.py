@@ -320,7 +320,7 @@ def searched(monkeypatch):
     monkeypatch.setattr(search, "worth", lambda gain, limit, before, after: len(after.problem.effects) in state.worth)
     monkeypatch.setattr(search, "much_better", lambda before, after: False)
     monkeypatch.setattr(search, "errors", lambda fit: None)
-    monkeypatch.setattr(search, "examine", lambda fit: None)
+    monkeypatch.setattr(search, "diagnose", lambda fit: None)
     monkeypatch.setattr(search, "assess", lambda fit: SimpleNamespace(fit=fit))
     monkeypatch.setattr(
         search,

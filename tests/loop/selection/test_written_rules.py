@@ -289,7 +289,7 @@ def test_at_most_the_written_number_of_effects_and_from_the_fourth_on_only_what_
     monkeypatch.setattr(search, "worth", lambda *args: True)
     monkeypatch.setattr(search, "remainder", lambda *args: SimpleNamespace(reasons=("more",)))
     monkeypatch.setattr(search, "assess", lambda fit: SimpleNamespace(fit=fit))
-    monkeypatch.setattr(search, "examine", lambda fit: None)
+    monkeypatch.setattr(search, "diagnose", lambda fit: None)
     monkeypatch.setattr(search, "errors", lambda fit: None)
     monkeypatch.setattr(search, "_children", lambda parents, *_: child(len(parents[0].problem.effects) + 1))
     chosen = []

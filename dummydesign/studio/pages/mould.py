@@ -106,10 +106,10 @@ class MouldPage:
         poured.append((f"{batch['pour_g']:.1f} g", "of the mix, into the mould"))
         silicone = answer["pour"]["silicone_mass_g"]
         widgets.facts([*poured, *([(f"{silicone:.0f} g", "silicone for the mould")] if silicone else [])])
-        widgets.warnings(answer)
         if folder:
             html(f"<h2>{escape(folder)}</h2>")
             self._files(folder)
+        widgets.warnings(answer)
         html(
             f'<p class="note">Next: cast the pads, then {page_link("/cast", "check a cast pad")} or '
             f"{page_link('/campaign', 'plan what to press')}.</p>"

@@ -194,8 +194,8 @@ def stamp_of(root: Path, state: State) -> tuple[tuple[str, int, int], ...]:
     for what, name in (("tissue", state.tissue), ("resin", state.resin)):
         with suppress(InputError):
             paths.append(find(f"materials/{what}s", what, absolute(root, name)).path)
-    stamps = [(path, path.stat()) for path in paths if path.is_file()]
-    return tuple((str(path), stat.st_mtime_ns, stat.st_size) for path, stat in stamps)
+    there = {str(path): path.stat() for path in paths if path.is_file()}
+    return tuple((path, stat.st_mtime_ns, stat.st_size) for path, stat in there.items())
 
 
 def first_pad(root: Path, state: State, kind: str) -> PadShape:

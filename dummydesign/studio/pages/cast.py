@@ -33,8 +33,11 @@ TABS = {"record": "1 Record what was cast", "compare": "2 Compare with the tissu
 def show_cast_pad(project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page."""
     kept = widgets.Kept(state, **{name: text for name, text in query.items() if name.startswith(TYPED)})
-    usual = "record" if project_index.moulds(project.root) else "compare"
-    places = widgets.tabs(TABS, kept.own.get(TAB, usual), lambda name: kept.keep(**{TAB: name}))
+    places = widgets.tabs(
+        TABS,
+        kept.own.get(TAB, "record" if project_index.moulds(project.root) else "compare"),
+        lambda name: kept.keep(**{TAB: name}),
+    )
     comparison = PressComparison(project.root, kept, places["compare"], places["people"])
     with places["record"]:
         record_form(project.root, kept, comparison.find_pads)

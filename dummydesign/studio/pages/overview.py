@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from html import escape
 from pathlib import Path
@@ -90,12 +90,9 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
         widgets.tell_problem(problem)
     links, cards = links_of(project.root, status, state), ""
     for room, (path, words) in ROOMS.items():
-        lines = [
-            f"<li>{links.get(one.folder) or escape(select_options.file_line(one))}</li>"
-            for one in reversed(status.files[room])
-        ]
-        more = f"<details><summary>{len(lines) - 8} more</summary><ul>{''.join(lines[8:])}</ul></details>"
-        listed = f"<ul>{''.join(lines[:8])}</ul>{more if lines[8:] else ''}" if lines else "<p>none yet</p>"
+        lines = [links.get(one.folder) or escape(select_options.file_line(one)) for one in reversed(status.files[room])]
+        more = f"<details><summary>{len(lines) - 8} more</summary><ul>{_list(lines[8:])}</ul></details>"
+        listed = f"<ul>{_list(lines[:8])}</ul>{more if lines[8:] else ''}" if lines else "<p>none yet</p>"
         cards += f"<div><h2>{page_link(path, words)}</h2>{listed}</div>"
     html(f'<div class="cards">{cards}</div>')
     reports = [
@@ -110,7 +107,7 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
         deleted_files(project.root)
     with widgets.fold("What was run"):
         rows = "".join(
-            f"<li>{'answer not acceptable' if job.state == 'failed' and job.answer else job.state}, "
+            f"<li>{escape('answer not acceptable' if job.state == 'failed' and job.answer else job.state)}, "
             f"{job.seconds:.0f} s: <code>{escape(job.begun)}</code></li>"
             for job in reversed(jobs.all_jobs(project.root)[-12:])
         )
@@ -164,6 +161,10 @@ def _show_newest(root: Path, status: ProjectStatus, state: State) -> None:
     with suppress(InputError):
         plot = figures.section(read_shape(newest.shape), newest.thickness_mm, read_punch(newest.punch))
         html(f'<div class="plots">{plot.html()}</div>')
+
+
+def _list(lines: Sequence[str]) -> str:
+    return "".join(f"<li>{line}</li>" for line in lines)
 
 
 def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:

@@ -355,8 +355,14 @@ class _People:
         if query.get("people"):
             rows = (line.partition("\t") for line in query["people"].split("\n"))
             return {path: person for path, _, person in rows}, query.get("group", "")
-        made = ("tissues", "add", self._page.tissue)
-        last = next((job for job in reversed(jobs.all_jobs(self._root, "people")) if job.words[:3] == made), None)
+        last = next(
+            (
+                job
+                for job in reversed(jobs.all_jobs(self._root, "people"))
+                if job.words[:3] == ("tissues", "add", self._page.tissue)
+            ),
+            None,
+        )
         if last is None:
             return {}, select_options.free_library_name("tissue", "people")
         persons: dict[str, str] = {}

@@ -12,7 +12,9 @@ from dummydesign import cli
 from dummydesign.api.moulds import make_mould
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.mold import client
+from dummydesign.mold.moulded_pads import MouldedPads, mould_folders, moulded_pads, one_mould
 from tests.mold.test_batch import CHILD
+from tests.support.refusal import raises_code
 
 PLAN = ["campaign", "new", "thumb", "--velocity", "10", "--force", "3", "--repeats", "2", "--ages", "9"]
 CROWN, FLATTER = "crowned:radius=20,height=2,foot=9", "crowned:radius=30,height=1.5,foot=9"
@@ -170,3 +172,38 @@ def test_the_mould_of_a_design_made_with_solids_is_planned(tmp_path, monkeypatch
     make_mould(8, out="real", shape=CROWN, **BATCH)
     campaign = pressed(planned(capsys, "--from-mould", "real"))
     assert {(trial.thickness_mm, str(trial.geometry)) for trial in campaign.trials} == {(8.0, CROWN)}
+
+
+def test_pads_of_some_moulds_are_sorted_with_their_shapes_and_one_pour(mould):
+    mould("b", 12, shape=CROWN)
+    mould("a", 8)
+    pads = moulded_pads(["b", "a"])
+    assert pads.pads_mm == (8.0, 12.0) and pads.shape == "slab" and pads.mixed
+    assert pads.outline == "60x50" and pads.pour() == ("polyurethane-nagoya", 15.2)
+    assert [Path(one).name for one in pads.folders] == ["a", "b"]
+    assert not moulded_pads(["a"]).mixed
+    with raises_code("missing", "from_mould"):
+        moulded_pads([])
+    # a folder that holds moulds is all of them
+    assert moulded_pads(["."]).pads_mm == (8.0, 12.0)
+
+
+def test_pads_of_two_ratios_have_no_pour():
+    pads = MouldedPads(((8.0, "slab"),), "60x50", (("r", 15.0), ("r", 16.0)), ("a",))
+    with raises_code("inconsistent", "resin") as caught:
+        pads.pour()
+    assert "r at ratio 15, r at ratio 16" in str(caught.value)
+
+
+def test_one_mould_is_a_folder_its_file_or_the_only_one_in_a_folder(mould, tmp_path):
+    mould("set/a", 8)
+    for place in ("set/a", "set/a/spec.json", "set"):
+        assert one_mould(place).pad.thickness_mm == 8.0
+    (tmp_path / "set" / ".trash").mkdir()
+    shutil.copy(tmp_path / "set" / "a" / "spec.json", tmp_path / "set" / ".trash" / "spec.json")
+    assert mould_folders(Path("set")) == [Path("set/a")]
+    shutil.copytree(tmp_path / "set" / "a", tmp_path / "set" / "b")
+    with raises_code("conflict", "mould"):
+        one_mould("set")
+    with raises_code("nothing_found", "mould"):
+        one_mould(tmp_path / "set" / "a" / "nowhere")

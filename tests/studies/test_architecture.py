@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -11,6 +13,8 @@ from studies.architecture import ROOMS, House, circles, draw, imported, module_i
 
 PACKAGE = Path(__file__).parents[2] / "dummydesign"
 LONGEST, FULL = 600, 20
+IMPORT = re.compile(r"^\s*(?:from|import) (dummydesign[\w.]*)(?: import (\([^)]*\)|.*))?", re.MULTILINE)
+QUOTED = re.compile(r"[\"'](dummydesign\.[\w.]+)[\"']")
 
 
 def test_no_room_takes_from_a_layer_above_it():
@@ -40,6 +44,26 @@ def test_no_module_imports_itself_by_way_of_others():
     graph = module_imports(PACKAGE)
     assert len(graph) > 300 and circles(graph) == []
     assert circles({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}}) == [["a", "b", "c"]]
+
+
+def test_every_module_is_imported_by_a_test():
+    """By an import, or by its name in quotes where a test looks at it from outside."""
+    root = PACKAGE.parent
+    named = {".".join(path.relative_to(root).with_suffix("").parts) for path in PACKAGE.rglob("*.py")}
+    modules = {name for name in named if not name.endswith("__init__")}
+    assert len(modules) > 300 and unseen(modules, (root / "tests").rglob("*.py")) == []
+    assert unseen({"dummydesign.nowhere.to_be_seen"}, [Path(__file__).parent / "test_tissues.py"]) != []
+
+
+def unseen(modules: set[str], files: Iterable[Path]) -> list[str]:
+    """Those of the modules that no file imports or quotes."""
+    seen: set[str] = set()
+    for file in files:
+        text = file.read_text(encoding="utf-8")
+        for module, names in IMPORT.findall(text):
+            seen |= {module, *(f"{module}.{name}" for name in re.findall(r"\w+", names))}
+        seen.update(QUOTED.findall(text))
+    return sorted(modules - seen)
 
 
 def test_lazy_imports_count_and_type_only_imports_do_not():

@@ -18,6 +18,7 @@ from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
+from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio import slider_model as sliders
 from dummydesign.studio.pages import search
@@ -258,10 +259,10 @@ class DesignPage:
         except Exception as problem:
             return InputError(f"this pad cannot be evaluated ({type(problem).__name__}: {problem})")
         inputs, targets = evaluator.problem, evaluator.problem.space.targets
-        large = figures.plots_html(
+        large = plots_html(
             [figures.steady(inputs.tissue, targets, pad), figures.section(shape, state.thickness_mm, inputs.punch)]
         )
-        presses = figures.plots_html(figures.presses(targets, pad), small=True)
+        presses = plots_html(figures.presses(targets, pad), small=True)
         small = f'<div class="row-of-plots" tabindex="0" role="group" aria-label="the presses">{presses}</div>'
         return PadView(
             evaluator, shape, pad, large + small, search.press_rows(condition_rows(pad.candidate, targets, shape))

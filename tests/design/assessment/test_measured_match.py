@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 
 from dummydesign.core.serialise import to_plain
+from dummydesign.design import measured_match
 from dummydesign.design.measured_match import budget_of_traces, curves_of_traces
 from dummydesign.design.measured_pad import readings_of_traces
 from dummydesign.tissue.comparison import compare_traces
@@ -27,3 +31,20 @@ def test_a_pressed_pad_has_a_rating_a_miss_and_a_statement(people, stiffness, be
     assert [one.name for one in budget.components] == ["trace", "subjects"] and budget.not_known == ("subjects",)
     assert (budget.statement in ("pass", "conditional pass")) == conforms
     assert to_plain(budget)["exact_range"] is None
+
+
+def test_outermost_energies_are_those_of_each_drawn_tissue_by_itself(monkeypatch):
+    """Three tissues of two, three and one subject, pressed at once: energies 0 to 5 in this order."""
+    bands = [
+        SimpleNamespace(stop_s=np.zeros(count), peak_low_N=float(at), peak_high_N=at + 10.0)
+        for at, count in enumerate((2, 3, 1))
+    ]
+    monkeypatch.setattr(measured_match, "force_ranges", lambda *given: bands)
+    monkeypatch.setattr(measured_match, "press_subjects", lambda *given: (None, np.zeros((6, 2)), np.zeros((6, 2))))
+    monkeypatch.setattr(measured_match, "work_mJ", lambda displacement, force: np.arange(6.0))
+    trace = SimpleNamespace(steady_force_N=10.0, hold_s=5.0)
+    press = SimpleNamespace(trace=trace, braking_mm_s2=1e4)
+    drawn = [SimpleNamespace(parameter_sets=())] * 3
+    peaks, energies = measured_match._outer(press, 10.0, drawn, "ode")
+    assert peaks.tolist() == [[0.0, 10.0], [1.0, 11.0], [2.0, 12.0]]
+    assert energies.tolist() == [[0.0, 1.0], [2.0, 4.0], [5.0, 5.0]]

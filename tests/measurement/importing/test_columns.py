@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.user_library import data_folder, read_toml
+from dummydesign.measurement.importing import columns as module
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.table import columns_of
 from dummydesign.measurement.importing.vocabulary import find_unit, roles_of_name, scaled_unit, split_name, words_of
@@ -238,3 +239,126 @@ def test_every_word_of_the_data_file_can_be_found_and_no_unit_stands_twice():
     assert [word for word in words if words_of(word) != [word]] == []
     names = [name for factors in content["units"].values() for text in factors.values() for name in text.split()]
     assert len(names) == len(set(names)) and all(find_unit(name).text == name for name in names)
+
+
+def column(index, title, unit=None, kind="number"):
+    name, stated = split_name(title)
+    return module.Column(index, title, kind, roles_of_name(name), find_unit(unit) if unit else stated)
+
+
+def chosen(role, columns, values, **settings):
+    log = ImportLog("a.csv", Settings(**settings))
+    candidates = module.find_candidates(columns, timeless=True, log=log)[role]
+    return module.choose_one(role, candidates, values, log), log.decisions[-1].why
+
+
+@pytest.mark.parametrize(("share", "same"), [(0.9e-4, True), (1.1e-4, False)])
+def test_two_columns_are_one_where_they_differ_by_less_than_a_ten_thousandth_of_their_range(share, same):
+    columns = [column(0, "Weg [mm]"), column(1, "Traversenweg [mm]"), column(2, "Kraft [N]")]
+    other = WAY.copy()
+    other[100] += share * np.ptp(WAY)
+    values = {0: WAY, 1: 7.0 - other, 2: FORCE}
+    if same:
+        found, why = chosen("displacement", columns, values)
+        assert found is columns[0] and "hold the same" in why
+    else:
+        with raises_code("needs_decision", "columns"):
+            chosen("displacement", columns, values)
+
+
+def test_the_same_way_in_two_units_is_one_and_a_channel_that_stands_is_no_rival():
+    columns = [column(0, "Weg [mm]"), column(1, "Traversenweg [m]"), column(2, "Kraft [N]"), column(3, "Fz [N]")]
+    values = {0: WAY, 1: WAY / 1e3, 2: np.zeros_like(FORCE), 3: FORCE}
+    assert chosen("displacement", columns, values)[0] is columns[0]
+    assert chosen("force", columns, values)[0] is columns[3]
+    with raises_code("needs_decision", "columns"):
+        chosen("displacement", columns, {**values, 1: WAY})
+
+
+@pytest.mark.parametrize(
+    ("title", "unit", "role"),
+    [("Load", "V", "force"), ("Kanal 7", "N", "force"), ("Position", "deg", None), ("Time Load", "N", None)],
+)
+def test_a_unit_speaks_for_a_column_without_a_name_and_against_one_of_another_kind(title, unit, role):
+    own = column(0, title, unit)
+    for kind in ("time", "displacement", "force"):
+        assert (module._rank(own, kind) > 0) is (kind == role)
+
+
+@pytest.mark.parametrize(
+    ("titles", "settings", "option"),
+    [
+        (("Strain [%]", "Force [N]"), {}, "displacement=0.3mm"),
+        (("Strain [mm/mm]", "Force [N]"), {}, "displacement=30mm"),
+        (("Way [mm]", "Stress [kPa]"), {}, "force=1N"),
+        (("Strain [%]", "Stress [MPa]"), {}, "displacement=0.3mm,force=1000N"),
+    ],
+)
+def test_strain_and_stress_need_the_height_and_the_area_of_the_specimen(titles, settings, option):
+    """One count is its unit times the size: 1 % of 30 mm, 1 kPa on 1000 mm2."""
+    columns = [column(0, "Time [s]"), *(column(at, title) for at, title in enumerate(titles, 1))]
+    with raises_code("needs_decision", "columns") as caught:
+        module.find_candidates(columns, False, ImportLog("a.csv", Settings(**settings)))
+    assert f"--units {option} (" in str(caught.value)
+
+
+def test_one_column_has_one_meaning():
+    way, force = column(0, "Weg [mm]"), column(1, "Kraft [N]")
+    module.check_apart({"displacement": way, "force": force}, ImportLog("a.csv"))
+    with raises_code("needs_decision", "columns"):
+        module.check_apart({"displacement": way, "force": way}, ImportLog("a.csv"))
+
+
+@pytest.mark.parametrize(
+    ("begin", "length", "unit"),
+    [
+        (9.5e8, 10.0, "s"),
+        (9.3e8, 10.0, None),  # before the year 2000
+        (2.2e9, 86399.0, "s"),
+        (2.2e9, 86401.0, None),  # longer than a day
+        (1.7e12, 1e4, "ms"),
+        (1.7e15, 1e7, "us"),
+        (1.7e18, 1e10, "ns"),
+        (36501.0, 0.001, "d"),
+        (36499.0, 0.001, None),
+    ],
+)
+def test_a_time_shows_its_unit_by_its_size_alone_within_these_years(begin, length, unit):
+    found = module._absolute(begin + length * np.linspace(0.0, 1.0, 11), ImportLog("a.csv"))
+    assert (found and found.text) == unit
+
+
+def test_factors_are_those_of_header_rate_and_user_in_that_order_of_weight():
+    time, way, force = column(0, "Zeit"), column(1, "Weg [cm]"), column(2, "Kraft [N]")
+    values = {"time": np.arange(5.0), "displacement": WAY, "force": FORCE}
+    both = {"time": time, "displacement": way, "force": force}
+    log = ImportLog("a.csv", Settings(rate=250.0, units={"force": "kgf"}))
+    found = module.find_factors(both, values, log)
+    assert found == pytest.approx({"time": 0.004, "displacement": 10.0, "force": 9.80665})
+    assert [one["code"] for one in log.warnings] == ["unit_overridden"]
+    same = ImportLog("a.csv", Settings(rate=250.0, units={"force": "N"}))
+    module.find_factors(both, values, same)
+    assert same.warnings == []
+    with raises_code("unknown_unit", "units"):
+        module.find_factors(both, values, ImportLog("a.csv", Settings(rate=250.0, units={"force": "mm"})))
+    with raises_code("needs_decision", "units"):
+        module.find_factors(both, values, ImportLog("a.csv"))
+
+
+@pytest.mark.parametrize(("held", "certain"), [(0.02, True), (0.005, False)])
+def test_the_position_is_what_stands_near_its_end_and_a_short_stand_leaves_doubt(held, certain):
+    """Three per cent of the samples within 2 % of the farthest value, of which an even ramp has 2 %."""
+    count = 1000
+    stand = int(held * count)
+    way = np.r_[np.linspace(0.0, 5.0, count - stand), np.full(stand, 5.0)]
+    force = np.where(np.arange(count) < count - stand, way**3, 125.0 * np.exp(-np.linspace(0.0, 3.0, count)))
+    columns = [column(0, ""), column(1, ""), column(2, "")]
+    values = {0: force, 1: np.arange(count) * 0.01, 2: way}
+    log = ImportLog("a.csv", Settings(units={"time": "s", "displacement": "mm", "force": "N"}))
+    roles = ("time", "displacement", "force")
+    if certain:
+        found = module.choose_by_behaviour(columns, {}, roles, values, log)
+        assert {role: one.index for role, one in found.items()} == {"time": 1, "displacement": 2, "force": 0}
+    else:
+        with raises_code("missing", "displacement"):
+            module.choose_by_behaviour(columns, {}, roles, values, log)

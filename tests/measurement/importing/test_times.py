@@ -7,8 +7,11 @@ import datetime
 import numpy as np
 import pytest
 
+from dummydesign.measurement.importing import times as module
+from dummydesign.measurement.importing.columns import Column
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.table import columns_of
+from dummydesign.measurement.importing.vocabulary import roles_of_name, split_name
 from tests.support.refusal import raises_code
 
 STEP = 0.004
@@ -196,3 +199,178 @@ def test_a_time_that_a_clock_beside_it_contradicts_is_asked_for():
     clock = [f"{begin + datetime.timedelta(seconds=10 * float(second)):%H:%M:%S.%f}" for second in TIME]
     with raises_code("needs_decision", "columns"):
         read("Uhrzeit;Zeit [s];Weg [mm];Kraft [N]", clock, TIME, WAY, FORCE)
+
+
+def column(index, title, kind="number"):
+    name, unit = split_name(title)
+    return Column(index, title, kind, roles_of_name(name), unit)
+
+
+MINUTES, SECONDS = column(0, "min"), column(1, "s")
+
+
+@pytest.mark.parametrize(
+    ("part", "composed"),
+    [
+        (np.arange(180.0) % 60.0, True),
+        (np.minimum(np.arange(180.0) % 60.0, 58.0), True),
+        (np.arange(180.0), False),  # beyond a minute
+        (np.full(180, 30.0), False),  # never begins again
+    ],
+)
+def test_seconds_are_a_part_of_minutes_where_they_begin_again_with_each(part, composed):
+    whole = np.repeat([57.0, 58.0, 59.0], 60)
+    found = module.compose_time([MINUTES, SECONDS], {0: whole, 1: part})
+    assert (found is not None) is composed
+    if found:
+        assert found.parts == (MINUTES, SECONDS)
+        np.testing.assert_allclose(found.seconds, 60.0 * (whole - 57.0) + part)
+
+
+def test_a_part_in_a_larger_unit_and_a_whole_that_is_not_whole_are_no_time_of_two():
+    whole, part = np.repeat([57.0, 58.0, 59.0], 60), np.arange(180.0) % 60.0
+    assert module.compose_time([MINUTES], {0: whole, 1: part}) is None
+    assert module.compose_time([MINUTES, SECONDS], {0: whole + 0.25, 1: part}) is None
+    assert module.compose_time([MINUTES, column(1, "h")], {0: whole, 1: part}) is None
+
+
+@pytest.mark.parametrize(("rate", "right"), [(239.0, True), (237.0, False), (262.0, True), (264.0, False)])
+def test_a_rate_may_differ_from_the_time_by_a_twentieth_of_its_length(rate, right):
+    """Of 250 Hz: 238.1 and 263.2 Hz are the ends."""
+    time = column(0, "Zeit [ms]")
+    values = {0: 1e3 * TIME}
+    if right:
+        module.check_rate(rate, [time], values, ImportLog("a.csv"))
+    else:
+        with raises_code("inconsistent", "rate"):
+            module.check_rate(rate, [time], values, ImportLog("a.csv"))
+    # a column that goes back is no time that contradicts it
+    module.check_rate(rate, [time], {0: values[0][::-1]}, ImportLog("a.csv"))
+
+
+@pytest.mark.parametrize(
+    ("counts", "read"),
+    [([3, 4, 5, 8, 9], [0, 1, 2, 5, 6]), ([1, 3, 5, 7, 9], [0, 1, 2, 3, 4]), ([1, 2, 2.5, 3, 4], [0, 1, 2, 3, 4])],
+)
+def test_a_counter_counts_by_one_and_in_whole_numbers(counts, read):
+    counter = column(0, "sample")
+    assert counter.counts
+    log = ImportLog("a.csv")
+    found = module.time_by_rate([counter], {0: np.array(counts, float)}, 5, 100.0, "so", log)
+    np.testing.assert_allclose(found, np.array(read) / 100.0)
+
+
+@pytest.mark.parametrize(
+    ("titles", "places"),
+    [
+        (("Time Load [s]", "Load [N]", "Time Position [s]", "Position [mm]"), {"displacement": 2, "force": 0}),
+        (("t [s]", "Load [N]", "t [s]", "Position [mm]"), {"displacement": 2, "force": 0}),
+        (("Load [N]", "t [s]", "Position [mm]", "t [s]"), {"displacement": 3, "force": 1}),
+        (("t [s]", "Load [N]", "Position [mm]"), {}),
+    ],
+)
+def test_each_quantity_has_the_time_of_its_name_or_the_nearest_one(titles, places):
+    columns = [column(at, title) for at, title in enumerate(titles)]
+    chosen = {
+        "displacement": next(one for one in columns if "Position [" in one.title and "Time" not in one.title),
+        "force": next(one for one in columns if one.title.startswith("Load")),
+    }
+    times = [one for one in columns if one.unit.kind == "time"]
+    assert {role: one.index for role, one in module.find_bases(chosen, times).items()} == places
+
+
+def test_two_clocks_that_share_half_of_the_recording_are_aligned_and_less_are_refused():
+    for lag, fine in ((2.9, True), (3.1, False)):
+        log = ImportLog("a.csv")
+        if fine:
+            shared, x = module.align(TIME, TIME + lag, WAY, FORCE, log)
+            assert shared.sum() == np.sum(TIME >= lag)
+            np.testing.assert_allclose(x[shared], np.interp(TIME[shared], TIME + lag, WAY))
+        else:
+            with raises_code("inconsistent", "time_s"):
+                module.align(TIME, TIME + lag, WAY, FORCE, log)
+
+
+def test_clocks_that_never_meet_or_are_the_same_leave_the_rows_as_they_are():
+    for lag in (0.0, 0.9e-3 * STEP, 50.0, -50.0):
+        log = ImportLog("a.csv")
+        both, x = module.align(TIME, TIME + lag, WAY, FORCE, log)
+        assert both.all() and x is WAY and log.warnings == []
+    log = ImportLog("a.csv")
+    assert module.align(TIME, TIME + 1.1e-3 * STEP, WAY, FORCE, log)[1] is not WAY
+    assert [one["code"] for one in log.warnings] == ["two_time_bases"]
+
+
+def test_a_clock_that_stands_is_refused_by_its_time():
+    time = TIME.copy()
+    time[500] = time[499]
+    with raises_code("malformed", "time_s") as caught:
+        module.align(TIME, time, WAY, FORCE, ImportLog("a.csv"))
+    assert f"{time[499]:.6g} s" in str(caught.value)
+
+
+@pytest.mark.parametrize(("kept", "enough"), [(20, True), (19, False)])
+def test_rows_of_their_own_need_twenty_of_each_quantity(kept, enough):
+    rows = np.linspace(0, len(TIME) - 1, kept).astype(int)
+    x = np.full(len(TIME), np.nan)
+    x[rows] = WAY[rows]
+    if enough:
+        inside, filled = module.fill(TIME, x, FORCE, ImportLog("a.csv"))
+        assert inside.all()
+        np.testing.assert_allclose(filled, np.interp(TIME, TIME[rows], WAY[rows]))
+    else:
+        with raises_code("missing", "cell"):
+            module.fill(TIME, x, FORCE, ImportLog("a.csv"))
+
+
+def in_order(time, repeats=(), breaks=()):
+    log = ImportLog("a.csv")
+    found = module.rows_in_order(np.asarray(time, float), set(repeats).__contains__, breaks, np.arange(len(time)), log)
+    return *found, log
+
+
+def test_rows_in_order_stay_and_a_moved_row_goes_back_to_its_place():
+    order, time, ranges, log = in_order(TIME)
+    assert ranges == ((0, len(TIME)),) and log.decisions == [] and np.array_equal(order, np.arange(len(TIME)))
+    moved = np.r_[TIME[:100], TIME[101:110], TIME[100], TIME[110:]]
+    order, time, ranges, log = in_order(moved)
+    np.testing.assert_array_equal(time, TIME)
+    np.testing.assert_array_equal(moved[order], TIME)
+    assert [one.what for one in log.decisions] == ["rows sorted by time"]
+
+
+def test_a_row_that_fits_nowhere_is_refused():
+    wrong = TIME.copy()
+    wrong[100] = TIME[50] + 0.5 * STEP
+    with raises_code("malformed", "time_s"):
+        in_order(wrong)
+
+
+def test_a_row_that_repeats_the_one_before_is_left_out_and_an_equal_time_is_spread():
+    twice = np.insert(TIME, 101, TIME[100])
+    order, time, _, _ = in_order(twice, repeats=[101])
+    np.testing.assert_array_equal(time, TIME)
+    assert 101 not in order
+    order, time, _, log = in_order(twice)
+    assert len(time) == len(twice) and np.all(np.diff(time) > 0.0) and log.warnings == []
+    # a quarter of the rows alike: the time is coarse
+    order, time, _, log = in_order(np.floor(TIME / (5.0 * STEP) + 1e-9) * 5.0 * STEP)
+    np.testing.assert_allclose(time, TIME, atol=2.0 * STEP)
+
+
+@pytest.mark.parametrize(("rows", "count"), [(10, 2), (9, 1)])
+def test_a_time_that_begins_again_after_ten_rows_is_another_recording(rows, count):
+    time = np.r_[TIME[:rows], TIME[:200]]
+    if count == 2:
+        assert in_order(time)[2] == ((0, rows), (rows, rows + 200))
+    else:
+        with raises_code("malformed", "time_s"):
+            in_order(time)
+
+
+def test_text_in_the_file_parts_recordings_that_go_back_a_little():
+    """Without the text a row that goes back by half of the recording fits nowhere."""
+    time = np.r_[TIME[:200], TIME[100:300]]
+    assert in_order(time, breaks=[200])[2] == ((0, 200), (200, 400))
+    with raises_code("malformed", "time_s"):
+        in_order(time)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core import user_library
+from dummydesign.core.errors import InputError
 from dummydesign.mold.files.pour_sheet import pour_sheet
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import MouldSpec
@@ -13,6 +14,7 @@ from dummydesign.mold.pour.plan import batch_of, pour_plan
 from dummydesign.mold.pour.record import Measured, weighed_ratio
 from dummydesign.mold.pour.warnings import pour_warnings
 from dummydesign.resin import load_resin
+from dummydesign.resin.model.ratio_meaning import BY_VOLUME, RATIO_BY, RATIO_PER, ratio_words, read_ratio_meaning
 from dummydesign.resin.model.resin import save_resin
 from tests.support.refusal import raises_code
 from tests.support.sheet_text import sheet_text
@@ -172,3 +174,61 @@ def test_weights_of_a_poured_pad_are_read_in_the_resins_own_ratio(tmp_path, monk
 def test_moulds_by_weight_keep_their_specification():
     spec = mould_spec(8.0, 60.0, 50.0)
     assert not {"ratio_by", "ratio_per", "component_densities_g_per_cm3", "assumed"} & set(spec.to_dict()["pour"])
+
+
+class Top(dict):
+    """The lines of a resin file that the meaning is read from."""
+
+    def string(self, key, choices=()):
+        assert not choices or self[key] in choices
+        return self[key]
+
+    def fault(self, key, words, code, allowed=None):
+        return InputError(f"{key} {words}", code, key, None, allowed)
+
+
+@pytest.mark.parametrize("by", RATIO_BY)
+@pytest.mark.parametrize("per", RATIO_PER)
+def test_what_is_declared_is_taken_and_volume_is_put_in_words_once(by, per):
+    for text in ("B per 100 A", f"B per 100 A, {BY_VOLUME}" if by == "volume" else "B per 100 A by weight"):
+        meaning, own_by, own_per = read_ratio_meaning(Top(ratio_meaning=text, ratio_by=by, ratio_per=per))
+        assert (own_by, own_per) == (by, per)
+        assert meaning.count(BY_VOLUME) == (by == "volume")
+
+
+def test_silence_is_weight_to_the_others():
+    assert read_ratio_meaning(Top(ratio_meaning="B per 100 A")) == ("B per 100 A", "weight", "others")
+
+
+@pytest.mark.parametrize(
+    ("text", "more", "also", "quantity", "code"),
+    [
+        ("B per 100 A by volume", {}, "", "ratio_by", "missing"),
+        ("B per 100 A", {}, "two parts by volume", "ratio_by", "missing"),
+        ("B per 100 A by weight", {}, "two parts by volume", None, None),
+        ("B per 100 A by weight", {"ratio_by": "volume"}, "", "ratio_by", "inconsistent"),
+        ("B per 100 A by volume", {"ratio_by": "weight"}, "", "ratio_by", "inconsistent"),
+        ("B per 100 A by volume or weight", {"ratio_by": "weight"}, "", None, None),
+        ("B, % of the mix", {}, "", "ratio_per", "missing"),
+        ("B in 100 parts of the mix", {}, "", "ratio_per", "missing"),
+        ("B in 100 parts of the mix", {"ratio_per": "others"}, "", None, None),
+        ("% of B per 100 A", {}, "", None, None),
+        ("g of B per 100 ml of A", {"ratio_by": "weight"}, "", "ratio_meaning", "unsupported"),
+        ("g/ml", {}, "", "ratio_meaning", "unsupported"),
+        ("volatile B per 100 A", {}, "", None, None),
+    ],
+)
+def test_words_that_leave_the_meaning_open_are_refused_by_their_quantity(text, more, also, quantity, code):
+    top = Top(ratio_meaning=text, **more)
+    if quantity is None:
+        assert read_ratio_meaning(top, also)[0].startswith(text)
+    else:
+        with raises_code(code, quantity):
+            read_ratio_meaning(top, also)
+
+
+def test_words_name_what_the_ratio_is_measured_by_once():
+    assert ratio_words("B per 100 A", "weight") == "B per 100 A, by weight"
+    assert ratio_words("g of B per 100 g of A", "weight") == "g of B per 100 g of A"
+    assert ratio_words("B per 100 A", "volume") == "B per 100 A, by volume"
+    assert ratio_words("ml B per 100 ml A", "volume") == "ml B per 100 ml A"

@@ -1,6 +1,7 @@
 """tissues add and add-points: own traces make bands, points narrow what was inferred, faults are named."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,11 +9,14 @@ import pytest
 from dummydesign.cli.entry import run
 from dummydesign.core.user_library import entries
 from dummydesign.measurement.motion import Motion, ramp_and_hold
+from dummydesign.measurement.trace import Trace
 from dummydesign.tissue import load_tissue
+from dummydesign.tissue.adding import from_traces
 from dummydesign.tissue.adding.from_points import next_measurement
 from dummydesign.tissue.adding.observations import read_points
 from dummydesign.tissue.model.parameters import Parameters
 from dummydesign.tissue.model.posterior import draws_path, read_draws, typical_subjects, weighted_quantile
+from dummydesign.tissue.model.tissue import Subject
 from dummydesign.tissue.model.tissue_file import KIND
 from tests.support.refusal import raises_code
 
@@ -214,3 +218,82 @@ def test_weighted_quantiles_equal_plain_ones_of_repeated_values():
     assert weighted_quantile(values, 0.5, weight) == pytest.approx(np.median(repeated), abs=0.6)
     even = np.random.default_rng(0).normal(size=5001)
     assert weighted_quantile(even, 0.3, np.ones(5001)) == pytest.approx(np.quantile(even, 0.3), abs=1e-3)
+
+
+@pytest.mark.parametrize("name", ["a b", "../a", "", "-a", ".a", "a.toml", "con", "ä"])
+def test_a_name_that_makes_no_file_is_refused_and_nothing_is_made(home, name):
+    with raises_code("bad_name", "tissue"):
+        from_traces.reserve(name, False)
+    assert not (home / "home").exists()
+
+
+def test_a_name_is_the_users_own_and_hides_that_of_the_library_with_a_warning(home):
+    path, hidden = from_traces.reserve("hand-1", False)
+    assert path == home / "home" / KIND / "hand-1.toml" and hidden == []
+    assert from_traces.reserve("palm", False)[1] != []
+    path.write_text("", encoding="utf-8")
+    with raises_code("file_exists"):
+        from_traces.reserve("hand-1", False)
+    assert from_traces.reserve("hand-1", True)[0] == path
+
+
+@pytest.mark.parametrize("elements", ["3", "5", "7", "4", "auto", "05"])
+def test_subjects_share_one_number_of_elements(home, elements):
+    if elements in ("3", "5", "7"):
+        from_traces.reserve("hand", False, elements)
+    else:
+        with raises_code("unknown_name", "elements"):
+            from_traces.reserve("hand", False, elements)
+
+
+def test_traces_belong_to_the_folder_or_to_what_stands_before_the_first_dash(home):
+    folder = home / "ann"
+    folder.mkdir()
+    with raises_code("nothing_found", "trace"):
+        from_traces._sort_files([str(folder)])
+    for path in (folder / "2.csv", folder / "1.csv", home / "bob_v10_1.csv", home / "bob_v250.csv", home / "ann_3.csv"):
+        path.write_text("", encoding="utf-8")
+    files = [str(folder), *(str(home / name) for name in ("bob_v10_1.csv", "ann_3.csv", "bob_v250.csv"))]
+    subjects, groups = from_traces._sort_files(files)
+    assert subjects == []
+    assert {who: [path.name for path in paths] for who, paths in groups.items()} == {
+        "ann": ["1.csv", "2.csv", "ann_3.csv"],
+        "bob": ["bob_v10_1.csv", "bob_v250.csv"],
+    }
+    with raises_code("file_not_found", "trace"):
+        from_traces._sort_files([str(home / "nobody.csv")])
+
+
+def test_a_press_under_two_names_is_warned_of_over_all_people():
+    time = np.linspace(0.0, 1.0, 50)
+    own = Trace("a.csv", time, time, time**2)
+    other = Trace("b.csv", time, 2.0 * time, time**2)
+    assert from_traces.copies_of({"ann": [own], "bob": [other]}) == []
+    (warning,) = from_traces.copies_of({"ann": [own], "bob": [other, replace(own, name="c.csv")]})
+    assert warning["code"] == "same_press" and "bob: c.csv" in warning["message"] and "ann: a.csv" in warning["message"]
+
+
+def test_subjects_are_ordered_by_their_stiffness_and_no_two_have_one_name(monkeypatch):
+    from dummydesign.tissue.fitting import fit
+
+    def subject(name, gamma1):
+        return Subject(name, Parameters("ode", gamma1, (0.1,), ((10.0, (1.0,)),)), {})
+
+    monkeypatch.setattr(fit, "subject_from_fit", subject)
+    made = from_traces.tissue_of_fits("hand", {"stiff": 0.3, "soft": 0.1}, [subject("middle", 0.2)])
+    assert [one.name for one in made.subjects] == ["soft", "middle", "stiff"] and made.title == "3 subjects"
+    assert from_traces.tissue_of_fits("hand", {"one": 0.3}).title == "1 subject"
+    with raises_code("duplicate", "subject"):
+        from_traces.tissue_of_fits("hand", {"Middle": 0.3}, [subject("middle", 0.2)])
+
+
+def test_warnings_of_a_fit_bear_the_persons_name_and_copies_are_said_elsewhere():
+    from types import SimpleNamespace
+
+    rows = [{"code": "same_press", "message": "x"}, {"code": "at_bound", "message": "c2 is at its bound"}]
+    fit = SimpleNamespace(result={"warnings": rows, "rmse_N": 0.1, "max_residual_N": 0.4, "other": 1})
+    assert from_traces.fit_warnings("ann", fit) == [{"code": "at_bound", "message": "ann: c2 is at its bound"}]
+    assert from_traces.fit_row("ann", "a.csv", fit) == {
+        **{"subject": "ann", "from": "a.csv"},
+        **{"rmse_N": 0.1, "max_residual_N": 0.4},
+    }

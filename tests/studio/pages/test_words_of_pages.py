@@ -1,0 +1,215 @@
+"""What pages say and choose, without a browser: sentences, links and folders of answers."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+pytest.importorskip("nicegui", reason="no NiceGUI here: pip install nicegui")
+
+from dummydesign.person.drives import DRIVES
+from dummydesign.project.folder import make_project
+from dummydesign.project.status import status_of
+from dummydesign.studio import select_options
+from dummydesign.studio.pages import cast, design, learn, measured, mould, overview, tissue
+from dummydesign.studio.state import State
+from tests.support.refusal import raises_code
+
+PAD = {"thickness_mm": 5.0, "shape": "slab", "ratio": 15.0}
+
+
+@pytest.mark.parametrize(
+    ("light", "central", "sure", "words"),
+    [
+        ("red", 1.1, 1.2, "No correction: this pad is not usable."),
+        ("amber", None, None, "No correction: this pad is not usable."),
+        ("green", 1.0, None, "Correction: none needed."),
+        ("green", 1.0, 1.004, "Correction: none needed."),
+        ("amber", 1.004, 1.006, "Correction: none at central estimates. Multiply by 1.01 to be safe in 95 % of cases."),
+        ("amber", 1.07, 1.2, "multiply readings by 1.07 at central estimates. Multiply by 1.20"),
+    ],
+)
+def test_a_correction_is_a_sentence(light, central, sure, words):
+    given = {"light": light, "correction": {"factor_central": central, "factor": sure}}
+    assert words in cast.correction(given)
+    assert cast.correction({"light": "green"}) == "No correction: this pad is not usable."
+
+
+def test_fields_of_drives_have_the_numbers_of_all_drives_with_their_usual_values():
+    numbers = cast._numbers()
+    assert set(numbers) == {purpose for drive in DRIVES.values() for purpose, _ in drive.numbers}
+    usual = {purpose.quantity: value for purpose, value in numbers.items()}
+    assert usual["damping ratio"] == 0.0 and [one for one in usual.values() if one is not None] == [0.0]
+
+
+def test_a_pad_between_steps_of_half_a_millimetre_is_no_search_of_a_calibration():
+    words = {}
+    for thickness, calibration in ((10.5, "c.json"), (10.3, ""), (10.3, "c.json")):
+        page = SimpleNamespace(state=State("palm", thickness_mm=thickness, calibration=calibration))
+        if thickness == 10.3 and calibration:
+            with raises_code("unsupported", "thickness_mm"):
+                design.DesignPage.pad_words(page)
+        else:
+            words[thickness] = design.DesignPage.pad_words(page)
+    assert words[10.5][0] == "suggest" and words[10.3][0] == "predict"
+    assert "10.3" in words[10.3]
+
+
+def test_the_plan_of_an_answer_is_the_folder_of_its_file():
+    assert learn._plan_folder({"files": {"plan_campaign": "campaigns/next/campaign.toml"}}) == "campaigns/next"
+    assert learn._plan_folder({"files": {}}) == learn._plan_folder({}) == ""
+
+
+def test_an_import_has_its_files_before_its_options_and_its_folder_by_its_preview():
+    job = SimpleNamespace(words=("import", "a.csv", "b.csv", "--out", "measured/x"), answer={})
+    assert measured._sources(job) == ["a.csv", "b.csv"]
+    assert measured._out(job) == "measured/none"
+    job.answer = {"preview": "measured/x-2/preview.html"}
+    assert measured._out(job) == "measured/x-2"
+
+
+def test_a_mould_is_that_of_its_words_without_the_folder():
+    assert mould.pad_of(["mold", "--thickness", "9", "--out", "moulds/a", "--preset", "open"]) == [
+        *("mold", "--thickness", "9", "--preset", "open")
+    ]
+    assert mould.pad_of(["mold", "--thickness", "9"]) == ["mold", "--thickness", "9"]
+    assert mould.folder_of({"files": {"pour_sheet": "moulds/a/pour.pdf"}}) == "moulds/a"
+    assert mould.folder_of({}) == mould.folder_of({"files": {}}) == ""
+
+
+def test_a_part_has_one_row_with_a_link_to_each_of_its_formats():
+    rows = [("Base, STEP", "base.step"), ("Drawing of the base, PDF", "base.pdf"), ("Frame", "frame.stl")]
+    table = mould._part_table(rows, "moulds/a <b>")
+    assert table.count("<tr>") == 2 and table.count("<th scope=row>Base</th>") == 1
+    for words in ("STEP", "PDF", "STL"):
+        assert f">{words}<" in table
+    assert "<b>" not in table
+
+
+@pytest.mark.parametrize(("verdict", "told"), [("not_representative", True), ("not_settled", False), (None, False)])
+def test_a_mould_of_a_red_design_says_why_it_must_not_be_cast(monkeypatch, verdict, told):
+    monkeypatch.setattr(mould.project_index, "design_of_pad", lambda root, state: "designs/a")
+    monkeypatch.setattr(mould, "design_summary", lambda root, design: {"verdict": verdict, "text": "Reads low."})
+    assert mould.verdict_of(Path(), State("palm")) == ("Reads low." if told else "")
+    monkeypatch.setattr(mould.project_index, "design_of_pad", lambda root, state: "")
+    assert mould.verdict_of(Path(), State("palm")) == ""
+
+
+def test_dampers_of_a_tissue_are_rows_by_speed():
+    one = {"value": 1.0, "low": 0.5, "high": 2.0, "at_bound": True}
+    two = {**one, "value": 3.0, "at_bound": False}
+    rows = tissue.parameter_rows(
+        {"gamma1": one, "c2": {"10": two, "250": one}}, lambda entry: "at bound" if entry["at_bound"] else ""
+    )
+    assert rows == [
+        ["gamma1", 1.0, 0.5, 2.0, "at bound"],
+        ["c2 at 10 mm/s", 3.0, 0.5, 2.0, ""],
+        ["c2 at 250 mm/s", 1.0, 0.5, 2.0, "at bound"],
+    ]
+    assert tissue._presses(["fit", "a.csv", "--out", "t.toml", "b.csv"]) == ["a.csv", "b.csv"]
+    assert tissue._tissue_of(SimpleNamespace(answer={"files": {"tissue": "tissue/a.toml"}})) == "tissue/a.toml"
+    assert tissue._tissue_of(SimpleNamespace(answer={})) == ""
+
+
+@pytest.fixture
+def lab(tmp_path):
+    return make_project(tmp_path / "lab", None, tissue="palm")
+
+
+def test_the_strip_ticks_what_is_done_and_marks_what_is_next(lab):
+    status = status_of(lab)
+    strip = overview._strip(status, "/design", State("palm"))
+    assert strip.count("<li") == 7 and strip.count('class="next"') == 1
+    # the tissue of the library is chosen, nothing else is done
+    assert strip.count("done: ") == 1 and "✓ " in strip and "tissue=palm" in strip
+    nothing = overview._strip(status, "", State("palm"))
+    assert nothing.count('class="next"') == 0 and nothing.count('class="done"') == 1
+
+
+def test_a_command_that_failed_with_an_answer_is_one_that_is_not_acceptable():
+    ends = (("failed", {"a": 1}, "answer not acceptable"), ("failed", {}, "failed"), ("done", {"a": 1}, "done"))
+    for state, given, words in ends:
+        assert overview._ended(SimpleNamespace(state=state, answer=given)) == words
+
+
+def test_choices_are_what_lies_in_the_project_and_then_the_library(lab):
+    root = lab.root
+    (root / "tissue").mkdir(exist_ok=True)
+    for name in ("mine.toml", "mine-manifest.toml"):
+        (root / "tissue" / name).write_text("", encoding="utf-8")
+    known = select_options.tissues(root)
+    assert next(iter(known)) == "tissue/mine.toml" and "palm" in known and "tissue/mine-manifest.toml" not in known
+    assert "polyurethane-nagoya" in select_options.resins()
+    assert {"auto", "slab", "crowned"} <= set(select_options.shapes())
+    aims = select_options.aims("palm")
+    assert list(aims)[:2] == ["average", "safe-side"] and len([one for one in aims if one.startswith("subject:")]) == 5
+    presses = root / "measured" / "import-a"
+    presses.mkdir(parents=True)
+    (presses / "p1.csv").write_text("", encoding="utf-8")
+    assert select_options.traces(root) == {"measured/import-a/p1.csv": "import-a/p1.csv"}
+
+
+def test_folders_are_listed_by_age_and_hidden_ones_are_none(lab):
+    root = lab.root
+    for age, name in enumerate(("b", "a", ".c")):
+        place = root / "calibrations" / name
+        place.mkdir(parents=True)
+        file = place / "calibration.json"
+        file.write_text(json.dumps({}), encoding="utf-8")
+        os.utime(file, (1000 + age, 1000 + age))
+    assert select_options.folders(root, "calibrations", "calibration.json") == ["calibrations/b", "calibrations/a"]
+    assert list(select_options.calibrations(root)) == [
+        *("", "calibrations/a/calibration.json", "calibrations/b/calibration.json")
+    ]
+    assert select_options.campaigns(root) == {}
+
+
+def test_a_free_name_is_numbered_beside_folders_and_files(lab):
+    root = lab.root
+    (root / "tissue").mkdir(exist_ok=True)
+    assert select_options.free_name(root, "tissue", "hand") == "hand"
+    (root / "tissue" / "hand").mkdir()
+    (root / "tissue" / "hand-2.toml").write_text("", encoding="utf-8")
+    assert select_options.free_name(root, "tissue", "hand") == "hand-3"
+    assert select_options.free_library_name("tissue", "palm") == "palm-2"
+
+
+def test_names_of_the_library_are_refused_and_own_ones_where_they_are_not_replaced(tmp_path, monkeypatch):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    select_options.check_name("tissue", "new-one")
+    for name in ("palm", " PALM "):
+        with raises_code("file_exists", "tissue"):
+            select_options.check_name("tissue", name)
+    own = tmp_path / "materials" / "tissues"
+    own.mkdir(parents=True)
+    (own / "mine.toml").write_text("", encoding="utf-8")
+    select_options.check_name("tissue", "mine")
+    with raises_code("file_exists", "tissue") as caught:
+        select_options.check_name("tissue", "mine", replace=False)
+    assert "tick Replace" in str(caught.value)
+
+
+def test_what_is_chosen_and_gone_stands_at_the_head():
+    known = {"a": "A"}
+    assert select_options.offered(known, "a") == known
+    assert list(select_options.offered(known, "b", "gone").items()) == [("b", "gone"), ("a", "A")]
+    assert select_options.offered(known, "b")["b"] == "b"
+
+
+@pytest.mark.parametrize(
+    ("summary", "words"),
+    [
+        (None, "a"),
+        ({"pressed": 2, "missing": 1, "wrong": 2}, "a: 2 of 3 presses are there, 2 problems"),
+        ({**PAD, "verdict": "not_settled"}, "a: 5 mm slab, ratio 15, not settled"),
+        (PAD, "a: 5 mm slab, ratio 15"),
+        ({"traces": 3}, "a: 3 presses"),
+        ({"text": "so"}, "a: so"),
+    ],
+)
+def test_a_thing_is_named_with_what_is_known_of_it(summary, words):
+    assert select_options.file_line(SimpleNamespace(folder="designs/a", summary=summary)) == words

@@ -115,8 +115,9 @@ def options(presses: Presses, law: object) -> list[PossiblePress]:
         for share in (0.1, 0.3, 0.45)
     ]
     if isinstance(law, PuckLaw):
-        for shape, h, known in pads[:1]:
-            out.append(PossiblePress(float(h), float(speeds[0]), 0.45, True, LUBRICATED, *plain[1:], shape, known))
+        shape, h, pressed_before = pads[0]
+        press = (float(h), float(speeds[0]), 0.45, True)
+        out.append(PossiblePress(*press, LUBRICATED, *plain[1:], shape, pressed_before))
     pressed = len(presses.pads)
     for number in dict.fromkeys((0, pressed // 2)):
         shape, h, _ = pads[number]

@@ -235,8 +235,12 @@ def _of_pucks(
     if answer.verdict == "none" or (answer.verdict == "effect" and not single):
         return base, answer
     progress("what pucks of these shapes can tell apart")
-    first = [one.candidate.effect for one in answer.effects]
-    contexts = [without(answer.after.fit, one) for one in first] if single and len(first) > 1 else [base.fit]
+    first: list[Effect | None] = [one.candidate.effect for one in answer.effects]
+    contexts = (
+        [without(answer.after.fit, one.candidate.effect) for one in answer.effects]
+        if single and len(first) > 1
+        else [base.fit]
+    )
     for context, effect in zip(contexts, first or [None]):
         among = explain(context, available, single)
         if among is None or (answer.verdict == "effect" and (effect is None or effect.name not in among.names)):

@@ -163,7 +163,7 @@ def read_otherwise(top: TomlTable, tables: list[TomlTable]) -> tuple[list[TomlTa
         for name in names:
             if name not in by_file:
                 raise unknown_name("file", str(name), tuple(by_file), quantity="read_as").within(own.where("files"))
-        chosen = [by_file[name] for name in (files if isinstance(files, list) else [files])]
+        chosen = [by_file[str(name)] for name in (files if isinstance(files, list) else [files])]
         changes = {key: value for key, value in keys.items() if key in READ_AS_KEYS}
         if "exchanged" in keys:
             if len(chosen) != 2:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.progress import Progress, quiet
@@ -23,6 +24,7 @@ from dummydesign.loop.model.campaign_force_law import (
     SolvedCurve,
     error_priors,
 )
+from dummydesign.loop.model.effect import SetupLaw
 from dummydesign.measurement.campaign import Campaign, PunchSpec, Trial
 from dummydesign.pad.force_source import has_square_factor
 from dummydesign.pad.material.relaxation import PronyTerm
@@ -51,11 +53,19 @@ BEYOND = 1.02
 LEAST_LEFT = 2
 
 
+def limit_of(law: SetupLaw, trials: Sequence[Trial], thickness_mm: NDArray) -> NDArray:
+    """Depth to which the law of each trial's pad holds, shape (T,). [mm]"""
+    if isinstance(law, CampaignForceLaw):
+        return law.limit_of(trials)
+    assert isinstance(law, SlabLaw | PuckLaw)
+    return law.limit(thickness_mm)
+
+
 def within_reach(
-    campaign: Campaign, presses: Presses, law: SlabLaw | PuckLaw | CampaignForceLaw, least: int = LEAST_LEFT
+    campaign: Campaign, presses: Presses, law: SetupLaw, least: int = LEAST_LEFT
 ) -> tuple[Campaign, Presses, str]:
     """A campaign without the presses that go deeper than their law."""
-    limit = law.limit_of(presses.trials) if isinstance(law, CampaignForceLaw) else law.limit(presses.thickness_mm)
+    limit = limit_of(law, presses.trials, presses.thickness_mm)
     deep = presses.depth_mm > BEYOND * limit
     if not deep.any():
         return campaign, presses, ""

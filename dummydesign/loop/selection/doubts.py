@@ -18,7 +18,7 @@ from dummydesign.core.user_library import toml_value
 from dummydesign.loop.data.trials import Presses, stack
 from dummydesign.loop.fitting.by_trial import UNDECLARED_HZ, Own, cutoffs, gains, of_pad, zeros
 from dummydesign.loop.fitting.fit import CampaignFit, fit_base
-from dummydesign.loop.model.campaign_law import BEYOND, within_reach
+from dummydesign.loop.model.campaign_law import BEYOND, limit_of, within_reach
 from dummydesign.measurement.campaign import Campaign, Trial, held_force
 from dummydesign.measurement.ramp_detection import approach_velocity
 
@@ -269,8 +269,7 @@ def as_pads(labels: Labels, use: NDArray) -> list[PadReading]:
         spread = np.einsum("ti,ij,tj->t", columns, near.covariance, columns)
         difference = gain.value - columns @ near.middle
         z = difference / np.sqrt(near.scale**2 + gain.error**2 + spread)
-        law = labels.fit.problem.law
-        limit = law.limit_of((pad,)) if hasattr(law, "limit_of") else law.limit(np.array([pad.thickness_mm]))
+        limit = limit_of(labels.fit.problem.law, (pad,), np.array([pad.thickness_mm]))
         out.append(PadReading(pad, difference, z, gain.left, presses.depth_mm <= BEYOND * float(np.min(limit))))
     return out
 

@@ -38,7 +38,7 @@ def panel(monkeypatch):
     every, log = [], {"shown": [], "ended": [], "focus": [], "started": []}
     monkeypatch.setattr(jobs, "all_jobs", lambda root, name: list(every))
     monkeypatch.setattr(jobs, "latest", lambda root, name: every[-1] if every else None)
-    monkeypatch.setattr(jobs, "usual_s", lambda root, name: None)
+    monkeypatch.setattr(jobs, "usual_s", lambda name: None)
     monkeypatch.setattr(jobs, "progress_line", lambda newest, usual: "going on")
     monkeypatch.setattr(jobs, "start", lambda root, name, *commands: log["started"].append(commands))
     monkeypatch.setattr(jobs, "stop", lambda one: log["started"].append(("stop", one.folder.name)))

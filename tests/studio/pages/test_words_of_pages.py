@@ -99,17 +99,7 @@ def test_a_mould_of_a_red_design_says_why_it_must_not_be_cast(monkeypatch, verdi
     assert mould.verdict_of(Path(), State("palm")) == ""
 
 
-def test_dampers_of_a_tissue_are_rows_by_speed():
-    one = {"value": 1.0, "low": 0.5, "high": 2.0, "at_bound": True}
-    two = {**one, "value": 3.0, "at_bound": False}
-    rows = tissue.parameter_rows(
-        {"gamma1": one, "c2": {"10": two, "250": one}}, lambda entry: "at bound" if entry["at_bound"] else ""
-    )
-    assert rows == [
-        ["gamma1", 1.0, 0.5, 2.0, "at bound"],
-        ["c2 at 10 mm/s", 3.0, 0.5, 2.0, ""],
-        ["c2 at 250 mm/s", 1.0, 0.5, 2.0, "at bound"],
-    ]
+def test_a_fit_has_its_presses_and_its_tissue():
     assert tissue._presses(["fit", "a.csv", "--out", "t.toml", "b.csv"]) == ["a.csv", "b.csv"]
     assert tissue._tissue_of(SimpleNamespace(answer={"files": {"tissue": "tissue/a.toml"}})) == "tissue/a.toml"
     assert tissue._tissue_of(SimpleNamespace(answer={})) == ""
@@ -128,12 +118,6 @@ def test_the_strip_ticks_what_is_done_and_marks_what_is_next(lab):
     assert strip.count("done: ") == 1 and "✓ " in strip and "tissue=palm" in strip
     nothing = overview._strip(status, "", State("palm"))
     assert nothing.count('class="next"') == 0 and nothing.count('class="done"') == 1
-
-
-def test_a_command_that_failed_with_an_answer_is_one_that_is_not_acceptable():
-    ends = (("failed", {"a": 1}, "answer not acceptable"), ("failed", {}, "failed"), ("done", {"a": 1}, "done"))
-    for state, given, words in ends:
-        assert overview._ended(SimpleNamespace(state=state, answer=given)) == words
 
 
 def test_choices_are_what_lies_in_the_project_and_then_the_library(lab):

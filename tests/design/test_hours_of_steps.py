@@ -57,6 +57,18 @@ def test_the_mould_is_printed_while_the_puck_cures():
     assert puck.printing_h == RING + MOULD and puck.calendar_h == RING + WAIT + 0.5 + WAIT
     assert puck.grams == {"silicone": 200.0, "filament": 102.0, "resin": 90.0} and puck.usable == 0.875
     assert at_once.usable == 0.75 and at_once.printing_h == MOULD and at_once.calendar_h == MOULD + WAIT
+    # the words have the same hours, grams and days
+    assert puck.text == "puck first, 9.5 h printing, 90 g, 3 days: 88 % usable"
+    assert at_once.text == "pad at once, 8 h printing, 60 g, 2 days: 75 % usable"
     # of a mould that is kept nothing is printed but the ring
     puck, at_once = module.paths_of(answer("not_settled", mould="moulds/a"))
     assert puck.printing_h == RING and puck.grams["silicone"] == 0.0 and puck.grams["filament"] == 12.0
+
+
+def test_printing_that_is_not_known_is_left_out_of_hours_and_days(monkeypatch):
+    made = SimpleNamespace(printing_h=None, silicone_g=200.0, resin_g=60.0, filament_g=None)
+    monkeypatch.setattr(module, "_mould", lambda answer: made)
+    puck, at_once = module.paths_of(answer("not_settled"))
+    assert [one.printing_h for one in (puck, at_once)] == [one.calendar_h for one in (puck, at_once)] == [None, None]
+    assert puck.text == "puck first, 90 g, 3 days: 88 % usable"
+    assert at_once.text == "pad at once, 60 g, 1 day: 75 % usable"

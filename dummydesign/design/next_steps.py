@@ -161,10 +161,8 @@ def paths_of(answer: Suggestion) -> list[PadPath]:
 
 def _path(name: str, printing_h: float | None, calendar_h: float, grams: dict[str, float], usable: float) -> PadPath:
     """A way with its words; printing that is not known is in neither hours nor days."""
-    hours = f"{printing_h:.2g} h of printing, " if printing_h else ""
-    text = (
-        f"{name}, {hours}{grams['resin']:.0f} g, {np.ceil(calendar_h / 24.0):.0f} days: {100.0 * usable:.0f} % usable"
-    )
+    hours, days = f"{printing_h:.2g} h printing, " if printing_h else "", int(np.ceil(calendar_h / 24.0))
+    text = f"{name}, {hours}{grams['resin']:.0f} g, {days} day{'s' * (days > 1)}: {100.0 * usable:.0f} % usable"
     return PadPath(name, printing_h, None if printing_h is None else calendar_h, grams, usable, text)
 
 

@@ -219,9 +219,8 @@ PANEL_MM, ACROSS, LETTERS_PT = (45.0, 36.0), 4, 6.0
 
 def figure(limits: list[DetectionLimit]) -> str:
     """The chance to be found over the size, a panel for each effect, as SVG."""
-    from dummydesign.report.plot import Plot
+    from dummydesign.report.plot import Plot, Series
     from dummydesign.report.plot_drawing import plot_drawing
-    from dummydesign.report.plot_layers import Dots, Line
     from dummydesign.report.vector_sheet import Text, VectorSheet
 
     wide, high = PANEL_MM
@@ -233,7 +232,7 @@ def figure(limits: list[DetectionLimit]) -> str:
     for number, one in enumerate(limits):
         left, top = number % ACROSS * wide + 2.0, number // ACROSS * high + 2.0
         named = np.repeat([1.0, 0.0], [len(one.hits), len(one.misses)])
-        layers = [Line("", *one.curve), Dots("", [*one.hits, *one.misses], named)]
+        series = [Series.line("", *one.curve), Series.dots("", [*one.hits, *one.misses], named)]
         unit = UNITS.get(one.name, "")
         plot = Plot(
             one.name,
@@ -243,7 +242,7 @@ def figure(limits: list[DetectionLimit]) -> str:
             "",
             "size",
             "chance",
-            layers,
+            series,
             log_x=True,
             x_range=(0.8 * one.range[0], 1.25 * one.range[1]),
             y_range=(-0.08, 1.08),

@@ -20,8 +20,8 @@ from dummydesign.core.user_library import user_folder
 NEEDED = ("numpy", "scipy", "scikit-fem", "threadpoolctl")
 PARTS = (
     ("mould", ("cadquery", "trimesh", "networkx", "lxml", "ezdxf", "reportlab"), "", "moulds and drawings"),
-    ("pictures", ("matplotlib",), "", "pictures of moulds and curves"),
-    ("fields", ("pyvista",), "", "fields for ParaView, bones of many triangles"),
+    ("pictures", ("matplotlib",), "", "first pages of reports, pictures of curves"),
+    ("fields", ("pyvista",), "", "pictures of moulds, fields for ParaView, bones of many triangles"),
     ("studio", ("nicegui",), "dummydesign[studio]", "the pages in the browser"),
     ("tables", ("pandas", "xarray"), "dummydesign[tables]", "data frames in Python"),
     ("xlsx", ("openpyxl",), "dummydesign[xlsx]", "Excel files of test machines"),

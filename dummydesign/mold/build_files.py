@@ -166,7 +166,7 @@ def finish_picture(
     picture = folder / f"mould_{spec.tag}.png"
     if picture.is_file():
         return {"picture": picture.name}
-    message = "no picture: it could not be drawn in time; the drawings and files are complete"
+    message = "no picture: PyVista or OpenGL is missing here, or took too long; the drawings and files are complete"
     warnings.append({"code": "no_picture", "message": message})
     return {}
 

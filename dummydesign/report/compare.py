@@ -13,9 +13,8 @@ import numpy as np
 from dummydesign.core.files import csv_text, write_bytes, write_text
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, digits, log_start, unique, write_report
-from dummydesign.report.plot import Plot, press_plot, steady_plot
+from dummydesign.report.plot import Plot, Series, press_plot, steady_plot
 from dummydesign.report.plot_drawing import plot_drawing
-from dummydesign.report.plot_layers import Band, Bars, Dots, Layer, Line
 from dummydesign.report.sections.conformity import budget_section
 from dummydesign.report.sections.curves import curves_section
 from dummydesign.tissue.comparison import ComparedPress, Comparison
@@ -148,18 +147,18 @@ def _steady(comparison: Comparison, tissue: Tissue) -> Plot:
         [np.interp(part, np.r_[0.0, comparison.grid_N], np.r_[0.0, edge]) for edge in comparison.range_mm]
         for part in parts
     )
-    layers = (
-        Band("subjects, extrapolated", parts[0], below[0], below[1], sideways=True, style="extra"),
-        Band(f"subjects of {tissue.name}", parts[1], among[0], among[1], sideways=True),
-        Line("dummy", comparison.steady, comparison.grid_N),
-        Dots("measured at the end of the hold", comparison.points[:, 0], comparison.points[:, 1], "aim"),
+    series = (
+        Series.band("subjects, extrapolated", parts[0], below[0], below[1], sideways=True, style="extra"),
+        Series.band(f"subjects of {tissue.name}", parts[1], among[0], among[1], sideways=True),
+        Series.line("dummy", comparison.steady, comparison.grid_N),
+        Series.dots("measured at the end of the hold", comparison.points[:, 0], comparison.points[:, 1], "aim"),
     )
     share = comparison.result["steady_state_range"]["above_5N_fraction"]
     alt = (
         f"Steady force over depth: the dummy against the subjects' range; {_percent(share)} inside from {low:g} to "
         f"{high:g} N. Measured points at {', '.join(f'{x:.2f} mm {f:.1f} N' for x, f in comparison.points)}."
     )
-    return steady_plot(alt, layers)
+    return steady_plot(alt, series)
 
 
 def _presses(comparison: Comparison, data: dict[str, Any]) -> list[Plot]:
@@ -168,11 +167,11 @@ def _presses(comparison: Comparison, data: dict[str, Any]) -> list[Plot]:
     names: set[str] = set()
     for (speed, pressed), row in zip(comparison.conditions, data["force_variation_range"]):
         band, force, share = pressed[0].range, row["steady_force_N"], row["inside_fraction"]
-        layers: list[Layer] = [Band(f"subjects of {data['tissue']}", band.time_s, band.low_N, band.high_N)]
+        series: list[Series] = [Series.band(f"subjects of {data['tissue']}", band.time_s, band.low_N, band.high_N)]
         for number, (trace, _, _) in enumerate(pressed):
             time, measured = trace.since_contact
             name = "dummy" if len(pressed) == 1 else f"dummy, {trace.trace.name}"
-            layers.append(Line(name, *_thin(time[time > 0], measured[time > 0]), STYLES[number % len(STYLES)]))
+            series.append(Series.line(name, *_thin(time[time > 0], measured[time > 0]), STYLES[number % len(STYLES)]))
         title = f"{force:.3g} N at {speed:g} mm/s: {_percent(share)} inside"
         alt = (
             f"Force over time on a logarithmic axis, {force:.3g} N steady at {speed:g} mm/s: the dummy peaks at "
@@ -180,7 +179,7 @@ def _presses(comparison: Comparison, data: dict[str, Any]) -> list[Plot]:
             f"{row['range_peak_high_N']:.1f} N; {_percent(share)} of the press lies inside."
         )
         ends = (log_start(min(press.trace.ramp.rise_time_s for press in pressed)), float(band.time_s[-1]))
-        plots.append(press_plot(unique(f"press-{force:.2g}N-{speed:g}mm-s", names), title, alt, layers, ends))
+        plots.append(press_plot(unique(f"press-{force:.2g}N-{speed:g}mm-s", names), title, alt, series, ends))
     return plots
 
 
@@ -222,10 +221,10 @@ def _parameters(data: dict[str, Any]) -> list[Plot]:
     middle, *outer = np.transpose(places)
     low, high = np.clip(outer, -FARTHEST, 1.0 + FARTHEST)
     count = float(len(labels))
-    layers = (
-        Band("band of the subjects", np.array([0.0, count]), np.zeros(2), np.ones(2), sideways=True),
-        Bars("dummy", labels, low, high),
-        Dots("dummy", middle, count - 0.5 - np.arange(len(labels)), "aim"),
+    series = (
+        Series.band("band of the subjects", np.array([0.0, count]), np.zeros(2), np.ones(2), sideways=True),
+        Series.bars(labels, low, high),
+        Series.dots("dummy", middle, count - 0.5 - np.arange(len(labels)), "aim"),
     )
     words = "; ".join(f"{label} {a:.2g} to {b:.2g}" for label, a, b in zip(labels, low, high))
     return [
@@ -237,7 +236,7 @@ def _parameters(data: dict[str, Any]) -> list[Plot]:
             "",
             "place",
             "none",
-            layers,
+            series,
             y_range=(0.0, count),
             x_range=(min(-0.3, *low) - 0.1, max(1.3, *high) + 0.1),
             note=f"cut off {FARTHEST:g} widths beside the band",

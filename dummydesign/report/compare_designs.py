@@ -10,8 +10,7 @@ import numpy as np
 
 from dummydesign.core.serialise import percent_below_limit
 from dummydesign.report.page import STYLES, Section, Table, write_report
-from dummydesign.report.plot import Plot, steady_plot
-from dummydesign.report.plot_layers import Band, Layer, Line
+from dummydesign.report.plot import Plot, Series, steady_plot
 
 if TYPE_CHECKING:
     from dummydesign.design.comparison import DesignComparison
@@ -188,11 +187,11 @@ def _weights(designs: Sequence[Mapping[str, Any]]) -> list[list[Any]]:
 
 def _steady(designs: Sequence[Mapping[str, Any]]) -> Plot:
     """Steady force over depth of all pads, and each tissue's range."""
-    layers: list[Layer] = []
+    series: list[Series] = []
     for tissue, one in {one["tissue"]: one for one in reversed(designs)}.items():
         people = one["steady_curve"]["subjects"]
-        layers.append(
-            Band(
+        series.append(
+            Series.band(
                 f"subjects of {tissue}",
                 people["force_N"],
                 people["depth_low_mm"],
@@ -204,6 +203,6 @@ def _steady(designs: Sequence[Mapping[str, Any]]) -> Plot:
     for number, one in enumerate(designs):
         curve = one["steady_curve"]
         depth = np.array(curve["depth_mm"], float)
-        layers.append(Line(one["name"], depth, curve["force_N"], STYLES[number % len(STYLES)]))
+        series.append(Series.line(one["name"], depth, curve["force_N"], STYLES[number % len(STYLES)]))
     alt = f"Steady force over depth of {', '.join(one['name'] for one in designs)}, and the subjects' range."
-    return steady_plot(alt, layers)
+    return steady_plot(alt, series)

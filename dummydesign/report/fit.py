@@ -11,8 +11,7 @@ import numpy as np
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_bytes, write_text
 from dummydesign.report.page import STYLES, Section, Table, log_start, table_of_parameters, unique, write_report
-from dummydesign.report.plot import Plot, press_plot
-from dummydesign.report.plot_layers import Band, Dots, Layer, Line
+from dummydesign.report.plot import Plot, Series, press_plot
 from dummydesign.tissue.fitting.fit import TissueFit, subject_from_fit
 from dummydesign.tissue.fitting.problem import fitted_force, residual_plot, residual_table
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups
@@ -91,15 +90,15 @@ def _presses(fit: TissueFit) -> list[Plot]:
     plots: list[Plot] = []
     names: set[str] = set()
     for speed, force, rows in _groups(fit)[:MOST_PLOTS]:
-        layers: list[Layer] = []
+        series: list[Series] = []
         for number, (trace, _, time, curve) in enumerate(rows):
             middle = trace.middle_s - trace.ramp.contact_time_s
             shown, style = middle > 0, STYLES[number % len(STYLES)]
             label = "measured" if len(rows) == 1 else f"measured, {trace.trace.name}"
-            layers.append(Dots(label, middle[shown], trace.force_N[shown], "other" if len(rows) == 1 else style))
+            series.append(Series.dots(label, middle[shown], trace.force_N[shown], "other" if len(rows) == 1 else style))
             keep = time > 0
-            layers.append(
-                Line(
+            series.append(
+                Series.line(
                     "fitted" if len(rows) == 1 else f"fitted, {trace.trace.name}",
                     time[keep],
                     curve[keep],
@@ -116,21 +115,21 @@ def _presses(fit: TissueFit) -> list[Plot]:
         )
         name = unique(f"press-{force:.2g}N-{speed:g}mm-s", names)
         rise = min(trace.ramp.rise_time_s for trace, *_ in rows)
-        plots.append(press_plot(name, title, alt, layers, (log_start(rise), max(ends))))
+        plots.append(press_plot(name, title, alt, series, (log_start(rise), max(ends))))
     return plots
 
 
 def _residuals(fit: TissueFit) -> list[Plot]:
-    rise: list[Line] = []
-    hold: list[Line] = []
+    rise: list[Series] = []
+    hold: list[Series] = []
     for number, (speed, force, rows) in enumerate(_groups(fit)):
         style = STYLES[number % len(STYLES)]
         for trace, binned, *_ in rows:
             middle, depth = trace.middle_s, trace.depth_mm
             after, left = middle > trace.ramp.stop_time_s, trace.force_N - binned
             name = f"{speed:g} mm/s, {force:.3g} N"
-            rise.append(Line(name, depth[~after], left[~after], style))
-            hold.append(Line(name, middle[after] - trace.ramp.stop_time_s, left[after], style))
+            rise.append(Series.line(name, depth[~after], left[~after], style))
+            hold.append(Series.line(name, middle[after] - trace.ramp.stop_time_s, left[after], style))
     floor, plots = 3.0 * fit.result["noise_floor_N"], []
     largest = max(float(np.max(np.abs(line.y))) for line in (*rise, *hold) if np.size(line.y))
     reach = 1.08 * max(largest, 1.5 * floor)
@@ -140,7 +139,7 @@ def _residuals(fit: TissueFit) -> list[Plot]:
     ):
         known = np.concatenate([np.asarray(line.x, float) for line in lines])
         ends = (max(float(known.min()), 1e-4) if log else 0.0, float(known.max()))
-        band = Band("three noise floors", np.array(ends), np.full(2, -floor), np.full(2, floor))
+        band = Series.band("three noise floors", np.array(ends), np.full(2, -floor), np.full(2, floor))
         words = "over depth in the rise" if name.endswith("rise") else "over time in the hold"
         alt = f"Residual {words}; the largest of all bins is {largest:.3g} N, three noise floors are {floor:.2g} N."
         plots.append(

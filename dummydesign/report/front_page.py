@@ -15,8 +15,7 @@ import numpy as np
 
 from dummydesign._version import __version__
 from dummydesign.report.plot import Plot
-from dummydesign.report.plot_drawing import draw_axes, draw_layers, name_curves, names_mm
-from dummydesign.report.plot_layers import Band, Line
+from dummydesign.report.plot_drawing import draw_plot
 from dummydesign.report.vector_sheet import (
     BAND,
     INK,
@@ -291,7 +290,7 @@ def _range(panels: Sequence[Panel]) -> tuple[float, float] | None:
     """The range of forces of the panels of one level; None for their own."""
     if not panels[0].level:
         return None
-    ends = [layer.extent() for panel in panels for layer in panel.plot.layers if isinstance(layer, Band | Line)]
+    ends = [one.extent() for panel in panels for one in panel.plot.series if one.kind in ("band", "line", "dots")]
     most = [float(np.nanmax(y)) for _, y in ends if np.isfinite(y).any()]
     return 0.0, 1.06 * max(most, default=1.0)
 
@@ -303,18 +302,13 @@ def _panel(panel: Panel, box: Box, y_range: tuple[float, float] | None, size: fl
     reads = shortened(panel.reads, 0.55 * (right - left), size, "bold")
     room = right - left - text_width_mm(reads, size, "bold") - 3.0
     unit = " s" if panel.plot.x_name == "time_s" else ""
-    names = 0.0 if keyed else names_mm(panel.plot, size - 0.5, right - left)
-    items, (x, y) = draw_axes(panel.plot, (left, high + line + 0.7, right - names, low), size - 0.5, y_range, unit)
+    reached = any(one.kind in ("line", "dots") and one.style == "main" for one in panel.plot.series)
+    words = "not reached" if keyed and not reached else ""
+    under = (left, high + line + 0.7, right, low)
+    items = draw_plot(panel.plot, under, size - 0.5, y_range, unit, named=not keyed, words=words)
     if reads:
         items.append(Text(right, high + 0.8 * line, reads, size, "bold", "end", BAD if panel.bad else SOFT))
-    items += [
-        Text(left, high + 0.8 * line, shortened(panel.test, room, size, "bold"), size, "bold"),
-        *draw_layers(panel.plot, x, y, size - 0.5),
-        *([] if keyed else name_curves(panel.plot, x, y, size - 0.5, names)),
-    ]
-    if keyed and not any(isinstance(layer, Line) and layer.style == "main" for layer in panel.plot.layers):
-        items.append(Text(0.5 * (x.start + x.stop), y.position(0.15 * y.high), "not reached", size, anchor="middle"))
-    return items
+    return [*items, Text(left, high + 0.8 * line, shortened(panel.test, room, size, "bold"), size, "bold")]
 
 
 def _lower(items: list[Item], page: FrontPage, size: float, y: float) -> float:

@@ -11,8 +11,7 @@ import numpy as np
 
 from dummydesign.core.files import write_text
 from dummydesign.report.page import STYLES, Section, Table, page
-from dummydesign.report.plot import Plot
-from dummydesign.report.plot_layers import Band, Dots, Line
+from dummydesign.report.plot import Plot, Series
 
 if TYPE_CHECKING:
     from dummydesign.measurement.importing.read import Imported, ImportedPress
@@ -58,18 +57,20 @@ def _some(press: ImportedPress) -> np.ndarray:
 
 def _recording(number: int, one: Imported) -> Plot:
     """Force over the time of the file, each press in its own colour, holds as areas, contacts as points."""
-    layers: list[Any] = []
+    series: list[Series] = []
     top = max(press.summary.peak_force_N for press in one.presses)
     for press in one.presses:
         if press.summary.hold_s > 0:
             ends = press.begins_s + np.array([press.summary.stop_time_s, press.summary.hold_end_s])
-            layers.append(Band("hold", ends, np.zeros(2), np.full(2, top)))
+            series.append(Series.band("hold", ends, np.zeros(2), np.full(2, top)))
     for press in one.presses:
         some = _some(press)
         style = STYLES[(press.number - 1) % len(STYLES)]
-        layers.append(Line(f"press {press.number}", press.begins_s + press.time_s[some], press.force_N[some], style))
+        series.append(
+            Series.line(f"press {press.number}", press.begins_s + press.time_s[some], press.force_N[some], style)
+        )
     touch = [press.begins_s + _contact_time(press) for press in one.presses]
-    layers.append(Dots("contact", np.array(touch), np.zeros(len(touch)), "aim"))
+    series.append(Series.dots("contact", np.array(touch), np.zeros(len(touch)), "aim"))
     count = len(one.presses)
     alt = f"Force over time of {one.name}: {count} press{'es' if count > 1 else ''}, largest force {top:.3g} N."
     return Plot(
@@ -80,7 +81,7 @@ def _recording(number: int, one: Imported) -> Plot:
         "force [N]",
         "time_s",
         "force_N",
-        tuple(layers),
+        tuple(series),
         note="Nothing of the recording is left out: presses are parted where the punch is farthest out.",
     )
 
@@ -101,13 +102,13 @@ def _toe(number: int, one: Imported, press: ImportedPress) -> Plot:
     part = part[:: max(len(part) // _POINTS, 1)]
     low, high = press.contact_low_mm, press.contact_high_mm
     height = float(max(force[top], 0.0))
-    interval = Band("contact by the force, 95 %", np.array([low, high]), np.zeros(2), np.full(2, height))
-    line = Line(f"press {press.number}", x[part], force[part], STYLES[(press.number - 1) % len(STYLES)])
+    interval = Series.band("contact by the force, 95 %", np.array([low, high]), np.zeros(2), np.full(2, height))
+    line = Series.line(f"press {press.number}", x[part], force[part], STYLES[(press.number - 1) % len(STYLES)])
     alt = (
         f"Force over position about the contact of press {press.number} of {one.name}; by the force alone "
         f"contact lies between {low:.3g} and {high:.3g} mm of the zero that was taken."
     )
-    zero = Dots("zero", np.zeros(1), np.zeros(1), "aim")
+    zero = Series.dots("zero", np.zeros(1), np.zeros(1), "aim")
     return Plot(
         f"contact-{number + 1}-{press.number}",
         f"Contact of press {press.number}",

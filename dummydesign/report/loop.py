@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from dummydesign.loop.result import LoopResult, answer_rows, answer_words, listed, named, result_dict
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, digits, log_start, unique, write_report
-from dummydesign.report.plot import Plot, press_plot
+from dummydesign.report.plot import Plot, Series, press_plot
 from dummydesign.report.plot_drawing import plot_drawing
-from dummydesign.report.plot_layers import Band, Bars, Dots, Label, Layer, Line
 
 MOST_BARS = 12
 FITTED_FROM = 2.0
@@ -30,9 +29,9 @@ def _screening(data: dict[str, Any]) -> list[Plot]:
     words = "; ".join(f"{label} {value:.1f}" for label, value in zip(labels, z))
     top = float(len(rows))
     ends = [-FITTED_FROM, -FITTED_FROM, np.nan, FITTED_FROM, FITTED_FROM]
-    layers = (
-        Bars("score", labels, np.minimum(z, 0.0), np.maximum(z, 0.0)),
-        Line(f"fitted from {FITTED_FROM:g} on", ends, [0.0, top, np.nan, 0.0, top], "aim"),
+    series = (
+        Series.bars(labels, np.minimum(z, 0.0), np.maximum(z, 0.0)),
+        Series.line(f"fitted from {FITTED_FROM:g} on", ends, [0.0, top, np.nan, 0.0, top], "aim"),
     )
     return [
         Plot(
@@ -43,7 +42,7 @@ def _screening(data: dict[str, Any]) -> list[Plot]:
             "",
             "z",
             "none",
-            layers,
+            series,
             y_range=(0.0, top),
             note=f"the {len(rows)} largest of {len(data['screening'])}; one fit step, each effect alone",
         )
@@ -59,9 +58,9 @@ def _evidence(data: dict[str, Any]) -> list[Plot]:
     gain = np.array([max(row["evidence"], 0.0) for row in rows])
     words = "; ".join(f"{label} {value:.0f}" for label, value in zip(labels, gain))
     needed, top = data["threshold"], float(len(rows))
-    layers = (
-        Bars("evidence", labels, np.zeros(len(rows)), np.sqrt(gain)),
-        Line(f"needed: {needed:.0f}", [needed**0.5] * 2, [0.0, top], "aim"),
+    series = (
+        Series.bars(labels, np.zeros(len(rows)), np.sqrt(gain)),
+        Series.line(f"needed: {needed:.0f}", [needed**0.5] * 2, [0.0, top], "aim"),
     )
     alt = f"Evidence of each effect alone: {words}; {needed:.0f} are needed."
     return [
@@ -73,7 +72,7 @@ def _evidence(data: dict[str, Any]) -> list[Plot]:
             "",
             "root_of_evidence",
             "none",
-            layers,
+            series,
             x_range=(0.0, 1.05 * max(float(np.sqrt(gain.max())), needed**0.5)),
             y_range=(0.0, top),
             note="evidence: drop of minus twice the log likelihood against the base model",
@@ -90,11 +89,11 @@ def trial_plot(result: LoopResult, data: dict[str, Any]) -> Plot:
         return np.array([row[key] for row in rows], float)
 
     floor = data["after"]["error"]["noise_floor_N"]
-    layers = (
-        Dots("base", number, column("base_rmse_N"), "aim"),
-        Dots("corrected", number, column("rmse_N")),
-        Dots("corrected, its condition left out", number, column("heldout_rmse_N"), "other"),
-        Line("noise floor", number[[0, -1]], [floor, floor], "other"),
+    series = (
+        Series.dots("base", number, column("base_rmse_N"), "aim"),
+        Series.dots("corrected", number, column("rmse_N")),
+        Series.dots("corrected, its condition left out", number, column("heldout_rmse_N"), "other"),
+        Series.line("noise floor", number[[0, -1]], [floor, floor], "other"),
     )
     worst = max(rows, key=lambda row: row["rmse_N"])
     alt = (
@@ -109,7 +108,7 @@ def trial_plot(result: LoopResult, data: dict[str, Any]) -> Plot:
         "rms residual [N]",
         "trial",
         "rmse_N",
-        layers,
+        series,
         note="in the order of campaign.toml",
     )
 
@@ -153,14 +152,16 @@ def residual_plots(result: LoopResult) -> list[Plot]:
     plots = []
     for number, (shape, thickness) in enumerate(presses.pads):
         rows = np.nonzero(presses.pad == number)[0]
-        layers: list[Layer] = [Band("three noise floors", np.array(ends), np.full(2, -floor), np.full(2, floor))]
+        series: list[Series] = [
+            Series.band("three noise floors", np.array(ends), np.full(2, -floor), np.full(2, floor))
+        ]
         words = []
         for name, _, style in stages:
             curves = [(times[row][1], left[name][row][times[row][0]]) for row in rows]
             time, most = max(curves, key=lambda curve: float(np.max(np.abs(curve[1]))))
             at = int(np.argmax(np.abs(most)))
-            layers += [Line(name, *curve, style) for curve in curves]
-            layers.append(Label(name, float(time[at]), float(most[at]), style))
+            series += [Series.line(name, *curve, style) for curve in curves]
+            series.append(Series.words(name, float(time[at]), float(most[at]), style))
             words.append(f"{name} at most {abs(float(most[at])):.3g} N")
         pad = f"{thickness:g} mm{' ' + shape if shape else ''}"
         plots.append(
@@ -172,7 +173,7 @@ def residual_plots(result: LoopResult) -> list[Plot]:
                 "measured - modelled [N]",
                 "time_s",
                 "residual_N",
-                layers,
+                series,
                 log_x=True,
                 x_range=ends,
                 y_range=(-1.05 * reach, 1.05 * reach),
@@ -187,20 +188,20 @@ def press_plots(result: LoopResult) -> Iterator[Plot]:
     names: set[str] = set()
     base, after = (model.fit.forces for model in (result.base, result.after))
     for label, rows in _groups(result):
-        layers, ends, rises, rms = list[Layer](), [], [], []
+        series, ends, rises, rms = list[Series](), [], [], []
         for number, row in enumerate(rows):
             shown, time = _times(result, row)
             own = "" if len(rows) == 1 else f", {presses.trials[row].file}"
-            layers.append(
-                Dots(
+            series.append(
+                Series.dots(
                     f"measured{own}",
                     time,
                     presses.force_N[row][shown],
                     "other" if len(rows) == 1 else STYLES[number % len(STYLES)],
                 )
             )
-            layers.append(Line(f"base{own}", time, base[row][shown], "aim"))
-            layers.append(Line(f"corrected{own}", time, after[row][shown], STYLES[number % len(STYLES)]))
+            series.append(Series.line(f"base{own}", time, base[row][shown], "aim"))
+            series.append(Series.line(f"corrected{own}", time, after[row][shown], STYLES[number % len(STYLES)]))
             ends.append(float(time[-1]))
             rises.append(float(presses.stop_s[row] - presses.contact_s[row]))
             rms.append((result.base.errors.by_trial_N[row], result.after.errors.by_trial_N[row]))
@@ -212,7 +213,7 @@ def press_plots(result: LoopResult) -> Iterator[Plot]:
         )
         name = unique("press-" + label.replace(" mm/s", "mm-s").replace(", ", "-").replace(" ", ""), names)
         title = f"{label}: rms {1e3 * before:.0f} to {1e3 * left:.0f} mN"
-        yield press_plot(name, title, alt, layers, (log_start(min(rises)), max(ends)))
+        yield press_plot(name, title, alt, series, (log_start(min(rises)), max(ends)))
 
 
 def write_loop_report(folder: Path, result: LoopResult) -> dict[str, str]:

@@ -18,9 +18,8 @@ from dummydesign.report import on_person_facts as facts
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.on_person_facts import number_text, span_text
 from dummydesign.report.page import Section, Table, log_start, unique, write_report
-from dummydesign.report.plot import Plot, press_plot
+from dummydesign.report.plot import Plot, Series, press_plot
 from dummydesign.report.plot_drawing import plot_drawing
-from dummydesign.report.plot_layers import Band, Line
 from dummydesign.report.sections.conformity import budget_section
 
 DRAWN, MOST_CHECKS = 400, 5
@@ -138,9 +137,9 @@ def press_figure(one: PersonPress, name: str) -> Plot:
     time = np.geomspace(start, end, DRAWN)
     force = on_grid(one, time)[1]
     known = ~np.isnan(force).any(axis=0)
-    layers = (
-        Band("subjects", time[known], force[:, known].min(axis=0), force[:, known].max(axis=0)),
-        Line("pad", time, np.interp(time, one.press.time_s, one.press.force_N, right=np.nan)),
+    series = (
+        Series.band("subjects", time[known], force[:, known].min(axis=0), force[:, known].max(axis=0)),
+        Series.line("pad", time, np.interp(time, one.press.time_s, one.press.force_N, right=np.nan)),
     )
     band = one.band["peak_N"]
     alt = (
@@ -148,7 +147,7 @@ def press_figure(one: PersonPress, name: str) -> Plot:
         f"subjects at {span_text(list(band))} N."
     )
     title = f"{one.press.trace.name}: {one.press.velocity_mm_s:g} mm/s"
-    return press_plot(name, title, alt, layers, (start, end))
+    return press_plot(name, title, alt, series, (start, end))
 
 
 def _press_section(one: PersonPress, row: dict[str, Any], prefix: str, names: set[str]) -> Section:

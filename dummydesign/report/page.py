@@ -21,7 +21,7 @@ from dummydesign.core.serialise import parameter_rows
 from dummydesign.core.user_library import data_folder, read_toml
 from dummydesign.mold.files.solid_view import stack, view_html
 from dummydesign.report.front_page import PAPER_MM, FrontPage, lay_out
-from dummydesign.report.plot import COLUMNS, Plot
+from dummydesign.report.plot import COLUMNS, Plot, plot_scripts, plots_html
 
 NOT_READ = re.compile(r"<(script|style|title|desc)\b.*?</\1>|<[^>]+>", re.DOTALL)
 
@@ -144,7 +144,7 @@ class Section:
 
     def to_html(self, anchor: str = "") -> str:
         """The section as HTML; an anchor is what a link goes to."""
-        plots = f'<div class="plots">{"".join(plot.html() for plot in self.plots)}</div>' if self.plots else ""
+        plots = plots_html(self.plots) if self.plots else ""
         text = "".join(f"<p>{escape(part)}</p>" for part in self.text.split("\n\n") if part)
         table = self.table.html() if self.table else ""
         named = f' id="{anchor}"' if anchor else ""
@@ -167,8 +167,6 @@ def page(
     style = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
     sections = list(sections)
     body = "".join(section.to_html(f"part-{number}") for number, section in enumerate(sections, 1))
-    if '<svg class="plot"' in body:
-        scripts = [*scripts, plots_js()]
     boxes = "".join(f'<div class="fact"><b>{escape(v)}</b><span>{escape(what)}</span></div>' for v, what in facts)
     items = "".join(f"<li>{escape(item['message'])}</li>" for item in warnings)
     warned = f'<ul class="warnings">{items}</ul>' if items else ""
@@ -191,7 +189,10 @@ def page(
         + folded_glossary(f"{lead} {boxes} {warned} {body}")
         + f"<footer>dummydesign {__version__}. Lengths in mm, forces in N, times in s; moduli are long-term "
         f"(relaxed) Young's moduli.{where}</footer>"
-        "</main>" + "".join(f"<script>{script}</script>" for script in scripts) + "</body></html>\n"
+        "</main>"
+        + (plot_scripts() if '<div class="plot"' in body else "")
+        + "".join(f"<script>{script}</script>" for script in scripts)
+        + "</body></html>\n"
     )
 
 
@@ -202,14 +203,6 @@ def _contents(titles: Sequence[str], sources: bool) -> str:
     links = "".join(f'<li><a href="#{anchor}">{escape(title)}</a></li>' for anchor, title in parts)
     listed = f'<nav class="contents" aria-label="Contents"><h2>Contents</h2><ol>{links}</ol></nav>'
     return f'{listed}<div id="summary"></div>'
-
-
-@cache
-def plots_js() -> str:
-    """The script that shows values of plots under the pointer and enlarges them, without indents and comments."""
-    text = (Path(__file__).parent / "plots.js").read_text(encoding="utf-8")
-    lines = (line.strip() for line in text.splitlines())
-    return "\n".join(line for line in lines if line and not line.startswith("//"))
 
 
 def _banner(verdict: Mapping[str, Any] | None) -> str:
@@ -239,17 +232,16 @@ def write_report(
 
     Examples
     --------
-    Layers of a plot are Line, Dots, Band, Bars, Cells (a map) and Ellipse.
+    Series of a plot are made by ``Series.line``, ``dots``, ``band``, ``bars``, ``map`` and ``ellipse``.
 
     >>> import tempfile
     >>> import numpy as np
-    >>> from dummydesign.report.plot import Plot
-    >>> from dummydesign.report.plot_layers import Band, Line
+    >>> from dummydesign.report.plot import Plot, Series
     >>> time, noise = np.linspace(0.0, 1.0, 5), np.full(5, 0.2)
-    >>> layers = (Band("noise", time, -noise, noise), Line("trace 1", time, 0.1 * time))
+    >>> series = (Series.band("noise", time, -noise, noise), Series.line("trace 1", time, 0.1 * time))
     >>> plot = Plot(
     ...     name="residual", title="Residual over time", alt="Residual of the fit over time; largest 0.1 N.",
-    ...     x_label="time [s]", y_label="residual [N]", x_name="time_s", y_name="force_N", layers=layers)
+    ...     x_label="time [s]", y_label="residual [N]", x_name="time_s", y_name="force_N", series=series)
     >>> table = Table(["trace", "rms N"], [["1", "0.05"]])
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     files = write_report(Path(folder), "Fit", "Five elements.", [Section("Residual", "", [plot], table)])

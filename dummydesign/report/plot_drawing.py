@@ -1,18 +1,16 @@
-"""A plot drawn on a sheet: the same axes, bands, curves, points and bars as in the report, in millimetres."""
+"""A plot on a sheet: matplotlib draws its table of series, and what it draws becomes paths and texts of the sheet."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from dummydesign.core.interpolation import true_runs
-from dummydesign.report.plot import Axis, Plot
-from dummydesign.report.plot_layers import Band, Bars, Dots, Line, corners
+from dummydesign.report.plot import Plot, Series
 from dummydesign.report.vector_sheet import (
     BAND,
+    INK,
     PAPER,
     PITCH,
     PT_MM,
@@ -23,13 +21,13 @@ from dummydesign.report.vector_sheet import (
     Item,
     Path,
     Text,
-    rectangle,
     shortened,
     text_width_mm,
 )
 
-UNSEEN_MM, DOT_MM, MOST_DOTS = 0.02, 0.45, 40
-PX_PER_MM = 4.0
+PX_MM = 0.1
+"""Of the figures; positions on the sheet are no finer than what a printer shows."""
+DOT_MM, MOST_DOTS = 0.9, 40
 
 
 def plot_drawing(plot: Plot, size_pt: float = 7.5) -> Callable[[Box], list[Item]]:
@@ -38,49 +36,27 @@ def plot_drawing(plot: Plot, size_pt: float = 7.5) -> Callable[[Box], list[Item]
     def drawn(box: Box) -> list[Item]:
         left, high, right, low = box
         line = PITCH * size_pt * PT_MM
-        names = names_mm(plot, size_pt, right - left)
-        items, (x, y) = draw_axes(plot, (left, high + line, right - names, low - line), size_pt)
+        items = draw_plot(plot, (left, high + line, right, low - line), size_pt, named=True)
         across = shortened(plot.x_label, right - left, size_pt)
-        items.append(Text(0.5 * (x.start + x.stop), low - 0.25 * line, across, size_pt, anchor="middle", colour=SOFT))
+        items.append(Text(0.5 * (left + right), low - 0.25 * line, across, size_pt, anchor="middle", colour=SOFT))
         if plot.y_label:
-            items.append(
-                Text(left, high + 0.6 * line, shortened(plot.y_label, right - left, size_pt), size_pt, colour=SOFT)
-            )
-        return items + draw_layers(plot, x, y, size_pt) + name_curves(plot, x, y, size_pt, names)
+            words = shortened(plot.y_label, right - left, size_pt)
+            items.append(Text(left, high + 0.6 * line, words, size_pt, colour=SOFT))
+        return items
 
     return drawn
 
 
-def _curves(plot: Plot) -> dict[str, Line]:
-    """Curves and points by their names."""
-    return {layer.name: layer for layer in reversed(plot.layers) if isinstance(layer, Line)}
-
-
-def names_mm(plot: Plot, size_pt: float, wide_mm: float) -> float:
-    """Room that the names of the curves take at the right of the axes. [mm]"""
-    widest = max((text_width_mm(name, size_pt) for name in _curves(plot)), default=0.0)
-    return min(widest, 0.35 * wide_mm) + 1.5
-
-
-def name_curves(plot: Plot, x: Axis, y: Axis, size_pt: float, room_mm: float) -> list[Item]:
-    """Write the names of curves and points right of the axes, at the height of their ends and clear of each other."""
-    step, ends = PITCH * size_pt * PT_MM, list[tuple[float, str, str]]()
-    for name, layer in _curves(plot).items():
-        across, along = np.asarray(layer.x, float), y.positions(np.asarray(layer.y, float))
-        known = np.flatnonzero(np.isfinite(across) & np.isfinite(along))
-        if len(known):
-            ends.append((float(along[known[-1]]), name, STYLES.get(layer.style, STYLES["other"])[0]))
-    items, low = list[Item](), y.start + step
-    for height, name, colour in sorted(ends, reverse=True):
-        low = min(max(height, y.stop) + 0.25 * size_pt * PT_MM, low - step)
-        items.append(Text(x.stop + 1.0, low, shortened(name, room_mm, size_pt), size_pt, colour=colour))
-    return items
-
-
-def draw_axes(
-    plot: Plot, box: Box, size_pt: float, y_range: tuple[float, float] | None = None, unit: str = ""
-) -> tuple[list[Item], tuple[Axis, Axis]]:
-    """Draw ground, grid and numbers of a plot's axes.
+def draw_plot(
+    plot: Plot,
+    box: Box,
+    size_pt: float,
+    y_range: tuple[float, float] | None = None,
+    unit: str = "",
+    named: bool = False,
+    words: str = "",
+) -> list[Item]:
+    """Draw bands, curves, points and bars of a plot inside their axes; maps, ellipses and words are left out.
 
     Parameters
     ----------
@@ -89,113 +65,184 @@ def draw_axes(
     box : Box
         With the numbers of the axes. [mm]
     size_pt : float
-        Of the numbers. [pt]
+        Of the letters. [pt]
     y_range : tuple of float, optional
         Instead of the plot's own.
     unit : str
         Written behind the last number of the x-axis.
+    named : bool
+        Whether the names of the curves stand right of the axes, at the height of their ends.
+    words : str
+        Written into the axes.
 
     Returns
     -------
-    list of items, tuple of Axis
-        What is drawn, and the axes in places of the sheet.
+    list of items
+        What is drawn.
     """
+    from matplotlib.figure import Figure
+
     left, high, right, low = box
-    line = PITCH * size_pt * PT_MM
-    across, along = plot.axes()
-    if y_range is not None:
-        along = replace(along, low=y_range[0], high=y_range[1])
-    bars = [layer for layer in plot.layers if isinstance(layer, Bars)]
-    names = [label for layer in bars for label in layer.labels]
-    about = max(min(round((low - high) / 8.0), 6), 4)
-    marks = [] if bars else replace(along, start=low - line, stop=high).ticks(about)
-    widest = max((text_width_mm(words, size_pt) for words in (*names, *(words for _, words in marks))), default=0.0)
-    start = left + min(max(widest + 1.5, 5.0), 0.45 * (right - left))
-    x = replace(across, start=start, stop=right - 1.5)
-    y = replace(along, start=low - line - 0.4, stop=high + 0.3)
-    items: list[Item] = [rectangle((x.start, y.stop, x.stop, y.start), PAPER, None)]
-    for value, words in marks:
-        position = y.position(value)
-        items.append(Path(((x.start, position), (x.stop, position)), RULE, width_mm=0.15))
-        items.append(Text(x.start - 1.0, position + 0.25 * size_pt * PT_MM, words, size_pt, anchor="end", colour=SOFT))
-    # in pixels, where an axis thinks that the letters of its numbers are that wide
-    ticks = replace(x, start=0.0, stop=PX_PER_MM * (x.stop - x.start)).ticks(max(round((x.stop - x.start) / 16.0), 2))
-    for number, (value, words) in enumerate(ticks):
-        position = x.position(value)
-        items.append(Path(((position, y.start), (position, y.start + 0.7)), SOFT, width_mm=0.2))
-        anchor = "end" if position > x.stop - 2.0 else "middle"
-        words += unit if number == len(ticks) - 1 else ""
-        items.append(Text(position, y.start + line, words, size_pt, anchor=anchor, colour=SOFT))
-    items.append(Path(((x.start, y.stop), (x.start, y.start), (x.stop, y.start)), SOFT, width_mm=0.25))
-    return items, (x, y)
+    wide, tall, line = right - left, low - high, PITCH * size_pt * PT_MM
+    curves = {one.label: one for one in reversed(plot.series) if one.kind in ("line", "dots")} if named else {}
+    names_mm = max((text_width_mm(name, size_pt) for name in curves), default=-1.5)
+    names_mm = min(names_mm, 0.35 * wide) + 1.5
+    figure = Figure((wide / 25.4, tall / 25.4), dpi=25.4 / PX_MM, frameon=False)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    for one in sorted(plot.series, key=lambda one: one.kind == "dots"):
+        _draw_series(axes, one, plot.log_x)
+    widest = _scale(axes, plot, y_range, unit, size_pt, (wide - names_mm, tall))
+    start = min(max(widest + 1.5, 5.0), 0.45 * (wide - names_mm))
+    room = max(wide - names_mm - start - 1.5, 1.0), max(tall - line - 0.7, 1.0)
+    axes.set_position((start / wide, (line + 0.4) / tall, room[0] / wide, room[1] / tall))
+    axes.text(0.5, 0.15, words, transform=axes.transAxes, ha="center", size=size_pt, color=INK)
+    sheet = _sheet(left, low, wide, tall)
+    figure.draw(sheet)
+    top = low - (line + 0.4) - room[1]
+    return sheet.items + _name_curves(axes, curves, (left + start + room[0] + 1.0, top, low), names_mm, size_pt)
 
 
-def draw_layers(plot: Plot, x: Axis, y: Axis, size_pt: float) -> list[Item]:
-    """Draw bands, curves, points and bars of a plot inside its axes; maps, ellipses and labels are left out."""
-    items: list[Item] = []
-    for layer in sorted(plot.layers, key=lambda layer: isinstance(layer, Dots)):
-        if isinstance(layer, Band):
-            at, low, high = (np.asarray(v, float) for v in (layer.at, layer.low, layer.high))
-            known = np.isfinite(at) & np.isfinite(low) & np.isfinite(high)
-            sides = np.r_[at[known], at[known][::-1]], np.r_[high[known], low[known][::-1]]
-            colour = BAND if layer.style == "band" else RULE
-            items += _run(x, y, *(sides[::-1] if layer.sideways else sides), None, colour)
-        elif isinstance(layer, Bars):
-            items += _bars(layer, x, y, size_pt)
-        elif isinstance(layer, Dots):
-            items += _dots(layer, x, y)
-        elif isinstance(layer, Line):
-            colour, dash = STYLES.get(layer.style, STYLES["other"])
-            xs, ys = np.asarray(layer.x, float), np.asarray(layer.y, float)
-            for start, stop in true_runs(np.isfinite(xs) & np.isfinite(ys)):
-                items += _run(x, y, xs[start:stop], ys[start:stop], colour, None, dash)
-    return items
+def _draw_series(axes: Any, one: Series, log_x: bool) -> None:
+    colour, dash = STYLES.get(one.style, STYLES["other"])
+    if one.kind == "band" and one.seen:
+        fill = axes.fill_betweenx if one.sideways else axes.fill_between
+        tint = BAND if one.style == "band" else RULE
+        fill(one.y if one.sideways else one.x, one.low, one.high, color=tint, linewidth=0.0, zorder=1.5)
+    elif one.kind == "bars":
+        places = len(one.names) - 0.5 - np.arange(len(one.names))
+        axes.barh(places, one.high - one.low, left=one.low, height=0.6, color=STYLES["main"][0])
+    elif one.kind == "dots":
+        x, y = one.x, one.y
+        shown = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
+        if len(shown) > MOST_DOTS:
+            # of very many a part, evenly along the axis
+            along = np.log(np.maximum(x[shown], 1e-12)) if log_x else x[shown]
+            wanted = np.linspace(along.min(), along.max(), MOST_DOTS)
+            shown = shown[np.unique(np.abs(along[:, None] - wanted).argmin(axis=0))]
+        axes.plot(x[shown], y[shown], "s", color=colour, markersize=DOT_MM / PT_MM, markeredgewidth=0.0)
+    elif one.kind == "line":
+        width = 0.5 / PT_MM
+        style = (0, [part / 0.5 for part in dash]) if dash else "solid"
+        axes.plot(one.x, one.y, color=colour, linewidth=width, linestyle=style)
 
 
-def _run(
-    x: Axis,
-    y: Axis,
-    xs: NDArray,
-    ys: NDArray,
-    stroke: str | None,
-    fill: str | None,
-    dash: tuple[float, ...] = (),
+def _scale(
+    axes: Any,
+    plot: Plot,
+    y_range: tuple[float, float] | None,
+    unit: str,
+    size_pt: float,
+    room_mm: tuple[float, float],
+) -> float:
+    """Ranges, numbers and lines of the axes; returns the width of the widest number of y. [mm]"""
+    from matplotlib.ticker import LogLocator, MaxNLocator
+
+    bars = next((one for one in plot.series if one.kind == "bars"), None)
+    if plot.log_x:
+        axes.set_xscale("log")
+    for side, own in (("x", plot.x_range), ("y", y_range or plot.y_range)):
+        limits = getattr(axes, f"set_{side}lim")
+        if own is not None:
+            limits(*own)
+        elif plot.zero and bars is None and not (side == "x" and plot.log_x):
+            if getattr(axes.dataLim, f"{side}0") >= 0.0:
+                limits(0.0)
+
+    def ticks(ends: tuple[float, float], locator: Any) -> list[float]:
+        return [
+            float(value)
+            for value in locator.tick_values(*ends)
+            if ends[0] <= value * (1 + 1e-9) + 1e-12 and value <= ends[1] * (1 + 1e-9) + 1e-12
+        ]
+
+    steps = [1, 2, 2.5, 5, 10]
+    count = max(round(room_mm[0] / 16.0), 2)
+    across = ticks(axes.get_xlim(), LogLocator() if plot.log_x else MaxNLocator(count, steps=steps))
+    numbers = [f"{value:g}" for value in across]
+    if across and room_mm[0] / len(across) < 1.6 * max(text_width_mm(text, size_pt) for text in numbers):
+        across, numbers = across[::2], numbers[::2]
+    axes.set_xticks(across, [*numbers[:-1], *(f"{text}{unit}" for text in numbers[-1:])])
+    axes.minorticks_off()
+    places = ticks(axes.get_ylim(), MaxNLocator(max(min(round(room_mm[1] / 8.0), 6), 4), steps=steps))
+    texts = [f"{value:g}" for value in places]
+    if bars is not None:
+        places = (len(bars.names) - 0.5 - np.arange(len(bars.names))).tolist()
+        texts = [shortened(name, 40.0, size_pt) for name in bars.names]
+    axes.set_yticks(places, texts)
+    thin = {"width": 0.2 / PT_MM, "color": SOFT, "labelcolor": SOFT, "labelsize": size_pt}
+    axes.tick_params(axis="x", length=0.7 / PT_MM, pad=0.6 / PT_MM, **thin)
+    axes.tick_params(axis="y", length=0.0, pad=1.0 / PT_MM, **thin)
+    if bars is None:
+        axes.grid(axis="y", color=RULE, linewidth=0.15 / PT_MM)
+    axes.set_axisbelow(True)
+    axes.patch.set_facecolor(PAPER)
+    for side, spine in axes.spines.items():
+        spine.set_visible(side in ("left", "bottom"))
+        spine.set(color=SOFT, linewidth=0.25 / PT_MM)
+    if across and across[-1] > axes.get_xlim()[1] - 0.05 * np.ptp(axes.get_xlim()):
+        axes.get_xticklabels()[-1].set_ha("right")
+    return max((text_width_mm(text, size_pt) for text in texts), default=0.0)
+
+
+def _name_curves(
+    axes: Any, curves: dict[str, Series], place: tuple[float, float, float], room_mm: float, size_pt: float
 ) -> list[Item]:
-    """A curve or an area inside its axes, without points that no one would see."""
-    known = (xs > 0.0) if x.log else np.ones(len(xs), bool)
-    if known.sum() < 2:
-        return []
-    across, along = np.clip(x.positions(xs[known]), x.start, x.stop), np.clip(y.positions(ys[known]), y.stop, y.start)
-    kept = corners(across, along, UNSEEN_MM)
-    points = tuple((float(a), float(b)) for a, b in zip(across[kept], along[kept]))
-    return [Path(points, stroke, fill, 0.5, dash, fill is not None)]
-
-
-def _dots(layer: Dots, x: Axis, y: Axis) -> list[Item]:
-    """Small squares; of very many a part, evenly along the axis."""
-    colour = STYLES.get(layer.style, STYLES["other"])[0]
-    across, along = x.positions(np.asarray(layer.x, float)), y.positions(np.asarray(layer.y, float))
-    shown = np.flatnonzero(np.isfinite(across) & np.isfinite(along))
-    if len(shown) > MOST_DOTS:
-        wanted = np.linspace(across[shown].min(), across[shown].max(), MOST_DOTS)
-        shown = shown[np.unique(np.abs(across[shown][:, None] - wanted).argmin(axis=0))]
-    boxes = ((float(np.clip(across[k], x.start, x.stop)), float(np.clip(along[k], y.stop, y.start))) for k in shown)
-    return [rectangle((a - DOT_MM, b - DOT_MM, a + DOT_MM, b + DOT_MM), colour, None) for a, b in boxes]
-
-
-def _bars(layer: Bars, x: Axis, y: Axis, size_pt: float) -> list[Item]:
-    """Bars with their labels at the left."""
-    items: list[Item] = []
-    count = len(layer.labels)
-    ends = zip(layer.labels, np.asarray(layer.low, float).tolist(), np.asarray(layer.high, float).tolist())
-    for row, (label, low, high) in enumerate(ends):
-        top, bottom = y.position(count - row - 0.2), y.position(count - row - 0.8)
-        left, right = (min(max(x.position(value), x.start), x.stop) for value in (low, high))
-        items.append(rectangle((left, top, max(right, left + 0.3), bottom), STYLES["main"][0], None))
-        words = shortened(label, 40.0, size_pt)
-        items.append(
-            Text(
-                x.start - 1.0, 0.5 * (top + bottom) + 0.25 * size_pt * PT_MM, words, size_pt, anchor="end", colour=SOFT
-            )
-        )
+    """Write the names of curves and points right of the axes, at the height of their ends and clear of each other."""
+    left, top, bottom = place
+    step, ends = PITCH * size_pt * PT_MM, list[tuple[float, str, str]]()
+    for name, one in curves.items():
+        known = np.flatnonzero(np.isfinite(one.x) & np.isfinite(one.y))
+        if len(known):
+            at = axes.transData.transform((one.x[known[-1]], one.y[known[-1]]))[1]
+            ends.append((bottom - PX_MM * float(at), name, STYLES.get(one.style, STYLES["other"])[0]))
+    items, low = list[Item](), np.inf
+    for height, name, colour in sorted(ends, reverse=True):
+        low = min(max(height, top) + 0.25 * size_pt * PT_MM, low - step)
+        items.append(Text(left, low, shortened(name, room_mm, size_pt), size_pt, colour=colour))
     return items
+
+
+def _sheet(left_mm: float, low_mm: float, wide_mm: float, tall_mm: float) -> Any:
+    """What matplotlib draws on: it keeps paths and texts in millimetres, y downwards."""
+    from matplotlib.backend_bases import RendererBase
+    from matplotlib.colors import to_hex
+
+    class Sheet(RendererBase):
+        def __init__(self) -> None:
+            super().__init__()
+            self.items: list[Item] = []
+
+        def get_canvas_width_height(self) -> tuple[float, float]:
+            return wide_mm / PX_MM, tall_mm / PX_MM
+
+        def points_to_pixels(self, points: Any) -> Any:
+            return points * PT_MM / PX_MM
+
+        def get_text_width_height_descent(self, s: str, prop: Any, ismath: Any) -> tuple[float, float, float]:
+            size = prop.get_size_in_points()
+            return text_width_mm(s, size) / PX_MM, 0.72 * size * PT_MM / PX_MM, 0.0
+
+        def draw_text(self, gc: Any, x: float, y: float, s: str, prop: Any, *more: Any, **others: Any) -> None:
+            at = left_mm + PX_MM * x, low_mm - PX_MM * (tall_mm / PX_MM - y)
+            self.items.append(Text(*at, s, prop.get_size_in_points(), colour=to_hex(gc.get_rgb())))
+
+        def draw_path(self, gc: Any, path: Any, transform: Any, rgbFace: Any = None) -> None:
+            clip = gc.get_clip_rectangle()
+            width = PT_MM * gc.get_linewidth()
+            drawn = path.cleaned(transform, True, None, simplify=True)
+            if clip is not None:
+                drawn = (
+                    drawn.clip_to_bbox(clip)
+                    if rgbFace is not None
+                    else path.cleaned(transform, True, clip.extents, simplify=True)
+                )
+            stroke = to_hex(gc.get_rgb()) if width > 0.0 else None
+            dash = tuple(PT_MM * part for part in gc.get_dashes()[1] or ())
+            for run in drawn.to_polygons(closed_only=rgbFace is not None):
+                if len(run) > 1:
+                    run = run if rgbFace is None else run[:-1]  # it ends where it begins
+                    points = tuple((left_mm + PX_MM * float(x), low_mm - PX_MM * float(y)) for x, y in run)
+                    fill = None if rgbFace is None else to_hex(rgbFace)
+                    self.items.append(Path(points, stroke, fill, width or 0.25, dash, fill is not None))
+
+    return Sheet()

@@ -19,8 +19,7 @@ from dummydesign.report import suggest_facts
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel
 from dummydesign.report.pad_drawing import pad_section
 from dummydesign.report.page import STYLES, Section, Table, solid_section, write_report
-from dummydesign.report.plot import Plot, press_plot, steady_plot
-from dummydesign.report.plot_layers import Band, Bars, Cells, Dots, Ellipse, Layer, Line
+from dummydesign.report.plot import Plot, Series, press_plot, steady_plot
 from dummydesign.report.sections.conformity import budget_section
 from dummydesign.report.sections.curves import curves_section
 from dummydesign.report.suggest_sections import full_sentence, pressed_section, safety_section
@@ -32,12 +31,12 @@ if TYPE_CHECKING:
 def relative_force_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
     """Force of each kind's best pad over the aim's, at the aim's depth."""
     force = curves.forces_N.relative
-    layers: list[Layer] = [Line(f"aim: {answer.request.aim}", force, np.ones_like(force), "aim")]
+    series: list[Series] = [Series.line(f"aim: {answer.request.aim}", force, np.ones_like(force), "aim")]
     words = []
     for item, relative, style in zip(answer.comparisons, curves.relative_forces, STYLES[:5]):
         if relative is None:
             continue
-        layers.append(Line(str(item.shape), force, relative, style))
+        series.append(Series.line(str(item.shape), force, relative, style))
         misfit = None if item.low_force is None else item.low_force.misfit_rms_ln_force
         words.append(f"{item.shape}: misfit {'not reached' if misfit is None else f'{misfit:.2f}'}")
     alt = f"Steady force of each pad over the tissue's at the same depth; 1 is the tissue. {'; '.join(words)}."
@@ -49,7 +48,7 @@ def relative_force_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
         "ratio to tissue's force",
         "tissue_force_N",
         "force_ratio",
-        layers,
+        series,
         log_x=True,
         x_range=(float(force[0]), float(force[-1])),
         y_range=(0.0, 4.0),
@@ -61,10 +60,10 @@ def steady_figure(answer: Suggestion, curves: SuggestionCurves) -> Plot:
     """Steady force over depth: subjects, aim, the recommended pad and the alternatives."""
     grids, protocol = curves.forces_N, answer.targets.protocol
     below = curves.subjects_extrapolated_mm
-    layers: list[Layer] = [
-        Band("subjects, extrapolated", grids.extrapolated, *below, sideways=True, style="extra"),
-        Band(f"subjects of {answer.tissue.name}", grids.measured, *curves.subjects_measured_mm, sideways=True),
-        Line(f"aim: {answer.request.aim}", curves.aim_depth_mm, grids.aim, "aim"),
+    series: list[Series] = [
+        Series.band("subjects, extrapolated", grids.extrapolated, *below, sideways=True, style="extra"),
+        Series.band(f"subjects of {answer.tissue.name}", grids.measured, *curves.subjects_measured_mm, sideways=True),
+        Series.line(f"aim: {answer.request.aim}", curves.aim_depth_mm, grids.aim, "aim"),
     ]
     stiff, soft, unreached = curves.castings_mm
     # where the softest castings do not reach a force, the band ends at the depth at which the gel bottoms out
@@ -76,18 +75,21 @@ def steady_figure(answer: Suggestion, curves: SuggestionCurves) -> Plot:
             f"{curves.limit_mm:.1f} mm, where the band ends"
         )
     if known.any():
-        layers.append(
-            Band("95 % of the pad's castings", grids.pad[known], stiff[known], soft[known], sideways=True, style="cast")
+        series.append(
+            Series.band(
+                "95 % of the pad's castings", grids.pad[known], stiff[known], soft[known], sideways=True, style="cast"
+            )
         )
-    for other, depth, style in zip(answer.result.alternatives, curves.other_depths_mm, STYLES[1:5]):
-        layers.append(Line(f"{other.thickness_mm:g} mm, ratio {other.ratio:g}", depth, grids.pad, style))
-    layers.append(Line("recommended pad", curves.pad_depth_mm, grids.pad))
+    others = sorted(zip(answer.result.alternatives, curves.other_depths_mm), key=lambda pair: pair[0].thickness_mm)
+    for (other, depth), style in zip(others, STYLES[1:5]):
+        series.append(Series.line(f"{other.thickness_mm:g} mm, ratio {other.ratio:g}", depth, grids.pad, style))
+    series.append(Series.line("recommended pad", curves.pad_depth_mm, grids.pad))
     inside = float(answer.best.evaluation.steady_state_range[answer.best.index])
     alt = (
         f"Steady force over depth. The recommended pad lies inside the subjects' range for {100 * inside:.0f} % of "
         f"{protocol.words}; at {protocol.needed_N:g} N it is {curves.pad_depth_at_needed_mm:.2f} mm deep."
     )
-    return steady_plot(alt, layers, note)
+    return steady_plot(alt, series, note)
 
 
 def press_plots(answer: Suggestion) -> list[Plot]:
@@ -96,14 +98,14 @@ def press_plots(answer: Suggestion) -> list[Plot]:
     for column, condition in enumerate(answer.targets.conditions):
         band, press = condition.range, best.evaluation.presses[column]
         force, speed = condition.steady_force_N, condition.velocity_mm_s
-        layers: list[Layer] = [
-            Band("subjects", band.time_s, band.low_N, band.high_N),
-            Line("aim", condition.aim.time_s, condition.aim.curves_N[0], "aim"),
+        series: list[Series] = [
+            Series.band("subjects", band.time_s, band.low_N, band.high_N),
+            Series.line("aim", condition.aim.time_s, condition.aim.curves_N[0], "aim"),
         ]
         words = "out of the pad's reach"
         if np.isfinite(press.depth_mm[best.index]):
             curve = press.force_N[best.index]
-            layers.append(Line("recommended pad", press.time_s[best.index], curve))
+            series.append(Series.line("recommended pad", press.time_s[best.index], curve))
             share = float(best.evaluation.inside[best.index, column])
             words = f"peak {curve.max():.1f} N, {100 * share:.0f} % inside"
         title = f"{force:g} N at {speed:g} mm/s: {words}"
@@ -112,7 +114,7 @@ def press_plots(answer: Suggestion) -> list[Plot]:
             f"subjects peak between {band.peak_low_N:.1f} and {band.peak_high_N:.1f} N."
         )
         ends = (1e-2 if speed < 50 else 1e-3, float(band.time_s[-1]))
-        plots.append(press_plot(f"press-{force:g}N-{speed:g}mm-s", title, alt, layers, ends))
+        plots.append(press_plot(f"press-{force:g}N-{speed:g}mm-s", title, alt, series, ends))
     return plots
 
 
@@ -121,9 +123,9 @@ def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
     scores, best, needed = answer.result.score_map, answer.best, answer.targets.protocol.needed_N
     value = np.where(scores.feasible, scores.total, np.nan)
     rests = answer.rests_on
-    layers: list[Layer] = [
-        Cells("total score", scores.ratio, scores.thickness_mm, value),
-        Line(
+    series: list[Series] = [
+        Series.map("total score", scores.ratio, scores.thickness_mm, value),
+        Series.line(
             "ratio that gives the modulus, 95 %",
             [rests["ratio_low"], rests["ratio_high"]],
             [best.thickness_mm] * 2,
@@ -131,11 +133,11 @@ def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
         ),
     ]
     off, thick = curves.ratio_error, answer.request.thickness_tolerance_mm
-    layers.append(Ellipse("tolerance of weighing and thickness", best.ratio, best.thickness_mm, off, thick))
+    series.append(Series.ellipse("tolerance of weighing and thickness", best.ratio, best.thickness_mm, off, thick))
     others = answer.result.alternatives
     if others:
-        layers.append(Dots("alternatives", [o.ratio for o in others], [o.thickness_mm for o in others], "other"))
-    layers.append(Dots("recommended", [best.ratio], [best.thickness_mm], "aim"))
+        series.append(Series.dots("alternatives", [o.ratio for o in others], [o.thickness_mm for o in others], "other"))
+    series.append(Series.dots("recommended", [best.ratio], [best.thickness_mm], "aim"))
     alt = (
         f"Map of the score over ratio and thickness; the recommended {best.thickness_mm:g} mm and ratio "
         f"{best.ratio:g} score {best.total:.2f}. Designs that do not reach {needed:g} N are left out."
@@ -151,7 +153,7 @@ def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
         "thickness [mm]",
         "ratio",
         "thickness_mm",
-        tuple(layers),
+        tuple(series),
         x_range=wide,
         note=f"1 is best; empty: {needed:g} N out of reach",
     )
@@ -159,13 +161,13 @@ def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
         return [whole]
     columns = np.abs(scores.ratio - best.ratio) <= 8 * off + 0.1
     rows = np.abs(scores.thickness_mm - best.thickness_mm) <= 8 * thick + 0.5
-    layers[0] = Cells("total score", scores.ratio[columns], scores.thickness_mm[rows], value[rows][:, columns])
+    series[0] = Series.map("total score", scores.ratio[columns], scores.thickness_mm[rows], value[rows][:, columns])
     close = replace(
         whole,
         name="score-map-near",
         title="The same around the recommended design",
         alt=f"{alt} The ellipse is {off:.3g} parts and {thick:g} mm in half.",
-        layers=tuple(layers),
+        series=tuple(series),
         note="",
         x_range=(best.ratio - 6 * off, best.ratio + 6 * off),
         y_range=(best.thickness_mm - 6 * thick, best.thickness_mm + 6 * thick),
@@ -176,12 +178,12 @@ def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
 def exponent_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
     """Local exponent over thickness at several forces."""
     here = list(curves.exponent_here)
-    layers = [
+    series = [
         *(
-            Line(f"{force:g} N", THICKNESS_GRID_MM, curves.exponent[:, column], style)
+            Series.line(f"{force:g} N", THICKNESS_GRID_MM, curves.exponent[:, column], style)
             for column, (force, style) in enumerate(zip(curves.forces_N.exponent_at, STYLES[:5]))
         ),
-        Dots("recommended", [answer.best.thickness_mm] * len(here), here, "aim"),
+        Series.dots("recommended", [answer.best.thickness_mm] * len(here), here, "aim"),
     ]
     alt = f"Local exponent over thickness at ratio {answer.best.ratio:g}; the tissue's law has 3 everywhere."
     return Plot(
@@ -192,7 +194,7 @@ def exponent_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
         "d ln F / d ln x",
         "thickness_mm",
         "exponent",
-        layers,
+        series,
         zero=False,
         note="1 is linear; the tissue's law has 3",
     )
@@ -216,7 +218,7 @@ def sensitivity_bars(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]
                 "",
                 "change_percent",
                 "none",
-                (Bars("change", names, low, high),),
+                (Series.bars(names, low, high),),
                 y_range=(0.0, float(len(names))),
                 note=note,
             )

@@ -10,8 +10,7 @@ import numpy as np
 from dummydesign.design.plot_data import ABOVE_MM, PressedPad, PressPictures
 from dummydesign.design.safety import SafetyView
 from dummydesign.report.page import Section, Table
-from dummydesign.report.plot import Plot
-from dummydesign.report.plot_layers import Band, Cells, Layer, Line
+from dummydesign.report.plot import Plot, Series
 
 if TYPE_CHECKING:
     from dummydesign.design.suggestion import Suggestion
@@ -59,12 +58,12 @@ def _section(answer: Suggestion, pad: PressedPad, ceiling_kPa: float) -> Plot:
     thick = answer.best.thickness_mm
     ends = [np.array([STRIP * half, half]), np.array([-half, -STRIP * half])]
     name = f"subjects at {pad.force_N:g} N"
-    cells = Cells("von Mises stress in kPa", pad.radius_mm, pad.height_mm, stress, 0.0, ceiling_kPa, smooth=True)
-    layers: list[Layer] = [cells]
-    layers += [Band(name, side, np.full(2, thick - soft), np.full(2, thick - stiff)) for side in ends]
-    layers += [Line(f"aim: {answer.request.aim}", side, np.full(2, thick - aim), "aim") for side in ends]
-    layers.append(Band("punch", across, foot, np.full_like(foot, max(top, float(foot.max()))), style="extra"))
-    layers.append(Line("tested face", np.r_[-r[::-1], r], np.r_[z[::-1], z]))
+    cells = Series.map("von Mises stress in kPa", pad.radius_mm, pad.height_mm, stress, (0.0, ceiling_kPa), smooth=True)
+    series: list[Series] = [cells]
+    series += [Series.band(name, side, np.full(2, thick - soft), np.full(2, thick - stiff)) for side in ends]
+    series += [Series.line(f"aim: {answer.request.aim}", side, np.full(2, thick - aim), "aim") for side in ends]
+    series.append(Series.band("punch", across, foot, np.full_like(foot, max(top, float(foot.max()))), style="extra"))
+    series.append(Series.line("tested face", np.r_[-r[::-1], r], np.r_[z[::-1], z]))
     contact = pad.contact
     alt = (
         f"Cross-section at {pad.force_N:g} N: the punch is {pad.depth_mm:.2f} mm deep, the subjects {stiff:.2f} to "
@@ -79,7 +78,7 @@ def _section(answer: Suggestion, pad: PressedPad, ceiling_kPa: float) -> Plot:
         "height [mm]",
         "radius_mm",
         "height_mm",
-        layers,
+        series,
         x_range=(-half, half),
         y_range=(0.0, top),
         to_scale=True,
@@ -88,11 +87,11 @@ def _section(answer: Suggestion, pad: PressedPad, ceiling_kPa: float) -> Plot:
 
 def _pressure(pictures: PressPictures) -> Plot:
     """Contact pressure over the radius at the highest force, both pads."""
-    layers, words = [], []
+    series, words = [], []
     deepest = pictures.pads[-1]
     for pad, style in ((deepest, "main"), *((one, "alt1") for one in pictures.slab[-1:])):
         profile = pad.contact["profile"]
-        layers.append(Line(pad.title, profile["radius_mm"], profile["pressure_kPa"], style))
+        series.append(Series.line(pad.title, profile["radius_mm"], profile["pressure_kPa"], style))
         words.append(
             f"{pad.title} {pad.contact['mean_kPa']:.3g} kPa on average, {pad.contact['peak_kPa']:.3g} at most "
             f"{_peak_words(pad)}"
@@ -107,7 +106,7 @@ def _pressure(pictures: PressPictures) -> Plot:
         "contact pressure [kPa]",
         "radius_mm",
         "pressure_kPa",
-        tuple(layers),
+        tuple(series),
         y_range=(0.0, high),
         note=note,
     )
@@ -198,15 +197,17 @@ def _pair(values: tuple[float, float]) -> str:
 
 
 def _energy(view: SafetyView) -> Plot:
-    layers: list[Layer] = []
+    series: list[Series] = []
     styles = {10.0: "main", 250.0: "alt1"}
     for speed in dict.fromkeys(row.velocity_mm_s for row in view.presses):
         rows = [row for row in view.presses if row.velocity_mm_s == speed]
         forces = [row.steady_force_N for row in rows]
         low, high = zip(*(row.tissue_energy_mJ for row in rows))
-        layers.append(Band(f"subjects, {speed:g} mm/s", forces, low, high, style="band" if speed > 50 else "extra"))
+        series.append(
+            Series.band(f"subjects, {speed:g} mm/s", forces, low, high, style="band" if speed > 50 else "extra")
+        )
         pad = np.array([row.pad_energy_mJ for row in rows], float)
-        layers.append(Line(f"pad, {speed:g} mm/s", forces, pad, styles.get(speed, "alt2")))
+        series.append(Series.line(f"pad, {speed:g} mm/s", forces, pad, styles.get(speed, "alt2")))
     alt = "Energy of the rise over steady force for the pad and the subjects at each speed."
     return Plot(
         "energy",
@@ -216,7 +217,7 @@ def _energy(view: SafetyView) -> Plot:
         "energy [mJ]",
         "force_N",
         "energy_mJ",
-        tuple(layers),
+        tuple(series),
         note="integral of F dx from touch to stop",
     )
 

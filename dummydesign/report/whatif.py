@@ -14,9 +14,8 @@ import numpy as np
 from dummydesign.design.options import SuggestOptions, command_words
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, write_report
-from dummydesign.report.plot import Plot
+from dummydesign.report.plot import Plot, Series
 from dummydesign.report.plot_drawing import plot_drawing
-from dummydesign.report.plot_layers import Cells, Dots, Layer, Line
 
 if TYPE_CHECKING:
     from dummydesign.design.sweep.spec import Study
@@ -233,12 +232,12 @@ def _setup(row: dict[str, Any]) -> tuple[Any, ...]:
 
 def _thickness(study: Study, rows: Rows) -> Section:
     """Exponent and depth against thickness."""
-    mark = Dots if len(study.thickness_mm) < 3 else Line
+    mark = Series.dots if len(study.thickness_mm) < 3 else Series.line
     middle = min(study.forces_N, key=lambda force: abs(force - 10.0))
     groups = _groups(study, rows)
     first, one = groups[len(groups) // 2]
 
-    def curves(name: str, force: float) -> list[Layer]:
+    def curves(name: str, force: float) -> list[Series]:
         return [mark(words, *_series(chosen, name, force), style) for (words, chosen), style in zip(groups, STYLES)]
 
     by_force = [
@@ -294,9 +293,9 @@ def _map(study: Study, rows: Rows) -> list[Section]:
     score = {(row["thickness_mm"], row["ratio"]): row["score"]["total"] for row in shown}
     value = np.array([[score.get((one, other), np.nan) for other in ratio] for one in thickness])
     best = max(shown, key=lambda row: row["score"]["total"])
-    layers = (
-        Cells("total score", ratio, thickness, value),
-        Dots("best of this study", [best["ratio"]], [best["thickness_mm"]], "aim"),
+    series = (
+        Series.map("total score", ratio, thickness, value),
+        Series.dots("best of this study", [best["ratio"]], [best["thickness_mm"]], "aim"),
     )
     alt = (
         f"Map of the total score for {study.tissue} over ratio and thickness; best {best['score']['total']:.2f} at "
@@ -310,7 +309,7 @@ def _map(study: Study, rows: Rows) -> list[Section]:
         "thickness [mm]",
         "ratio",
         "thickness_mm",
-        layers,
+        series,
         note=f"{shape}, {punch}, {condition} face, {base} base; 1 is best",
     )
     return [Section("Score", "", [plot])]

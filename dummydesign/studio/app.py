@@ -28,6 +28,7 @@ from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.files import acquire_lock, writing
 from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.report.plot import PLOTLY
 from dummydesign.studio import figures, file_transfer
 from dummydesign.studio.access import FRAME_POLICY, VIEW, Guard, same_secret
 from dummydesign.studio.pages import campaign, cast, design, learn, measured, mould, overview, pucks, tissue
@@ -89,6 +90,10 @@ def make_app(root: Path) -> FastAPI:
         if folder == root or not folder.is_dir():
             return PlainTextResponse(f"'{path}' is no folder of this project", 404)
         return Archive(file_transfer.zipped(root, folder), folder.name)
+
+    @app.get("/plotly.gz")
+    def plotly() -> Response:
+        return FileResponse(PLOTLY, headers={"cache-control": "max-age=86400"})
 
     @app.get("/solid/pad")
     def pad(shape: str, thickness: float) -> Response:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,8 +15,7 @@ from dummydesign.design.plot_data import force_grids
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.report.page import STYLES, figure_values, log_start
-from dummydesign.report.plot import Plot, press_plot
-from dummydesign.report.plot_layers import Band, Dots, Layer, Line
+from dummydesign.report.plot import Plot, Series, press_plot
 
 if TYPE_CHECKING:
     from dummydesign.design.pad_evaluator import EvaluatedPad, PadEvaluator
@@ -34,21 +33,23 @@ ABOVE_MM, TALL_MM = 0.4, 3.6
 def steady(tissue: Tissue, targets: Targets, pad: EvaluatedPad | None = None) -> Plot:
     """Steady force over depth: the subjects, the aim, and a pad where one is given."""
     grids = force_grids(targets.protocol)
-    layers: list[Layer] = [
-        Band(
+    series: list[Series] = [
+        Series.band(
             "subjects, extrapolated",
             grids.extrapolated,
             *targets.depth_range_mm(grids.extrapolated),
             sideways=True,
             style="extra",
         ),
-        Band(f"subjects of {tissue.name}", grids.measured, *targets.depth_range_mm(grids.measured), sideways=True),
-        Line(f"aim: {targets.aim}", targets.aim_depth_mm(grids.aim), grids.aim, "aim"),
+        Series.band(
+            f"subjects of {tissue.name}", grids.measured, *targets.depth_range_mm(grids.measured), sideways=True
+        ),
+        Series.line(f"aim: {targets.aim}", targets.aim_depth_mm(grids.aim), grids.aim, "aim"),
     ]
     alt = f"Steady force over depth of the subjects of {tissue.name}"
     if pad is not None:
         depth = pad.candidate.steady_depth_mm(grids.pad)
-        layers.append(Line("this pad", depth, grids.pad))
+        series.append(Series.line("this pad", depth, grids.pad))
         at = float(np.interp(10.0, grids.pad, depth)) if np.isfinite(depth).all() else float("nan")
         alt += f"; the pad is {at:.2f} mm deep at 10 N" if np.isfinite(at) else "; the pad does not reach 10 N"
     deepest = float(max(targets.depth_range_mm(grids.measured)[1].max(), targets.aim_depth_mm(grids.aim).max()))
@@ -60,7 +61,7 @@ def steady(tissue: Tissue, targets: Targets, pad: EvaluatedPad | None = None) ->
         "steady force [N]",
         "depth_mm",
         "force_N",
-        tuple(layers),
+        tuple(series),
         x_range=(0.0, 1.25 * deepest),
         y_range=(0.0, 16.0),
     )
@@ -70,13 +71,13 @@ def _press(targets: Targets, pad: EvaluatedPad, column: int) -> Plot:
     """Force over time of one press of the protocol: subjects, aim, pad."""
     condition = targets.conditions[column]
     band, press = condition.range, pad.candidate.evaluation.presses[column]
-    layers: list[Layer] = [
-        Band("subjects", band.time_s, band.low_N, band.high_N),
-        Line("aim", condition.aim.time_s, condition.aim.curves_N[0], "aim"),
+    series: list[Series] = [
+        Series.band("subjects", band.time_s, band.low_N, band.high_N),
+        Series.line("aim", condition.aim.time_s, condition.aim.curves_N[0], "aim"),
     ]
     reached = "out of the pad's reach"
     if np.isfinite(press.depth_mm[0]):
-        layers.append(Line("this pad", press.time_s[0], press.force_N[0]))
+        series.append(Series.line("this pad", press.time_s[0], press.force_N[0]))
         reached = f"peak {press.force_N[0].max():.1f} N"
     start = 1e-2 if condition.velocity_mm_s < 50 else 1e-3
     title = f"{condition.steady_force_N:g} N at {condition.velocity_mm_s:g} mm/s: {reached}"
@@ -88,7 +89,7 @@ def _press(targets: Targets, pad: EvaluatedPad, column: int) -> Plot:
         "force [N]",
         "time_s",
         "force_N",
-        tuple(layers),
+        tuple(series),
         log_x=True,
         x_range=(start, float(band.time_s[-1])),
         size=SMALL_PX,
@@ -98,11 +99,6 @@ def _press(targets: Targets, pad: EvaluatedPad, column: int) -> Plot:
 def presses(targets: Targets, pad: EvaluatedPad) -> list[Plot]:
     """Force over time of every press of the protocol, small enough to stand in a grid."""
     return [_press(targets, pad, column) for column in range(len(targets.conditions))]
-
-
-def plots_html(plots: Iterable[Plot], small: bool = False) -> str:
-    """Plots in a grid, as HTML."""
-    return f'<div class="plots{" small" if small else ""}">{"".join(plot.html() for plot in plots)}</div>'
 
 
 def measured_over_fitted(root: Path, answer: Mapping[str, Any]) -> list[Plot]:
@@ -119,26 +115,26 @@ def measured_presses(path: Path) -> list[Plot]:
 
 def _measured_press(plot: str, rows: Sequence[Mapping[str, str]]) -> Plot:
     """One plot from the values of a report's plot: series, time, force."""
-    series = _series(rows)
-    layers: list[Layer] = []
-    traces = list(dict.fromkeys(name.partition(", ")[2] for name in series))
-    for name, (time, force) in series.items():
+    curves = _curves(rows)
+    series: list[Series] = []
+    traces = list(dict.fromkeys(name.partition(", ")[2] for name in curves))
+    for name, (time, force) in curves.items():
         kind, _, trace = name.partition(", ")
         style = STYLES[traces.index(trace) % len(STYLES)]
         if kind == "measured":
-            layers.append(Dots(name, time, force, "other" if len(traces) == 1 else style))
+            series.append(Series.dots(name, time, force, "other" if len(traces) == 1 else style))
         else:
-            layers.append(Line(name, time, force, "aim" if kind == "base" else style))
-    seen = [values for name, values in series.items() if name.startswith("measured")] or list(series.values())
+            series.append(Series.line(name, time, force, "aim" if kind == "base" else style))
+    seen = [values for name, values in curves.items() if name.startswith("measured")] or list(curves.values())
     peak = max(float(force.max()) for _, force in seen)
     rise = min(float(time[int(np.argmax(force))]) for time, force in seen)
-    last = max(float(time.max()) for time, _ in series.values())
+    last = max(float(time.max()) for time, _ in curves.values())
     title = _condition_of(plot)
     alt = f"Measured force and the model's over time on a logarithmic axis, {title}; measured peak {peak:.3g} N."
-    return press_plot(plot, title, alt, layers, (min(log_start(rise), 0.5 * last), last))
+    return press_plot(plot, title, alt, series, (min(log_start(rise), 0.5 * last), last))
 
 
-def _series(rows: Sequence[Mapping[str, str]]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+def _curves(rows: Sequence[Mapping[str, str]]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Time and force of each series of a plot, in its order; bands are left out."""
     curves: dict[str, list[tuple[float, float]]] = {}
     for row in rows:
@@ -164,13 +160,13 @@ def section(shape: PadShape, thickness_mm: float, punch: Punch) -> Plot:
     y = np.linspace(-half, half, 257)
     top = thickness_mm - np.asarray(shape.drop_mm(np.zeros_like(y), y), float)
     bone = np.broadcast_to(np.asarray(shape.bone_mm(np.zeros_like(y), y), float), y.shape)
-    layers: list[Layer] = [Band("pad", y, bone, top)]
+    series: list[Series] = [Series.band("pad", y, bone, top)]
     if float(bone.max()) > 0.0:
-        layers.append(Band("rigid bone", y, np.zeros_like(y), bone, style="extra"))
+        series.append(Series.band("rigid bone", y, np.zeros_like(y), bone, style="extra"))
     if (parts := shape.layers()) is not None:
-        layers.append(Line("between the layers", y, np.full_like(y, thickness_mm - parts[0]), "other"))
-    layers.append(Line("tested face", y, top))
-    layers.append(Line(f"punch, {punch.text}", *_outline(punch, thickness_mm + ABOVE_MM), "aim"))
+        series.append(Series.line("between the layers", y, np.full_like(y, thickness_mm - parts[0]), "other"))
+    series.append(Series.line("tested face", y, top))
+    series.append(Series.line(f"punch, {punch.text}", *_outline(punch, thickness_mm + ABOVE_MM), "aim"))
     alt = f"Cross-section of a {shape.title}, {thickness_mm:g} mm thick; 64 mm of {PAD_WIDTH_MM:g} mm are shown."
     return Plot(
         "section",
@@ -180,7 +176,7 @@ def section(shape: PadShape, thickness_mm: float, punch: Punch) -> Plot:
         "height [mm]",
         "across_mm",
         "height_mm",
-        tuple(layers),
+        tuple(series),
         x_range=(-half, half),
         y_range=(0.0, thickness_mm + 5.0),
     )

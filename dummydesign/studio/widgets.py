@@ -20,6 +20,7 @@ from nicegui.elements.mixins.value_element import ValueElement
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.project.folder import Project, project_of
 from dummydesign.report import page as report_page
+from dummydesign.report.plot import plots_js
 from dummydesign.studio.jobs import changed_inputs, shown
 from dummydesign.studio.select_options import offered
 from dummydesign.studio.state import State, address, page_link, read_state
@@ -41,7 +42,8 @@ def page_head() -> str:
     """Return style and scripts of a page, for its head: those of the reports and those of the studio."""
     return (
         f"<style>{_file(report_page.__file__, 'page.css')}{_file(__file__, 'studio.css')}</style>"
-        f"<script>document.documentElement.lang = 'en'</script><script>{report_page.plots_js()}</script>"
+        "<script>document.documentElement.lang = 'en'</script>"
+        f'<script type="text/plain" id="plotly" data-src="plotly.gz"></script><script>{plots_js()}</script>'
         f"<script>{_file(__file__, 'studio.js')}</script>"
     )
 

@@ -16,6 +16,7 @@ from dummydesign.report.loop import write_loop_report
 from dummydesign.report.page import figure_values
 from dummydesign.studio.figures import measured_over_fitted
 from tests.support.browser import visit
+from tests.support.drawn_plots import figures_of
 from tests.support.refusal import raises_code
 
 
@@ -100,10 +101,14 @@ def test_the_report_is_one_page_with_a_figure_a_condition_and_loads_nothing(resu
     presses = [name for name in figures if name.startswith("press-")]
     assert len(presses) == len(np.unique(result.presses.cell))
     assert page.count("<figure>") == len(figures)
-    assert "src=" not in page and page.count("<script") == 1 and page.count("href=") == page.count('href="#') > 5
+    assert (
+        " src=" not in page.partition("<script>")[0]
+        and page.count("<script") == 2
+        and page.count("href=") == page.count('href="#') > 5
+    )
     drawn = measured_over_fitted(tmp_path, {"files": files})
     assert len(drawn) == len(presses) and all(" mm pad, " in plot.title for plot in drawn)
-    assert all({"base", "corrected"} <= {layer.name.partition(", ")[0] for layer in plot.layers} for plot in drawn)
+    assert all({"base", "corrected"} <= {one.label.partition(", ")[0] for one in plot.series} for plot in drawn)
     effect = result_dict(result)["effects"][0]
     for part in ("temperature", f"{effect['evidence']:.0f}", "Residual by trial", result.next.text[1:]):
         assert part in page
@@ -148,7 +153,10 @@ def test_residuals_are_drawn_pad_by_pad_in_two_colours_named_at_the_curves(resul
     pads = [name for name in figure_values(files["report_values"]) if name.startswith("residual")]
     assert len(pads) == len(result.presses.pads) == 3
     page = (tmp_path / "report.html").read_text()
-    assert page.count('class="direct aim"') == page.count('class="direct main"') == 3
+    figures = figures_of(page)
+    for name in pads:
+        words = {one["text"][0]: one["textfont"]["color"] for one in figures[name]["data"] if one["mode"] == "text"}
+        assert words == {"base": "var(--aim)", "corrected": "var(--main)"}
     assert "fitted from 2 on" in page
 
 

@@ -14,8 +14,7 @@ from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.report.front_page import HEIGHT_MM, PAPER_MM, WIDTH_MM, Fact, FrontPage, Grid, Panel, lay_out
 from dummydesign.report.pad_drawing import pad_section
-from dummydesign.report.plot import press_plot
-from dummydesign.report.plot_layers import Band, Line
+from dummydesign.report.plot import Series, press_plot
 from dummydesign.report.vector_sheet import PT_MM, Path, Text, VectorSheet, shortened, text_width_mm, wrapped
 from tests.support.pdf_paths import contents, pages_mm
 from tests.support.studio import browser
@@ -161,7 +160,7 @@ def test_a_browser_prints_the_first_page_on_one_sheet(made):
 def some_page(presses=6, long=False):
     """A page filled with made-up facts, short or longer than there is room."""
     time = np.geomspace(1e-3, 10.0, 300)
-    layers = (Band("people", time, 4.0 + 0 * time, 6.0 + 0 * time), Line("pad", time, 5.0 + np.sin(time)))
+    layers = (Series.band("people", time, 4.0 + 0 * time, 6.0 + 0 * time), Series.line("pad", time, 5.0 + np.sin(time)))
     plots = [press_plot("p", "", "", layers, (1e-3, 10.0))] * presses
     words = "a pad that is softer than people at the highest force " * (20 if long else 1)
     section = pad_section(read_shape(CROWN), 4.5, (150.0, 120.0), read_punch("square:14"), "glued")
@@ -203,15 +202,15 @@ def test_nothing_leaves_the_sheet_and_no_text_covers_another(presses, long):
 
 def test_a_press_out_of_reach_is_named_and_its_pad_not_drawn():
     page = some_page(1)
-    band = page.panels[0].plot.layers[0]
-    page = replace(page, panels=[replace(page.panels[0], plot=replace(page.panels[0].plot, layers=(band,)))])
+    band = page.panels[0].plot.series[0]
+    page = replace(page, panels=[replace(page.panels[0], plot=replace(page.panels[0].plot, series=(band,)))])
     assert "not reached" in [text.words for text in texts_on(lay_out(page))]
     assert "not reached" not in [text.words for text in texts_on(lay_out(some_page(1)))]
 
 
 def test_curves_of_one_level_share_their_scale():
     page = some_page(2)
-    high = replace(page.panels[1].plot, layers=(Band("people", [1e-3, 10.0], [0.0, 0.0], [60.0, 60.0]),))
+    high = replace(page.panels[1].plot, series=(Series.band("people", [1e-3, 10.0], [0.0, 0.0], [60.0, 60.0]),))
     for level, count in (("a", 2), ("b", 1)):
         panels = [page.panels[0], replace(page.panels[1], plot=high, level=level)]
         words = [text.words for text in texts_on(lay_out(replace(page, panels=panels)))]

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import re
-import xml.etree.ElementTree as xml
-
 import numpy as np
 import pytest
 
 from dummydesign.core.files import csv_text
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.report.page import plots_js
-from dummydesign.report.plot import COLUMNS, Plot
-from dummydesign.report.plot_layers import Dots, Line
+from dummydesign.report.plot import COLUMNS, Plot, Series, plots_html, plots_js
 from dummydesign.studio import figures
 from dummydesign.studio.slider_model import evaluator_of
 from dummydesign.studio.state import State
 from dummydesign.studio.widgets import page_head
+from tests.support.drawn_plots import figures_of
 
 
 @pytest.fixture(scope="module")
@@ -36,14 +32,12 @@ def test_every_press_of_the_protocol_is_drawn_small(looked):
     ]
     assert len({plot.name for plot in plots}) == len(plots) == 6
     for plot, press in zip(plots, pad.candidate.evaluation.presses):
-        svg = plot.svg()
-        xml.fromstring(svg)
-        width, height = map(float, re.search(r'viewBox="0 0 (\S+) (\S+)"', svg).groups())
-        assert (width, height) == (300.0, 222.0)
+        figure = figures_of(plot.html())[plot.name]
+        assert figure["data"][-1]["y"] == pytest.approx(press.force_N[0].tolist(), rel=1e-5)
+        assert 'style="aspect-ratio:300/222"' in plot.html()
         assert f"{press.force_N[0].max():.1f} N" in plot.title
-        texts = [float(at) for at in re.findall(r'<text x="([\d.]+)"[^>]*text-anchor="middle">[\d.e+-]+<', svg)]
-        assert len(texts) >= 3 and min(np.diff(texts)) > 25.0
-    assert figures.plots_html(plots, small=True).count('<svg class="plot"') == 6
+    text = plots_html(plots, small=True)
+    assert len(figures_of(text)) == 6 and text.count('class="key"') == 3
 
 
 @pytest.mark.parametrize(
@@ -62,26 +56,27 @@ def test_every_press_of_the_protocol_is_drawn_small(looked):
 def test_measured_presses_are_read_from_the_files_of_a_report(tmp_path, name, title, series):
     t = np.geomspace(1e-4, 10.0, 300)
     force = 5.0 + 3.0 * np.exp(-((np.log(t) - np.log(0.2)) ** 2))
-    layers = tuple((Dots if one.startswith("measured") else Line)(one, t, force + k) for k, one in enumerate(series))
-    made = Plot(name, "t", "a", "time since contact [s]", "force [N]", "time_s", "force_N", layers, log_x=True)
-    other = Plot("residual", "t", "a", "x", "y", "time_s", "force_N", layers)
+    curves = tuple(
+        (Series.dots if one.startswith("measured") else Series.line)(one, t, force + k) for k, one in enumerate(series)
+    )
+    made = Plot(name, "t", "a", "time since contact [s]", "force [N]", "time_s", "force_N", curves, log_x=True)
+    other = Plot("residual", "t", "a", "x", "y", "time_s", "force_N", curves)
     (tmp_path / "mine.csv").write_text(csv_text(COLUMNS, [*other.rows(), *made.rows()]), encoding="utf-8")
     answer = {"files": {"report": "x.html", "report_values": "mine.csv"}}
     assert figures.measured_over_fitted(tmp_path, {"files": {"report_values": "gone.csv"}}) == []
     (plot,) = figures.measured_over_fitted(tmp_path, answer)
     assert plot.title == title and plot.x_range == (0.01, 10.0)
-    for k, (layer, one) in enumerate(zip(plot.layers, series)):
-        assert layer.name == one and isinstance(layer, Dots) == one.startswith("measured")
-        assert np.allclose(layer.y, force + k, rtol=1e-5) and np.allclose(layer.x, t, rtol=1e-5)
-    xml.fromstring(plot.svg())
-    styles = {layer.name: layer.style for layer in plot.layers}
+    for k, (drawn, one) in enumerate(zip(plot.series, series)):
+        assert drawn.label == one and (drawn.kind == "dots") == one.startswith("measured")
+        assert np.allclose(drawn.y, force + k, rtol=1e-5) and np.allclose(drawn.x, t, rtol=1e-5)
+    styles = {one.label: one.style for one in plot.series}
     assert len(series) < 4 or styles["measured, a.csv"] == styles["fitted, a.csv"] != styles["fitted, b, c.csv"]
 
 
 def test_the_script_of_the_plots_is_an_element_of_the_head():
     text = page_head()
     assert f"<script>{plots_js()}</script>" in text
-    assert text.count("<script>") == text.count("</script") == 3 and text.count("</style") == 1
+    assert text.count("<script") == text.count("</script") == 4 and text.count("</style") == 1
     assert "http://" not in text.replace("http://www.w3.org/2000/svg", "")
 
 

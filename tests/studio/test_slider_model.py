@@ -97,13 +97,13 @@ def test_a_punch_from_a_file_of_the_project_is_read_from_its_folder(tmp_path):
 @pytest.mark.parametrize(("punch", "half"), [("square:14", 7.0), ("round:20", 10.0), ("rectangle:20x10", 5.0)])
 def test_the_cross_section_shows_the_punch_that_presses(punch, half):
     drawn = figures.section(read_shape(CROWN), 9.0, read_punch(punch))
-    outline = next(layer for layer in drawn.layers if layer.name == f"punch, {punch}")
+    outline = next(one for one in drawn.series if one.label == f"punch, {punch}")
     assert np.isclose(np.abs(outline.x).max(), half) and outline.y.min() > 9.0
 
 
 def test_a_ball_over_the_pad_is_round():
     drawn = figures.section(read_shape("slab"), 9.0, read_punch("ball:20"))
-    outline = next(layer for layer in drawn.layers if layer.name == "punch, ball:20")
+    outline = next(one for one in drawn.series if one.label == "punch, ball:20")
     low = outline.y - outline.y.min()
     near = np.abs(outline.x) < 5.0
     assert np.allclose(low[near], 10.0 - np.sqrt(100.0 - outline.x[near] ** 2), atol=0.02)

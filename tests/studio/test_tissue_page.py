@@ -65,7 +65,7 @@ def fit_anna(page, name="anna"):
     page.locator(f"input{by('fit-name')}").fill(name)
     page.wait_for_selector(f".command code >> text=tissue/{name}.toml")
     page.locator(by("run-fit")).click()
-    page.wait_for_selector(f"{by('found-fit')} svg.plot")
+    page.wait_for_selector(f"{by('found-fit')} div.plot")
 
 
 def test_the_fitted_tissue_is_chosen_shown_kept_and_used(page, studio):
@@ -75,9 +75,9 @@ def test_the_fitted_tissue_is_chosen_shown_kept_and_used(page, studio):
         page.wait_for_selector(f"{by('tissue')} >> text=tissue/anna.toml")
         assert page.locator(".command code").first.inner_text() == "dummydesign tissues show tissue/anna.toml"
         assert page.locator(f"{by('found-fit')} p b").first.inner_text() == "tissue/anna.toml"
-        assert page.locator(f"{by('found-fit')} svg.plot").count() == 2
+        assert page.locator(f"{by('found-fit')} div.plot").count() == 2
         page.reload()
-        page.wait_for_selector(f"{by('found-fit')} svg.plot")
+        page.wait_for_selector(f"{by('found-fit')} div.plot")
     assert read_project(root).tissue == "forefinger"
     page.locator(by("use")).click()
     page.wait_for_url("**/design?**")
@@ -88,9 +88,9 @@ def test_the_result_goes_with_its_presses_and_name_and_has_a_button_of_its_own(p
     found, root, _ = studio
     fit_anna(page)
     page.locator(f"input{by('fit-name')}").fill("other")
-    page.wait_for_selector(f"{by('found-fit')} svg.plot", state="detached")
+    page.wait_for_selector(f"{by('found-fit')} div.plot", state="detached")
     page.locator(f"input{by('fit-name')}").fill("anna")
-    page.wait_for_selector(f"{by('found-fit')} svg.plot")
+    page.wait_for_selector(f"{by('found-fit')} div.plot")
     # another tissue is chosen above: the button of the result still takes the fitted one
     page.locator(by("tissue")).click()
     page.get_by_role("option", name="palm (built-in)", exact=True).click()
@@ -100,7 +100,7 @@ def test_the_result_goes_with_its_presses_and_name_and_has_a_button_of_its_own(p
     assert read_project(root).tissue == "tissue/anna.toml"
     # from another page: the chosen tissue's fit is there again
     page.goto(f"{found.home}tissue")
-    page.wait_for_selector(f"{by('found-fit')} svg.plot")
+    page.wait_for_selector(f"{by('found-fit')} div.plot")
 
 
 def test_a_renamed_tissue_is_followed_a_deleted_one_stays_chosen_and_comes_back(page, studio):

@@ -17,6 +17,7 @@ from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
+from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio import slider_model as sliders
 from dummydesign.studio.pages import search
@@ -261,8 +262,8 @@ class DesignPage:
             return Refusal(f"this pad cannot be evaluated ({type(problem).__name__}: {problem})")
         inputs, targets = evaluator.problem, evaluator.problem.space.targets
         section = figures.section(shape, state.thickness_mm, inputs.punch)
-        large = figures.plots_html([figures.steady(inputs.tissue, targets, pad), section])
-        small = figures.plots_html(figures.presses(targets, pad), small=True)
+        large = plots_html([figures.steady(inputs.tissue, targets, pad), section])
+        small = plots_html(figures.presses(targets, pad), small=True)
         rows = search.press_rows(condition_rows(pad.candidate, targets, shape))
         return PadView(evaluator, shape, pad, large + small, rows)
 

@@ -11,6 +11,7 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
+from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio.file_actions import manage, undo_bar
 from dummydesign.studio.job_panel import JobPanel
@@ -202,6 +203,6 @@ def _curves(root: Path, folder: str) -> None:
     if plots and there:
         widgets.file_links([("the whole report", report)])
     if plots:
-        html(f'<div data-test="curves">{figures.plots_html(plots, small=True)}</div>')
+        html(f'<div data-test="curves">{plots_html(plots, small=True)}</div>')
     elif there:
         widgets.shown_file(f"/files/{report}", "report of the loop")

@@ -14,6 +14,7 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project, change_project, project_of
+from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, file_transfer, jobs, select_options, widgets
 from dummydesign.studio.file_actions import manage, undo_bar
 from dummydesign.studio.job_panel import JobPanel, Steps
@@ -227,7 +228,7 @@ def show_curves(root: Path, answer: Mapping[str, Any]) -> None:
     # several fits on a page have presses of the same name
     own = Path(answer["files"]["tissue"]).with_suffix("").as_posix().replace("/", "-")
     plots = figures.measured_over_fitted(root, answer)
-    html(figures.plots_html(replace(one, name=f"{own}-{one.name}") for one in plots))
+    html(plots_html(replace(one, name=f"{own}-{one.name}") for one in plots))
     report = answer["files"].get("report", "")
     if report and (root / report).is_file():
         widgets.file_links([("report of the fit, with its residuals", report)])

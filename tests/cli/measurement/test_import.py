@@ -55,7 +55,7 @@ def test_the_json_has_what_the_contract_names_and_the_traces_are_canonical(tmp_p
         assert trace["peak_force_N"] == pytest.approx(read.force_N.max(), abs=1e-5)
         assert abs(read.force_N[:20].mean()) < 0.05 and read.displacement_mm[0] < 0
     page = (tmp_path / result["preview"]).read_text(encoding="utf-8")
-    assert page.count('<svg class="plot"') == 3 and "http" not in page.replace("http-equiv", "")
+    assert page.count('<div class="plot"') == 3 and "http" not in page.replace("http-equiv", "")
     assert not list((tmp_path / "out").glob(".*"))
 
 

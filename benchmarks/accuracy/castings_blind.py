@@ -301,10 +301,9 @@ def designs_of(tissue: str, shape: str, thickness: float, knowledge: str) -> lis
     """What ``suggest`` says of a shape, and designs of it: that, and the middle ratio of every level near it."""
     made: dict[str, Any] = MADE_WELL if knowledge == KNOWLEDGE[-1] else {}
     inputs = read_problem(Request(tissue, shape=shape, thickness_mm=(thickness, thickness), verify=False, **made))
-    resin = known_resin(inputs.space.resin, knowledge)
-    castings = Castings(resin, inputs.space.castings.n)
-    space = replace(inputs.space, resin=resin, ratio=resin.ratios(), castings=castings)
-    inputs = replace(inputs, space=space)
+    resin = known_resin(inputs.resin, knowledge)
+    castings = Castings(resin, inputs.castings.n)
+    inputs = space = replace(inputs, resin=resin, ratio=resin.ratios(), castings=castings)
     answer = design(inputs)
     best = answer.best
     here = int(np.argmin(np.abs(space.ratio - best.ratio)))

@@ -2,25 +2,25 @@
 
 DATA_DIR is the set "Hyperelastic Characterisation of Silicone Tissue Phantoms" (Dawood et al. 2026, CC BY 4.0), with
 raw/NAME_A1.csv and NAME_B1.csv of 19 mixtures: pucks of 50 x 30 mm between plates whose friction is not stated. Each
-mixture becomes a campaign of two specimens with the frictionless puck as base model. Specimens are left out in turn;
-depths are left out by calibrating to 12 and to 9 mm and predicting to 15 mm.
+mixture becomes a campaign of two specimens with the frictionless puck as base model. Specimens are left out in turn.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
 
-from benchmarks.rows import scratch
-from dummydesign.loop.calibration import calibration_of
+from benchmarks.accuracy.loop_puck_heights import SEED, rows_file
+from benchmarks.rows import read_rows, scratch
 from dummydesign.loop.result import result_dict
-from dummydesign.loop.run import close_loop, replay
+from dummydesign.loop.run import close_loop
 from dummydesign.measurement.campaign import Campaign
 from dummydesign.measurement.campaign_file import read_campaign
-from studies.marked_page import wrapped
+from studies.marked_page import MarkedPage, wrapped
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -40,14 +40,9 @@ thickness_mm = 30.0
 velocity_mm_s = 0.1667
 repeat = {repeat}
 """
-DEEP_MM, SHALLOW_MM = 15.0, (12.0, 9.0)
+VERDICTS = ("ambiguous", "none", "effect", "unexplained")
+DEEP_MM = 15.0
 PAGE, TABLE = ROOT / "docs" / "loop-ecoflex.md", ROOT / "docs" / "data" / "loop-ecoflex.csv"
-
-
-def heads(depth_mm: float) -> tuple[str, str, str]:
-    """Columns of the calibration to a depth: what it found, error to 15 mm of its base and with what it found."""
-    base, after = (f"to_{DEEP_MM:g}mm{model}_from_{depth_mm:g}mm_N" for model in ("_base", ""))
-    return f"found_to_{depth_mm:g}mm", base, after
 
 
 HEADS = [
@@ -57,11 +52,12 @@ HEADS = [
     "young_after_kPa",
     "verdict",
     "found",
-    "rivals",
-    "evidence_alone",
+    "explanations",
+    "specimens_differ_N",
+    "residual_base_N",
+    "residual_after_N",
     "left_out_base_N",
     "left_out_after_N",
-    *(name for depth in SHALLOW_MM for name in heads(depth)),
 ]
 
 
@@ -98,23 +94,22 @@ def run_mixture(name: str, curves: dict[str, np.ndarray], folder: Path) -> list[
     deep = campaign_to(folder / "deep", name, curves, DEEP_MM)
     result = close_loop(deep)
     data = result_dict(result)
-    shallow = []
-    for depth in SHALLOW_MM:
-        calibration = calibration_of(close_loop(campaign_to(folder / f"to-{depth:g}", name, curves, depth)))
-        predicted = replay(deep, calibration)
-        effects = ", ".join(one.effect.name for one in calibration.after.active)
-        shallow += [effects, f"{predicted.total_base_rmse_N:.2f}", f"{predicted.total_rmse_N:.2f}"]
     parts = []
     for effect in data["effects"]:
         p = next(iter(effect["parameters"].values()))
         parts.append(f"{effect['name']} {p['value']:.3g} ({p['low']:.3g} to {p['high']:.3g})")
     if result.learnt is not None:
         parts.append(result.learnt.effect.name)
-    rivals = ", ".join(name for effect in data["effects"] for name in effect["confounded_with"])
+    among = data["ambiguity"] or {"explanations": [], "repeats_differ_N": float("nan"), "base_residual_N": float("nan")}
+    rivals = "; ".join(
+        f"{' + '.join(effect['name'] for effect in one['effects'])} ({one['young_kPa']:.1f} kPa, "
+        f"{one['residual_N']:.2f} N)"
+        for one in among["explanations"]
+    )
+    fitted = [data[model]["error"]["train_rmse_N"] for model in ("base", "after")]
     modulus = [1e3 * model.fit.base.young_MPa for model in (result.base, result.after)]
     held = [model.errors.heldout_N or float("nan") for model in (result.base, result.after)]
     top = max(trial.trace.force_N.max() for trial in deep.trials)
-    alone = ", ".join(f"{row['name']} {row['evidence']:.0f}" for row in data["ranking"][:3])
     return [
         name,
         f"{top:.0f}",
@@ -122,71 +117,86 @@ def run_mixture(name: str, curves: dict[str, np.ndarray], folder: Path) -> list[
         result.verdict,
         "; ".join(parts),
         rivals,
-        alone,
+        f"{among['repeats_differ_N']:.2f}",
+        *(f"{one:.2f}" for one in fitted),
         *(f"{one:.2f}" for one in held),
-        *shallow,
     ]
 
 
-def page(table: list[dict[str, str]]) -> str:
-    """Summary of the table, as the page of the documentation."""
-    rubbing = [row for row in table if "plate_friction" in row["found"]]
-    sizes = [float(row["found"].split()[1]) for row in rubbing]
-    share = [float(row["left_out_after_N"]) / float(row["left_out_base_N"]) for row in rubbing]
-    rest = [row for row in table if row not in rubbing and "strain_stiffening" not in row["found"]]
-    learned, other = ([row["mixture"] for row in rest if bool(row["found"]) is some] for some in (True, False))
-    stiffer = [row for row in table if row not in rubbing and "strain_stiffening" in row["found"]]
-    unexplained = sum(row["verdict"] == "unexplained" for row in table)
-    evidence = [dict(one.rsplit(" ", 1) for one in row["evidence_alone"].split(", ")) for row in rubbing]
-    alike = sum(
-        any(
-            float(value) > 0.9 * float(one.get("plate_friction", "0"))
-            for name, value in one.items()
-            if name != "plate_friction"
-        )
-        for one in evidence
-    )
+MARKS = MarkedPage(PAGE.relative_to(ROOT), "<!-- mixtures begin -->", "<!-- mixtures end -->")
+HEIGHTS = MarkedPage(PAGE.relative_to(ROOT), "<!-- heights begin -->", "<!-- heights end -->")
+
+
+def possible(row: dict[str, str], name: str) -> bool:
+    """Whether an effect is among the explanations of a mixture."""
+    return any(one.startswith(f"{name} ") for one in row["explanations"].split("; "))
+
+
+def mixtures(table: list[dict[str, str]]) -> str:
+    """Summary of the table, and a row for each mixture."""
+    of = {
+        name: [row for row in table if row["verdict"] == name]
+        for name in ("ambiguous", "none", "unexplained", "effect")
+    }
+    counts = ", ".join(f"`{name}` {len(rows)}" for name, rows in of.items() if rows)
+
+    def ratio(rows: list[dict[str, str]], name: str) -> str:
+        shares = [float(row[f"{name}_after_N"]) / float(row[f"{name}_base_N"]) for row in rows]
+        return f"{min(shares):.2f} to {max(shares):.2f}, median {float(np.median(shares)):.2f}"
+
+    doubted = of["ambiguous"]
+    friction = sum(possible(row, "plate_friction") for row in doubted)
+    best = sum(row["explanations"].startswith("plate_friction ") for row in doubted)
     lines = [
-        "# The loop on real curves: silicone pucks between plates",
+        f"- Verdicts of {len(table)} mixtures: {counts}.",
+        f"- Plate friction is among the explanations in {friction} of {len(doubted)} `ambiguous` ones and the best in "
+        f"{best}, strain stiffening in {sum(possible(row, 'strain_stiffening') for row in doubted)}.",
+        f"- Error after over before, both specimens fitted: {ratio(doubted, 'residual')}; on the left-out specimen: "
+        f"{ratio(doubted, 'left_out')}.",
         "",
-        "Data: Dawood, Zhang, Osman, Suulker, Abdulali, Angelmahr, Althoefer (2026), Hyperelastic Characterisation",
-        "of Silicone Tissue Phantoms, CC BY 4.0. Two specimens of each mixture, 50 x 30 mm, 10 mm/min, no hold,",
-        f"friction of the plates not stated. Base: frictionless neo-Hookean puck. Errors are N rms to {DEEP_MM:g} mm.",
-        "Other public measurements: [real presses](real-data.md).",
-        "",
-        f"- The loop finds plate friction in {len(rubbing)} of {len(table)} mixtures, {min(sizes):.2f} to "
-        f"{max(sizes):.2f}.",
-        f"- With it the error on the left-out specimen is {min(share):.2f} to {max(share):.2f} of the base's "
-        f"(median {float(np.median(share)):.2f}).",
-        f"- In {len(stiffer)} others it finds `strain_stiffening` instead.",
-        f"- In {len(learned)} it learns a function only; in {len(other)} it finds nothing.",
-        f"- `unexplained`: {unexplained} of {len(table)}.",
-        "- Stiffening, a curve of the load cell or a thickness error have over 0.9 of the friction's evidence in",
-        f"  {alike} of them.",
-        "",
-        "**Press to half the height.** Curves cut at less depth do not separate friction from modulus:",
-        "",
-        "| calibrated to | friction found | another effect found | error to 15 mm larger with it |",
-        "|---|---|---|---|",
+        "| mixture | largest N | specimens differ | verdict | explanations (modulus, error) | left out: base, after |",
+        "|---|---|---|---|---|---|",
     ]
-    for depth in SHALLOW_MM:
-        name, base, after = heads(depth)
-        own = [row for row in table if row[name]]
-        friction = sum("plate_friction" in row[name] for row in own)
-        worse = sum(float(row[after]) > float(row[base]) for row in own)
-        lines.append(f"| {depth:g} mm | {friction} | {len(own) - friction} | {worse} |")
-    lines += ["", "| mixture | largest N | E base, after kPa | found (95 %) | left out: base, after |"]
-    lines.append("|---|---|---|---|---|")
     for row in table:
-        if row["mixture"].endswith("_0T"):
-            modulus, left = (
-                f"{row[f'{name}_base_{unit}']}, {row[f'{name}_after_{unit}']}"
-                for name, unit in (("young", "kPa"), ("left_out", "N"))
-            )
-            lines.append(f"| {row['mixture']} | {row['largest_N']} | {modulus} | {row['found'] or '-'} | {left} |")
-    made = "`python -m benchmarks.accuracy.loop_ecoflex DATA_DIR`"
-    lines += ["", f"`docs/data/{TABLE.name}` has all mixtures. Made by {made}."]
+        left = f"{row['left_out_base_N']}, {row['left_out_after_N']}"
+        cells = (
+            row["mixture"],
+            row["largest_N"],
+            row["specimens_differ_N"],
+            row["verdict"],
+            row["explanations"] or "-",
+        )
+        lines.append(f"| {' | '.join(cells)} | {left} |")
     return "\n".join(lines) + "\n"
+
+
+def heights(rows: list[dict]) -> str:
+    """What drawn pucks of one height and of two give, by kind."""
+    lines = ["| drawn | pucks | verdicts | the cause is named or listed | friction decided | modulus in its interval |"]
+    lines.append("|---|---|---|---|---|---|")
+    causes = {"friction": {"plate_friction"}, "stiffening": {"strain_stiffening"}}
+    causes |= {"both": causes["friction"] | causes["stiffening"], "none": set()}
+    for kind, cause in causes.items():
+        own = [row for row in rows if row["kind"] == kind]
+        for count in ("one", "two"):
+            verdicts = Counter(row["verdict"][count] for row in own)
+            said = [set(row["possible"][count] or row["named"][count]) for row in own]
+            rubs = "plate_friction" in cause
+            decided = sum(_decides(row["sets"][count], rubs) for row in own)
+            held = [row["young_kPa"][count] for row in own]
+            inside = sum(low <= 1e3 * row["rubber"]["young_MPa"] <= high for row, (_, low, high) in zip(own, held))
+            right = sum(cause <= one if cause else not one for one in said)
+            words = ", ".join(f"`{name}` {times}" for name, times in verdicts.most_common())
+            cells = (kind, f"{count} height{'s' if count == 'two' else ''}", words, right, decided, inside)
+            lines.append(
+                "| " + " | ".join(f"{one} of {len(own)}" if isinstance(one, int) else one for one in cells) + " |"
+            )
+    return "\n".join(lines) + "\n"
+
+
+def _decides(sets: list[list[str]], rubs: bool) -> bool:
+    """Whether all explanations have friction if the plates rub, and none if they do not."""
+    return all(("plate_friction" in one) is rubs for one in sets) and (bool(sets) or not rubs)
 
 
 def main() -> None:
@@ -205,7 +215,8 @@ def main() -> None:
         with TABLE.open("w", newline="", encoding="utf-8") as stream:
             csv.writer(stream, lineterminator="\n").writerows([HEADS, *rows])
     with TABLE.open(encoding="utf-8", newline="") as stream:
-        PAGE.write_text(wrapped(page(list(csv.DictReader(stream)))), encoding="utf-8")
+        MARKS.write(ROOT, wrapped(mixtures(list(csv.DictReader(stream)))).rstrip() + "\n")
+    HEIGHTS.write(ROOT, heights(read_rows(rows_file(SEED))))
 
 
 if __name__ == "__main__":

@@ -54,12 +54,12 @@ def study_one(number: int, seed: int) -> dict[str, Any]:
     site = SITES[number % len(SITES)]
     problem = read_problem(Request(site, verify=False))
     tissue, draw = drawn_tissue(problem.tissue, site, np.random.default_rng([seed, number]))
-    space = replace(problem.space, targets=make_targets(tissue, "average", problem.space.sampling))
-    problem = replace(problem, tissue=tissue, space=space)
+    targets = make_targets(tissue, "average", problem.sampling)
+    problem = space = replace(problem, tissue=tissue, targets=targets)
     kinds: dict[str, dict[str, Any]] = {}
     taken: dict[str, Any] = {}
     try:
-        designs = search_shapes("auto", problem.slab_law, space).designs
+        designs = search_shapes("auto", problem.slab_law, space)[0]
         taken = taken_pad(problem, designs[0])
     except NoAnswerError:
         designs = ()

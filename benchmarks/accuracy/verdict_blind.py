@@ -167,10 +167,10 @@ def designs() -> list[tuple]:
                 continue  # as high as this crown is, no pad of it is thin enough for a forefinger
             answer = suggest(Request(tissue, shape=shape, verify=False))
             able = []
-            for design in (answer.recommended, *answer.alternatives):
-                thickness = design.candidate.thickness_mm
+            for design in (answer.best, *answer.alternatives):
+                thickness = design.thickness_mm
                 if 5.0 <= thickness <= 20.0 and (shape == "slab" or 6.8 <= thickness <= 14.2):
-                    able.append((tissue, shape, thickness, design.candidate.ratio, answer.resin, None))
+                    able.append((tissue, shape, thickness, design.ratio, answer.resin, None))
             cases += able[:1]
     return cases
 
@@ -314,7 +314,7 @@ def main() -> None:
     options = parser.parse_args()
     rows = [row for row in read_rows(options.rows) if row["seed"] == options.seed]
     known = {row["number"] for row in rows}
-    targets = {name: read_problem(Request(name, shape="slab", verify=False)).space.targets for name in TISSUES}
+    targets = {name: read_problem(Request(name, shape="slab", verify=False)).targets for name in TISSUES}
     known_designs = designs()
     for number in range(options.castings):
         if number in known:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Answer, Result, Rows, answer_folder, question
+from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import MASS, ROBOT_VELOCITY, read_number
@@ -21,10 +22,12 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from dummydesign.core.outputs import Output
+    from dummydesign.design.plot_data import PressPictures
     from dummydesign.design.request import Request
     from dummydesign.design.safety import SafetyView, UserLimits
     from dummydesign.design.suggestion import Suggestion
     from dummydesign.design.sweep.spec import Study
+    from dummydesign.mold.client import CadChild
     from dummydesign.resin.model.resin import Resin
 
 
@@ -187,6 +190,16 @@ def _effects(own: list[str], calibration: str | None) -> AbstractContextManager[
     return own_effects(own)
 
 
+def _child(output: Output | None, cad: bool | None) -> AbstractContextManager[CadChild | None]:
+    """The CAD child, loading the kernel beside the search; none where no mould may be made."""
+    if output is None or cad is False:
+        return nullcontext()
+    from dummydesign.mold.client import child_ahead
+
+    return child_ahead()
+
+
+@one_blas_thread()
 def _answer(
     request: Request,
     inputs: dict[str, Any],
@@ -210,7 +223,7 @@ def _answer(
         raise InputError(message, "missing", "robot_mass")
     velocity_mm_s = ROBOT_VELOCITY_MM_S if velocity_mm_s is None else velocity_mm_s
     inputs = {**inputs, "robot_velocity_mm_s": None if mass_kg is None else velocity_mm_s}
-    inputs["weights"] = wanted.space.targets.weights.to_dict()
+    inputs["weights"] = wanted.targets.weights.to_dict()
     limits = None if inputs["limits"] is None else read_limits(inputs["limits"])
 
     profile = request.punch.partition("profile:")[2] or None
@@ -218,7 +231,7 @@ def _answer(
     asked = question(
         "suggest", inputs, tissue=request.tissue, resin=request.resin, files=read, named=dict(wanted.files)
     )
-    with answer_folder(folder, asked, replace) as output:
+    with answer_folder(folder, asked, replace) as output, _child(output, inputs["cad"]) as child:
         suggestion = design(wanted, progress)
         safety = safety_view(suggestion, mass_kg, velocity_mm_s, limits)
         if mass_kg is not None:
@@ -231,9 +244,20 @@ def _answer(
         cad = suggestion.verdict.acceptable if inputs["cad"] is None else inputs["cad"]
         inputs = {**inputs, "cad": cad, "out": str(output.folder)}
         progress("mould and report" if cad else "report")
+        drawn: list[tuple[Any, PressPictures]] = []
+
+        def draw() -> None:
+            from dummydesign.design.plot_data import press_pictures, suggestion_curves
+
+            drawn.append((suggestion_curves(suggestion), press_pictures(suggestion)))
+
+        if child is not None:
+            child.meanwhile = draw
         mould, missing = _mould(suggestion, output) if cad else (None, None)
+        if not drawn:
+            draw()
         whole = suggestion.to_dict(inputs, safety, mould) | people
-        result = _written(suggestion, safety, whole, output, progress, people_sections)
+        result = _written(suggestion, safety, whole, output, drawn[0], people_sections)
         best = result["recommendation"]
         output.extra["summary"] = {name: best[name] for name in ("shape", "thickness_mm", "ratio", "resin")} | {
             "tissue": inputs["tissue"],
@@ -282,16 +306,14 @@ def _written(
     safety: SafetyView,
     result: dict[str, Any],
     output: Output,
-    progress: Callable[[str], None],
+    drawn: tuple[Any, PressPictures],
     people: tuple[Any, ...],
 ) -> dict[str, Any]:
     """Write the report and the answer, and return the answer with all files."""
-    from dummydesign.design.plot_data import press_pictures, suggestion_curves
     from dummydesign.report.suggest import write_suggestion
 
-    curves = suggestion_curves(suggestion)
-    progress("stress in the pad")
-    report = write_suggestion(output.work, suggestion, result, curves, safety, press_pictures(suggestion), people)
+    curves, pictures = drawn
+    report = write_suggestion(output.work, suggestion, result, curves, safety, pictures, people)
     result = {**result, "files": {**result["files"], **report}}
     return output.answer({**result, "files": {**result["files"], "json": str(_write_answer(output, result, curves))}})
 

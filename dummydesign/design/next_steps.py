@@ -170,12 +170,12 @@ def _mould(answer: Suggestion) -> MouldCost:
     """What the mould of the recommended pad and one casting take."""
     from dummydesign.mold.pour.cost import mould_cost
 
-    return mould_cost(answer.problem.mould(answer.best, answer.shape))
+    return mould_cost(answer.problem.mould(answer.best))
 
 
 def _curing_h(answer: Suggestion) -> float:
     """Hours from pouring until what was cast can be tested."""
-    pour = answer.problem.mould(answer.best, answer.shape).pour
+    pour = answer.problem.mould(answer.best).pour
     return float(pour.cure_time_h + 24.0 * pour.age_before_test_days)
 
 

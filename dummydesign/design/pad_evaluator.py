@@ -150,31 +150,32 @@ class PadEvaluator:
         """Press one pad; refuse one that cannot be made (InputError) or that no table holds (NotTabulated)."""
         from dummydesign.design.test_conditions import refused_kinds, why_solved
 
-        request, space, punch = self.problem.request, self.problem.space, self.problem.punch
+        problem = self.problem
+        request, punch = problem.request, problem.punch
         if refused := refused_kinds(request, punch).get(shape.name):
             raise InputError(refused, "unsupported", "shape", shape.name)
         # with a calibration slabs are pressed by their table, under a fillet too; shapes have none with a fillet
         unknown = not request.calibration or (request.edge_radius_mm and not shape.plain)
         if unknown and (why := why_solved(request, punch, thickness_mm)):
             raise NotTabulated(why, "punch")
-        space.resin.check_ratio(ratio)
+        problem.resin.check_ratio(ratio)
         shape.check(thickness_mm, *request.pad_mm)
         try:
-            law = law_of_shape(self.problem.slab_law, shape, thickness_mm, request.pad_mm, space.correct)
-        except InputError as problem:
-            raise NotTabulated(str(problem).partition("; use --fidelity")[0], "shape") from None
-        if float(law.depth_limit_mm(np.array([thickness_mm]), space.radius_mm)[0]) <= 0.0:
+            law = law_of_shape(problem.slab_law, shape, thickness_mm, request.pad_mm, problem.correct)
+        except InputError as reason:
+            raise NotTabulated(str(reason).partition("; use --fidelity")[0], "shape") from None
+        if float(law.depth_limit_mm(np.array([thickness_mm]), problem.radius_mm)[0]) <= 0.0:
             raise NotTabulated(f"the proportions of this {shape.name} pad are not in the tables", "shape")
-        return one_pad(law, space, thickness_mm, ratio)
+        return one_pad(law, problem, thickness_mm, ratio)
 
     def with_castings(self, pad: EvaluatedPad, shape: PadShape) -> Verdict:
         """Judge a pad with what its castings may turn out as; the same verdict as that of ``suggest``."""
         from dummydesign.design.search.shape_search import MANY_BATCHES, outlook_for
         from dummydesign.design.test_conditions import beyond_people
 
-        problem, space, thickness = self.problem, self.problem.space, pad.candidate.thickness_mm
-        match = Match(float(np.log(space.resin.young_MPa(pad.candidate.ratio))), 0.0)
-        outlook = outlook_for(pad.law, shape, thickness, match, space, MANY_BATCHES)
-        tolerances = space.tolerances(shape, thickness, pad.candidate.ratio)
-        cast = PadCastings(space.castings, pad.law, pad.candidate, space, tolerances, outlook)
+        problem, thickness = self.problem, pad.candidate.thickness_mm
+        match = Match(float(np.log(problem.resin.young_MPa(pad.candidate.ratio))), 0.0)
+        outlook = outlook_for(pad.law, shape, thickness, match, problem, MANY_BATCHES)
+        tolerances = problem.tolerances(shape, thickness, pad.candidate.ratio)
+        cast = PadCastings(problem.castings, pad.law, pad.candidate, problem, tolerances, outlook)
         return verdict_of_design(cast, beyond_people(problem.request.protocol.forces_N, problem.tissue))

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 def ratio_error(answer: Suggestion) -> float:
     """Largest error of the ratio when both components are weighed off by the tolerance, in opposite ways."""
-    masses = {item["name"]: item["mass_g"] for item in answer.recommended.batch["components"]}
+    masses = {item["name"]: item["mass_g"] for item in answer.batch["components"]}
     by_ratio = next(liquid.name for liquid in answer.resin.liquids if liquid.parts is None)
     varied = masses.get(by_ratio, 0.0)
     rest = sum(mass for name, mass in masses.items() if name != by_ratio)
@@ -86,7 +86,7 @@ def reactions(answer: Suggestion, law: ForceLaw) -> list[Reaction]:
 THICKNESS_GRID_MM = np.linspace(*THICKNESS_MM, 55)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ForceGrids:
     """Steady forces at which curves are drawn. [N]
 
@@ -116,7 +116,7 @@ def force_grids(protocol: Protocol) -> ForceGrids:
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SuggestionCurves:
     """Everything that is drawn of a suggestion; NaN where a force is out of reach."""
 
@@ -148,7 +148,7 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
         limit_mm=answer.best.limit_mm,
         castings_mm=answer.castings.depth_band_mm(grids.pad),
         pad_depth_at_needed_mm=float(np.interp(targets.protocol.needed_N, grids.pad, depth)),
-        other_depths_mm=tuple(other.candidate.steady_depth_mm(grids.pad) for other in answer.alternatives),
+        other_depths_mm=tuple(other.steady_depth_mm(grids.pad) for other in answer.alternatives),
         subjects_extrapolated_mm=targets.depth_range_mm(grids.extrapolated),
         subjects_measured_mm=targets.depth_range_mm(grids.measured),
         aim_depth_mm=targets.aim_depth_mm(grids.aim),
@@ -193,7 +193,7 @@ REACH = 1.6
 COLUMNS, ABOVE_MM, TOP_PERCENTILE = 121, 2.0, 97.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PressedPad:
     """A pad at one force of the test; lengths from the axis and from the base. [mm, kPa]"""
 
@@ -308,10 +308,13 @@ def _drawn(pad: Pad, force_N: float, state: dict[str, Any]) -> PressedPad:
     height = (np.arange(int(np.ceil(float(face[:, 1].max()) / size))) + 0.5) * size
     near = points[:, 0] < 1.3 * reach
     out, up = np.meshgrid(np.abs(radius), height)
-    at = np.stack([np.maximum(out, 1e-6), up], axis=-1)
-    stress = _linear(points[near], np.asarray(state["stress_kPa"], float)[near], at)
     inside = up <= np.interp(out, face[:, 0], face[:, 1])
     inside &= up >= np.asarray(pad.geometry.bone_mm(out, 0.0 * out), float)
+    # Looked up in the gel on one side alone: each place outside of all triangles would be sought in every one of them.
+    stress, right = np.full(out.shape, np.nan), inside & (radius >= 0.0)
+    at = np.stack([np.maximum(out[right], 1e-6), up[right]], axis=-1)
+    stress[right] = _linear(points[near], np.asarray(state["stress_kPa"], float)[near], at)
+    stress = np.where(radius >= 0.0, stress, stress[:, ::-1])
     return PressedPad(
         pad.geometry.name,
         force_N,
@@ -319,7 +322,7 @@ def _drawn(pad: Pad, force_N: float, state: dict[str, Any]) -> PressedPad:
         float(state["depth_mm"]),
         radius,
         height,
-        np.where(inside, stress, np.nan),
+        stress,
         face,
         np.asarray(state["punch_mm"], float),
         state["contact"],

@@ -37,32 +37,27 @@ if TYPE_CHECKING:
     from dummydesign.tissue.model.tissue import Tissue
 
 
-@dataclass(frozen=True)
-class Problem:
-    """A request with what it names: tissue, resin, test, limits and weights (in ``space``), mould and force law.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Problem(SearchSpace):
+    """What is searched, with the request and all that it names: tissue, test, mould and force law.
 
     Nothing that works on it reads a user's folder. ``files`` are those that were read, by what they are; they belong to
-    the key of an answer. ``wide`` is what would be searched without the mould that is kept, None without one.
+    the key of an answer. ``wide_mm`` are the thicknesses that would be searched without the mould that is kept, None
+    without one.
     """
 
     request: Request
     tissue: Tissue
-    space: SearchSpace
     slab_law: ForceLaw
     punch: Punch
     preset: Preset
     files: Mapping[str, Path]
     calibrated: Calibrated | None = None
-    wide: SearchSpace | None = None
+    wide_mm: NDArray | None = None
 
-    @property
-    def resin(self) -> Resin:
-        """The resin, as a calibration changes it."""
-        return self.space.resin
-
-    def mould(self, candidate: DesignCandidate, shape: PadShape) -> MouldSpec:
+    def mould(self, candidate: DesignCandidate) -> MouldSpec:
         """Specification of the mould of a design."""
-        return _mould(self.request, self.preset, self.resin, shape, candidate.thickness_mm, candidate.ratio)
+        return _mould(self.request, self.preset, self.resin, candidate.shape, candidate.thickness_mm, candidate.ratio)
 
 
 def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
@@ -106,25 +101,30 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
     preset = read_preset(request.preset, request.machine, request.silicone)
     made = partial(_tolerances, request, preset, resin)
     made(Slab(), float(thickness[0]), float(ratios[0]))  # a pad that no mould can make is refused at once
-    space = SearchSpace(
-        resin,
-        targets,
-        thickness,
-        ratios,
-        punch.radius_mm,
-        Castings(resin, request.castings),
-        made,
-        puck_error(),
-        sampling,
-        request.pad_mm,
-        request.base,
-        correct,
-        request.edge_radius_mm,
-        _least_film_mm(request, preset, resin, float(thickness[-1]), ratios),
+    return Problem(
+        resin=resin,
+        targets=targets,
+        thickness_mm=thickness,
+        ratio=ratios,
+        radius_mm=punch.radius_mm,
+        castings=Castings(resin, request.castings),
+        tolerances=made,
+        puck_error=puck_error(),
+        sampling=sampling,
+        pad_mm=request.pad_mm,
+        base=request.base,
+        correct=correct,
+        edge_radius_mm=request.edge_radius_mm,
+        least_film_mm=_least_film_mm(request, preset, resin, float(thickness[-1]), ratios),
+        request=request,
+        tissue=tissue,
+        slab_law=law,
+        punch=punch,
+        preset=preset,
+        files={**settings_files(), **preset.files},
+        calibrated=calibrated,
+        wide_mm=None if kept is None else tabulated(steps, request, punch),
     )
-    wide = None if kept is None else replace(space, thickness_mm=tabulated(steps, request, punch))
-    files = {**settings_files(), **preset.files}
-    return Problem(request, tissue, space, law, punch, preset, files, calibrated, wide)
 
 
 def _with_mould(request: Request) -> tuple[Request, MouldSpec]:

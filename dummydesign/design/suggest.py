@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from dummydesign.design.assessment.decision import compare_kinds, explain
 from dummydesign.design.assessment.pad_castings import PadCastings, pour_yield, shares_of_pad, verdict_of_design
 from dummydesign.design.assessment.value_of_information import measure_first
 from dummydesign.design.assessment.warnings import count_unmeasured, design_warnings
-from dummydesign.design.problem import Problem, read_problem, recipe_and_batch
+from dummydesign.design.problem import Problem, read_problem
 from dummydesign.design.request import NAGOYA_PROTOCOL, Progress, Request, quiet
 from dummydesign.design.scoring.castings import Castings
 from dummydesign.design.scoring.people import people_warnings
@@ -24,15 +24,14 @@ from dummydesign.design.scoring.press_simulation import make_curves
 from dummydesign.design.scoring.verdict import LEVELS, deviations, good_share, ranges_of, shares_of
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.search.shape_search import (
-    SearchOutcome,
     ShapedDesign,
     candidate_of,
     outlook_for,
     rank,
     search_shapes,
 )
-from dummydesign.design.search.slabs import ALTERNATIVES, DesignCandidate, SearchResult, search, with_parameters
-from dummydesign.design.suggestion import CentringTolerance, RecommendedDesign, Suggestion, Verification
+from dummydesign.design.search.slabs import ALTERNATIVES, DesignCandidate, ScoreMap, search, with_parameters
+from dummydesign.design.suggestion import CentringTolerance, Suggestion, Verification
 from dummydesign.design.test_conditions import beyond_people, own_warnings, pad_of_request, refused_kinds
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.pad_shape import PadShape
@@ -55,70 +54,13 @@ CERTAIN, MORE, MOST_DRAWN = 3.0, 4, 19_200
 AROUND_STEPS = 2
 
 
-@dataclass(frozen=True)
-class SolvedDesign:
-    """The chosen design, the others ranked, its verification, a crown's centring tolerance and sites."""
-
-    chosen: ShapedDesign
-    designs: tuple[ShapedDesign, ...]
-    castings: PadCastings
-    result: SearchResult
-    verification: Verification
-    centring: CentringTolerance | None = None
-    sites: Sites | None = None
-
-    @property
-    def best(self) -> DesignCandidate:
-        """The chosen pad with its presses and parameters."""
-        return self.result.best
-
-
-def solve(problem: Problem, outcome: SearchOutcome, progress: Progress = quiet) -> SolvedDesign:
-    """Solve the leading design, draw its castings, and compare a recommended slab with its table.
-
-    Nothing is solved when the request has ``verify = False``; a slab with a calibration is not compared.
-    """
-    request, space, designs = problem.request, problem.space, outcome.designs
-    if request.verify:
-        from dummydesign.design.search.fe_candidates import solve_leading
-
-        designs = solve_leading(designs, space, progress)
-    chosen = designs[0]
-    progress("castings")
-    castings = cast_pad(problem, chosen)
-    result = _neighbours(problem, chosen, castings.candidate)
-    done = SolvedDesign(chosen, designs, castings, result, not_verified("not requested"))
-    if request.calibration is not None and chosen.shape.plain:
-        return replace(done, verification=not_verified(CALIBRATED))
-    if not request.verify:
-        return done
-    best, forces = done.best, (space.targets.protocol.low_grid_N[1], *space.targets.protocol.forces_N)
-    centring = centring_tolerance(
-        best,
-        chosen.shape,
-        space.radius_mm,
-        problem.punch.half_width_mm,
-        forces,
-        space.extent_mm,
-        getattr(chosen.cast, "touch", None),
-    )
-    sites = None
-    if request.sites is not None:
-        from dummydesign.design.crown_array import lay_out_sites
-
-        progress("neighbouring sites")
-        sites = lay_out_sites(chosen.shape, best, space, problem.punch, request.sites)
-        chosen = replace(chosen, shape=sites.on(chosen.shape))
-    return replace(done, chosen=chosen, verification=_verify(chosen, best, problem), centring=centring, sites=sites)
-
-
 def cast_pad(problem: Problem, design: ShapedDesign) -> PadCastings:
     """Draw the castings of a design at the ratio to pour, as many as make its level certain."""
-    space, castings, limits = problem.space, problem.space.castings, problem.space.targets.limits
-    outlook = outlook_for(design.cast, design.shape, design.thickness_mm, design.match, space, castings.n)
-    (candidate,) = with_parameters([candidate_of(design.cast, design.thickness_mm, outlook.ratio, space)], space)
-    tolerances = space.tolerances(design.shape, design.thickness_mm, outlook.ratio)
-    cast = PadCastings(castings, design.cast, candidate, space, tolerances, outlook)
+    castings, limits = problem.castings, problem.targets.limits
+    outlook = outlook_for(design.cast, design.shape, design.thickness_mm, design.match, problem, castings.n)
+    (candidate,) = with_parameters([candidate_of(design.cast, design.thickness_mm, outlook.ratio, problem)], problem)
+    tolerances = problem.tolerances(design.shape, design.thickness_mm, outlook.ratio)
+    cast = PadCastings(castings, design.cast, candidate, problem, tolerances, outlook)
     while MORE * cast.castings.n <= MOST_DRAWN and _near_a_limit(cast, limits.share):
         cast = replace(cast, castings=Castings(castings.resin, MORE * cast.castings.n, castings.seed))
     return cast
@@ -133,23 +75,24 @@ def _near_a_limit(cast: PadCastings, needed: float) -> bool:
     return any(abs(value - needed) < CERTAIN * error for value in decisive)
 
 
-def _neighbours(problem: Problem, chosen: ShapedDesign, best: DesignCandidate) -> SearchResult:
-    """The map of scores and the alternatives about a design, with the design as the best."""
-    space = problem.space
-    around = space.thickness_mm
+def _neighbours(
+    problem: Problem, chosen: ShapedDesign, best: DesignCandidate
+) -> tuple[list[DesignCandidate], ScoreMap]:
+    """Alternatives of other thickness or ratio about a design, and the map of scores."""
+    around = problem.thickness_mm
     if isinstance(chosen.law, FamilyLaw):
         near = around[np.abs(around - chosen.thickness_mm) <= AROUND_STEPS * 0.5 + 1e-9]
-        known = np.asarray(chosen.law.depth_limit_mm(near, space.radius_mm)) > 0.0
+        known = np.asarray(chosen.law.depth_limit_mm(near, problem.radius_mm)) > 0.0
         pads = chosen.law.family.at_thickness(chosen.shape, chosen.thickness_mm, near)
-        able = known & pads.castable(space.pad_mm, space.least_film_mm)
+        able = known & pads.castable(problem.pad_mm, problem.least_film_mm)
         around = near[able] if able.any() else np.array([chosen.thickness_mm])
-    found = search(chosen.law, replace(space, thickness_mm=around))
+    first, alternatives, score_map = search(chosen.law, replace(problem, thickness_mm=around))
     others = [
         one
-        for one in (found.best, *found.alternatives)
+        for one in (first, *alternatives)
         if abs(one.thickness_mm - best.thickness_mm) > 1e-9 or abs(one.ratio - best.ratio) > 1e-9
     ]
-    return replace(found, best=best, alternatives=tuple(others[:ALTERNATIVES]))
+    return others[:ALTERNATIVES], score_map
 
 
 def _verify(chosen: ShapedDesign, best: DesignCandidate, problem: Problem) -> Verification:
@@ -160,17 +103,16 @@ def _verify(chosen: ShapedDesign, best: DesignCandidate, problem: Problem) -> Ve
     """
     from dummydesign.design.search.fe_candidates import ElementsLaw
 
-    space = problem.space
-    young, thickness, radius = space.resin.young_MPa(best.ratio), best.thickness_mm, space.radius_mm
+    young, thickness, radius = problem.resin.young_MPa(best.ratio), best.thickness_mm, problem.radius_mm
     if isinstance(chosen.cast, ElementsLaw):
         return of_shape(chosen.cast, young, radius)
     if chosen.shape != Slab():
         text = f"{chosen.shape} was designed with its response table; predict --fidelity 3d solves it in minutes"
         return not_verified(text)
     law = circle_of(chosen.cast)
-    depth = best.depth_mm[: len(space.targets.protocol.forces_N)]
+    depth = best.depth_mm[: len(problem.targets.protocol.forces_N)]
     depth = depth[np.isfinite(depth)]
-    gel = space.targets.limits.gel_compression
+    gel = problem.targets.limits.gel_compression
     depth = depth[depth <= make_curves(law, [thickness], radius, gel).limit_mm[0]]
     forces = young * np.asarray(law.force(depth, thickness, 1.0, radius))
     return verify_design(pad_of_request(problem.request, problem.punch, thickness, young), depth, forces)
@@ -242,44 +184,6 @@ def centring_tolerance(
     return CentringTolerance(forces_N, *values)
 
 
-def assess(problem: Problem, solved: SolvedDesign, missing: dict[str, str] | None = None) -> Suggestion:
-    """Judge the chosen design and lay the whole answer together."""
-    request, space, chosen, best = problem.request, problem.space, solved.chosen, solved.best
-    castings, designs = solved.castings, solved.designs
-    pour = pour_yield(castings)
-    comparisons = compare_kinds(_of_kinds(designs), missing or {}, space)
-    solved_round = solved.verification.fidelity == "axisymmetric" and chosen.shape.axisymmetric
-    warnings = own_warnings(request, problem.punch, problem.tissue, chosen.shape.plain or solved_round)
-    checks = solved.verification, solved.centring, request.verify
-    warnings += design_warnings(chosen, best, comparisons, space, problem.tissue, pour, *checks)
-    warnings += people_warnings(space.targets)
-    beyond = beyond_people(request.protocol.forces_N, problem.tissue)
-    listed = [{"code": code, "message": text} for code, text in warnings]
-    calibrated = problem.calibrated
-    return Suggestion(
-        problem=problem,
-        result=solved.result,
-        law=chosen.law,
-        cast=chosen.cast,
-        comparisons=tuple(comparisons),
-        verification=solved.verification,
-        centring=solved.centring,
-        sites=solved.sites,
-        verdict=verdict_of_design(castings, beyond),
-        castings=castings,
-        shares=shares_of_pad(castings),
-        pour=pour,
-        recommended=_recommended(problem, best, chosen.shape),
-        alternatives=tuple(_recommended(problem, one, _shape_at(chosen, one)) for one in solved.result.alternatives),
-        rests_on=count_unmeasured(space.resin, problem.tissue, best),
-        warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
-        choice=explain(chosen, rank([one for one in designs if one is not chosen], space), space),
-        measure_first=measure_first(castings),
-        curves=match_of_design(best.evaluation, best.index, space.targets),
-        budget=budget_of_castings(castings),
-    )
-
-
 def _of_kinds(designs: Sequence[ShapedDesign]) -> list[ShapedDesign]:
     """The best design of each kind, in their order."""
     first: dict[str, ShapedDesign] = {}
@@ -295,10 +199,6 @@ def _shape_at(chosen: ShapedDesign, other: DesignCandidate) -> PadShape:
     return chosen.law.shape_at(other.thickness_mm)
 
 
-def _recommended(problem: Problem, candidate: DesignCandidate, shape: PadShape) -> RecommendedDesign:
-    return RecommendedDesign(candidate, shape, *recipe_and_batch(problem.mould(candidate, shape)))
-
-
 def suggest(request: Request) -> Suggestion:
     """Find ratio, thickness and shape of a pad for a tissue, with its castings and verification."""
     return design(read_problem(request))
@@ -306,28 +206,97 @@ def suggest(request: Request) -> Suggestion:
 
 @one_blas_thread()
 def design(problem: Problem, progress: Progress = quiet) -> Suggestion:
-    """Search, solve, cast and judge, and report progress."""
+    """Search, solve the leading design, cast and judge, and report progress.
+
+    Nothing is solved when the request has ``verify = False``.
+    """
+    request = problem.request
     progress("search")
-    refused = refused_kinds(problem.request, problem.punch)
-    outcome = search_shapes(problem.request.kind, problem.slab_law, problem.space, refused)
-    solved = solve(problem, outcome, progress)
+    designs, missing = search_shapes(request.kind, problem.slab_law, problem, refused_kinds(request, problem.punch))
+    if request.verify:
+        from dummydesign.design.search.fe_candidates import solve_leading
+
+        designs = solve_leading(designs, problem, progress)
+    chosen = designs[0]
+    progress("castings")
+    castings = cast_pad(problem, chosen)
+    best = castings.candidate
+    alternatives, score_map = _neighbours(problem, chosen, best)
+    verification, centring, sites = _solved_again(problem, chosen, best, progress)
+    if sites is not None:
+        chosen = replace(chosen, shape=sites.on(chosen.shape))
     other = None
-    if problem.wide is not None:
+    if problem.wide_mm is not None:
         progress("other moulds")
-        other = other_mould(problem, solved.chosen)
+        other = other_mould(problem, chosen)
     progress("tolerance and verdict")
-    return replace(assess(problem, solved, dict(outcome.missing)), other_mould=other)
+    pour = pour_yield(castings)
+    comparisons = compare_kinds(_of_kinds(designs), missing, problem)
+    solved_round = verification.fidelity == "axisymmetric" and chosen.shape.axisymmetric
+    warnings = own_warnings(request, problem.punch, problem.tissue, chosen.shape.plain or solved_round)
+    checks = verification, centring, request.verify
+    warnings += design_warnings(chosen, best, comparisons, problem, problem.tissue, pour, *checks)
+    warnings += people_warnings(problem.targets)
+    beyond = beyond_people(request.protocol.forces_N, problem.tissue)
+    listed = [{"code": code, "message": text} for code, text in warnings]
+    calibrated = problem.calibrated
+    return Suggestion(
+        problem=problem,
+        score_map=score_map,
+        law=chosen.law,
+        cast=chosen.cast,
+        comparisons=tuple(comparisons),
+        verification=verification,
+        centring=centring,
+        sites=sites,
+        verdict=verdict_of_design(castings, beyond),
+        castings=castings,
+        shares=shares_of_pad(castings),
+        pour=pour,
+        best=replace(best, shape=chosen.shape),
+        alternatives=tuple(replace(one, shape=_shape_at(chosen, one)) for one in alternatives),
+        rests_on=count_unmeasured(problem.resin, problem.tissue, best),
+        warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
+        choice=explain(chosen, rank([one for one in designs if one is not chosen], problem), problem),
+        measure_first=measure_first(castings),
+        curves=match_of_design(best.evaluation, best.index, problem.targets),
+        budget=budget_of_castings(castings),
+        other_mould=other,
+    )
+
+
+def _solved_again(
+    problem: Problem, chosen: ShapedDesign, best: DesignCandidate, progress: Progress
+) -> tuple[Verification, CentringTolerance | None, Sites | None]:
+    """Verification, a crown's centring tolerance and its sites; a slab with a calibration is not compared."""
+    request = problem.request
+    if request.calibration is not None and chosen.shape.plain:
+        return not_verified(CALIBRATED), None, None
+    if not request.verify:
+        return not_verified("not requested"), None, None
+    forces = (problem.targets.protocol.low_grid_N[1], *problem.targets.protocol.forces_N)
+    touch, half = getattr(chosen.cast, "touch", None), problem.punch.half_width_mm
+    centring = centring_tolerance(best, chosen.shape, problem.radius_mm, half, forces, problem.extent_mm, touch)
+    sites = None
+    if request.sites is not None:
+        from dummydesign.design.crown_array import lay_out_sites
+
+        progress("neighbouring sites")
+        sites = lay_out_sites(chosen.shape, best, problem, problem.punch, request.sites)
+        chosen = replace(chosen, shape=sites.on(chosen.shape))
+    return _verify(chosen, best, problem), centring, sites
 
 
 def other_mould(problem: Problem, chosen: ShapedDesign) -> dict[str, Any]:
     """What the best other mould would be worth beside the one that is kept, by the tables."""
-    assert problem.wide is not None
-    limits, strict = problem.wide.targets.limits, problem.wide.targets.strict
+    assert problem.wide_mm is not None
+    wide = replace(problem, thickness_mm=problem.wide_mm)
+    limits, strict = wide.targets.limits, wide.targets.strict
     try:
-        designs = search_shapes("auto", problem.slab_law, problem.wide, refused_kinds(problem.request, problem.punch))
+        designs, _ = search_shapes("auto", problem.slab_law, wide, refused_kinds(problem.request, problem.punch))
     except NoAnswerError:
         return {"shape": None, "text": "no other mould is better"}
-    best = rank([chosen, *designs.designs], problem.wide)[0]
+    best = rank([chosen, *designs], wide)[0]
     mine, its = chosen.outlook, best.outlook
     if best is chosen or (
         its.level(limits, strict) == mine.level(limits, strict) and its.ties(mine) and mine.ties(its)

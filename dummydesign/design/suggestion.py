@@ -13,7 +13,7 @@ from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.design.assessment.decision import ShapeComparison, low_force
 from dummydesign.design.assessment.pad_castings import PadCastings, PourYield, Shares
 from dummydesign.design.next_steps import next_steps, paths_of
-from dummydesign.design.problem import recipe_of_pour
+from dummydesign.design.problem import recipe_and_batch, recipe_of_pour
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import GROUPS, TISSUE
 from dummydesign.design.scoring.people import shares_below
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from dummydesign.design.crown_array import Sites
     from dummydesign.design.problem import Problem
     from dummydesign.design.safety import SafetyView
-    from dummydesign.design.search.slabs import DesignCandidate, SearchResult
+    from dummydesign.design.search.slabs import DesignCandidate, ScoreMap
     from dummydesign.geometry.punch import Punch
     from dummydesign.pad.force_law import ForceLaw
     from dummydesign.resin.model.resin import Resin
@@ -41,20 +41,7 @@ if TYPE_CHECKING:
 LOW_SHARES = (0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 
 
-@dataclass(frozen=True)
-class RecommendedDesign:
-    """One pad: what was evaluated (scores, presses, parameters), its shape, what it takes, and what to mix for it.
-
-    ``recipe`` are the masses of the pour, ``batch`` what to mix and how much of it to pour; plain values. [g]
-    """
-
-    candidate: DesignCandidate
-    shape: PadShape
-    recipe: dict[str, Any]
-    batch: dict[str, Any]
-
-
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Suggestion:
     """The answer: verdict, shares, recommended design and the others, the search, verification, and its basis.
 
@@ -65,12 +52,12 @@ class Suggestion:
     """
 
     problem: Problem
-    result: SearchResult
+    score_map: ScoreMap
     verdict: Verdict
     castings: PadCastings
     shares: Shares
-    recommended: RecommendedDesign
-    alternatives: tuple[RecommendedDesign, ...]
+    best: DesignCandidate
+    alternatives: tuple[DesignCandidate, ...]
     law: ForceLaw
     cast: ForceLaw
     comparisons: tuple[ShapeComparison, ...]
@@ -83,8 +70,8 @@ class Suggestion:
     measure_first: MeasureFirst
     curves: CurveMatch
     budget: Budget | None
-    sites: Sites | None = None
-    other_mould: dict[str, Any] | None = None
+    sites: Sites | None
+    other_mould: dict[str, Any] | None
 
     @property
     def request(self) -> Request:
@@ -104,7 +91,7 @@ class Suggestion:
     @property
     def targets(self) -> Targets:
         """What the pad is compared with."""
-        return self.problem.space.targets
+        return self.problem.targets
 
     @property
     def punch(self) -> Punch:
@@ -122,14 +109,14 @@ class Suggestion:
         return self.punch.radius_mm
 
     @property
-    def best(self) -> DesignCandidate:
-        """The recommended design as it was evaluated."""
-        return self.recommended.candidate
+    def batch(self) -> dict[str, Any]:
+        """What to mix for the recommended pad, and how much of it to pour. [g]"""
+        return recipe_and_batch(self.problem.mould(self.best))[1]
 
     @property
     def shape(self) -> PadShape:
         """Shape of the recommended pad."""
-        return self.recommended.shape
+        return self.best.shape
 
     def to_dict(
         self,
@@ -146,7 +133,7 @@ class Suggestion:
         sources = [*self.tissue.sources, *self.resin.references, *force_law]
         groups = [group for group in GROUPS if group != TISSUE]
         castings, verdict, shares = self.castings.castings, self.verdict.to_dict(), self.shares.to_dict()
-        recommendation = design_dict(self.recommended, self.resin, self.targets)
+        recommendation = design_dict(self.best, self.problem)
         answer: dict[str, Any] = {
             "verdict": verdict,
             "castings": {"n": castings.n, "seed": castings.seed, "groups": groups, **(verdict["castings"] or {})},
@@ -159,7 +146,7 @@ class Suggestion:
             "budget": to_plain(self.budget),
             "calibration": self.calibration,
             "recommendation": recommendation,
-            "alternatives": [design_dict(other, self.resin, self.targets) for other in self.alternatives],
+            "alternatives": [design_dict(other, self.problem) for other in self.alternatives],
             "sensitivity": {
                 "d_ln_young_per_percent_ratio": 0.01 * self.resin.log_slope(self.best.ratio),
                 **self.pour.to_dict(),
@@ -191,21 +178,22 @@ class Suggestion:
         }
 
 
-def design_dict(design: RecommendedDesign, resin: Resin, targets: Targets) -> dict[str, Any]:
-    """Return one design as plain values."""
-    candidate = design.candidate
+def design_dict(candidate: DesignCandidate, problem: Problem) -> dict[str, Any]:
+    """Return one design as plain values, with what it takes and what to mix for it."""
+    resin, targets = problem.resin, problem.targets
+    recipe, batch = recipe_and_batch(problem.mould(candidate))
     at, one = candidate.index, candidate.evaluation
     fitted = {} if candidate.parameters is None else to_plain(candidate.parameters.to_dict())
     return {
         "resin": resin.name,
         "ratio": candidate.ratio,
         "ratio_meaning": resin.ratio_meaning,
-        "shape": str(design.shape),
+        "shape": str(candidate.shape),
         "thickness_mm": candidate.thickness_mm,
         "young_kPa": resin.modulus_kPa(candidate.ratio).to_dict(),
         "prony": to_plain(resin.prony(candidate.ratio)),
-        "recipe": design.recipe,
-        "batch": design.batch,
+        "recipe": recipe,
+        "batch": batch,
         "parameters": {name: value for name, value in fitted.items() if name != "law"} or None,
         "parameters_law": targets.tissue.law,
         "scores": {
@@ -216,7 +204,7 @@ def design_dict(design: RecommendedDesign, resin: Resin, targets: Targets) -> di
             "parametric": candidate.parametric if targets.parametric else None,
             "low_force_range": float(one.low_force_range[at]),
         },
-        "conditions": condition_rows(candidate, targets, design.shape),
+        "conditions": condition_rows(candidate, targets, candidate.shape),
         "low_force": _low_force(candidate, targets),
         "from_first_touch": low_force(candidate, targets).to_dict(),
     }
@@ -286,7 +274,7 @@ def make_mould(answer: Suggestion, folder: Path) -> dict[str, Any]:
 
     best = answer.best
     try:
-        spec = answer.problem.mould(best, answer.shape)
+        spec = answer.problem.mould(best)
         return client.make_mold(spec, folder).to_dict() | {"sources": list(spec.sources)}
     except NoAnswerError as problem:
         step = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {answer.request.resin}"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 HOLD_GROWTH = 1.33  # ratio of neighbouring times since the stop at which bins of a hold end
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Binning:
     """Bins that hold samples, and which sample is in which."""
 

@@ -20,7 +20,7 @@ Residual = Callable[[NDArray], NDArray]  # maps parameters (p,) to whitened resi
 LONGEST_STEP = 1.5  # largest change of a parameter, a logarithm, in one step of :func:`solve_marquardt`
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Solution:
     """The best of several starts.
 

@@ -48,10 +48,10 @@ class Bins:
         self._gap = np.maximum(gap, np.swapaxes(gap, 1, 2))
         self._rows = np.arange(longest)
 
-    def without(self, rows: NDArray) -> Bins:
-        """The same bins with those of some traces (mask over traces) unused."""
+    def without(self, out: NDArray) -> Bins:
+        """The same bins with some unused: those of some traces (mask over traces), or of a mask over bins."""
         rest = copy(self)
-        rest.used = self.used & ~rows[:, None]
+        rest.used = self.used & ~(out[:, None] if out.ndim == 1 else out)
         rest._both = rest.used[:, :, None] & rest.used[:, None, :]
         return rest
 

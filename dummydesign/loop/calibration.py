@@ -174,6 +174,8 @@ class Calibration:
     @property
     def caution(self) -> str:
         """Warning about an incomplete calibration; empty when its residual was noise."""
+        if self.verdict == "ambiguous":
+            return f"the calibration's verdict is ambiguous: {''.join(self.unexplained_because[:1])}"
         if self.verdict != "unexplained":
             return ""
         why = f": {self.unexplained_because[0]}" if self.unexplained_because else ""

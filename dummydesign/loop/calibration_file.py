@@ -31,7 +31,7 @@ from dummydesign.loop.model.forward_model import (
 )
 
 SCHEMA = "dummydesign.calibration/1"
-VERDICTS = ("effect", "none", "unexplained")
+VERDICTS = ("effect", "none", "unexplained", "ambiguous")
 SHAPES = ("slab", "cylinder")
 LARGEST, LARGEST_CHANGE = 1e12, 10.0
 LARGEST_LAW_ERROR = 0.5  # bound of the fit on each term of the law error

@@ -14,15 +14,17 @@ from dummydesign.loop.data.trials import SAME_DEPTH, Presses, stack
 from dummydesign.loop.fitting.candidates import USUAL_POSITION_MM
 from dummydesign.loop.fitting.fit import CampaignFit
 from dummydesign.loop.fitting.problem import CampaignProblem
-from dummydesign.loop.model.base_law import SlabLaw
+from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 from dummydesign.loop.model.forward_model import BASE, LAW_TERMS
 from dummydesign.measurement.campaign import Trial
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
+from dummydesign.pad.tables.puck import shape_range
 
 HOLD_S = 10.0  # of every planned press
 BACK_MM_S = 10.0
+LUBRICATED = "between plates lubricated with silicone oil"
 MADE, SCATTER = 2, 3.0
 """How often a press must have been made to be known, and how many standard deviations of the contact two presses of one
 condition lie apart at most."""
@@ -96,6 +98,11 @@ def options(presses: Presses, law: object) -> list[PossiblePress]:
         extra = [0.7 * known[0], 0.5 * (known[0] + known[-1]), 1.3 * known[-1]]
         low, high = (law.radius_mm / ratio for ratio in reversed(law.table.ratio_range))
         pads += [(pads[0][0], round(h, 1), False) for h in extra if low <= h <= high and round(h, 1) not in known]
+    elif isinstance(law, PuckLaw):
+        low, high = (law.diameter_mm / ratio for ratio in reversed(shape_range()))
+        heights = sorted({thickness for _, thickness, _ in pads})
+        extra = [round(share * heights[end], 1) for share, end in ((0.6, 0), (1.5, -1))]
+        pads += [(pads[0][0], h, False) for h in extra if low <= h <= high and h not in heights]
     speeds = sorted({2.0, *(t.velocity_mm_s for t in presses.trials)})
     history = presses.history
     warm = float(np.nanmean(history.temperature_C)) if np.any(np.isfinite(history.temperature_C)) else None
@@ -107,6 +114,9 @@ def options(presses: Presses, law: object) -> list[PossiblePress]:
         for v in speeds
         for share in (0.1, 0.3, 0.45)
     ]
+    if isinstance(law, PuckLaw):
+        for shape, h, known in pads[:1]:
+            out.append(PossiblePress(float(h), float(speeds[0]), 0.45, True, LUBRICATED, *plain[1:], shape, known))
     pressed = len(presses.pads)
     for number in dict.fromkeys((0, pressed // 2)):
         shape, h, _ = pads[number]
@@ -212,19 +222,36 @@ def _prediction(fit: CampaignFit, planned: Presses) -> tuple[NDArray, NDArray]:
     return forces, problem.jacobian(vector, forces) @ (turn * np.sqrt(np.maximum(values, 0.0)))
 
 
-def next_measurement(
-    first: CampaignFit, second: CampaignFit, names: tuple[str, ...], lowpass: Lowpass | None
-) -> NextMeasurement:
-    """Find the press with the largest expected gap in chi2 between two fitted explanations.
+def _without_friction(fit: CampaignFit) -> CampaignFit:
+    """A model as it is between lubricated plates."""
+    vector = fit.vector.copy()
+    if "plate_friction" in fit.problem.entries:
+        vector[fit.problem.entries["plate_friction"]] = 0.0
+    return replace(fit, vector=vector)
 
-    gap = d' (C + S1 + S2)^-1 d with d the difference of their predictions, C the noise, S their parameter
+
+def next_measurement(
+    first: CampaignFit, others: tuple[CampaignFit, ...], names: tuple[str, ...], lowpass: Lowpass | None
+) -> NextMeasurement:
+    """Find the press with the largest expected gap in chi2 between a fitted explanation and the nearest of others.
+
+    gap = d' (C + S1 + S2)^-1 d with d the difference of two predictions, C the noise, S their parameter
     uncertainty (law error of new pads included). Only what is new counts, see :func:`still_new`.
     """
     presses = first.problem.presses
     chosen = [o for o in options(presses, first.problem.law) if o.depth_share * o.thickness_mm > 0.2]
     planned = planned_presses(presses, lowpass, chosen)
-    forces, root = _prediction(first, planned)
-    other, other_root = _prediction(second, planned)
+    oiled = np.array([option.circumstance == LUBRICATED for option in chosen])[:, None]
+
+    def predicted(fit: CampaignFit) -> tuple[NDArray, NDArray]:
+        forces, root = _prediction(fit, planned)
+        if not oiled.any():
+            return forces, root
+        smooth, smooth_root = _prediction(_without_friction(fit), planned)
+        return np.where(oiled, smooth, forces), np.where(oiled[..., None], smooth_root, root)
+
+    forces, root = predicted(first)
+    rivals = [predicted(one) for one in others]
     noise = first.sizes.noise
     gaps = np.zeros(len(chosen))
     slope = CampaignProblem(planned, first.problem.law).slope(
@@ -234,11 +261,13 @@ def next_measurement(
     new = still_new(presses, chosen, planned, min(noise.position_mm, USUAL_POSITION_MM))
     for row in np.nonzero(new.any(axis=1))[0]:
         use = new[row]
-        total = cover[row][np.ix_(use, use)]
-        for half in (root[row][use], other_root[row][use]):
-            total = total + half @ half.T
-        difference = (forces - other)[row][use]
-        gaps[row] = float(difference @ np.linalg.solve(total, difference))
+        own = cover[row][np.ix_(use, use)] + root[row][use] @ root[row][use].T
+        each = []
+        for other, other_root in rivals:
+            total = own + other_root[row][use] @ other_root[row][use].T
+            difference = (forces - other)[row][use]
+            each.append(float(difference @ np.linalg.solve(total, difference)))
+        gaps[row] = min(each)
     best = np.argsort(-gaps)
     listed = tuple((chosen[i].text, float(gaps[i])) for i in best[1:4])
     presses_to_make = tuple(chosen[i] for i in best[:4])

@@ -30,7 +30,7 @@ from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 from dummydesign.loop.model.campaign_law import pad_of, start_young_kPa, tabulated_law
 from dummydesign.loop.model.effect import SetupLaw
 from dummydesign.loop.model.forward_model import simulate
-from dummydesign.loop.next_measurement import HOLD_S, PossiblePress, options, planned_presses, planned_trace
+from dummydesign.loop.next_measurement import HOLD_S, LUBRICATED, PossiblePress, options, planned_presses, planned_trace
 from dummydesign.loop.result import LoopResult
 from dummydesign.measurement.campaign import Campaign, Trial
 from dummydesign.measurement.campaign_plan import Planned
@@ -192,6 +192,8 @@ def plan_of(result: LoopResult, repeats: int = REPEATS) -> tuple[PlannedPress, .
     """The presses of the next measurement: the best one and its alternatives, repeated, in random order."""
     fit = result.after.fit
     chosen = list(result.next.options) if result.next is not None else _of_new_pads(result.presses, fit.problem.law)
+    # plates are of a campaign: lubricated ones need one of their own
+    chosen = [option for option in chosen if option.circumstance != LUBRICATED]
     planned = planned_presses(result.presses, None, chosen)
     forces = simulate(planned, fit.problem.law, fit.base, fit.active)
     held = [

@@ -10,10 +10,13 @@ import numpy as np
 from dummydesign.core.serialise import to_plain
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.model.effect import Effect
+from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.next_measurement import NextMeasurement
 from dummydesign.loop.pad_scatter import pad_scatter
 from dummydesign.loop.prior import PooledFit
 from dummydesign.loop.selection.cross_validation import AssessedModel, effect_intervals, lack_of_fit
+from dummydesign.loop.selection.doubts import Doubt
+from dummydesign.loop.selection.explanations import Among, Explanation, residual_N
 from dummydesign.loop.selection.nonparametric_effect import NonparametricEffect
 from dummydesign.loop.selection.residuals import ResidualDiagnostics
 from dummydesign.loop.selection.search import Selection
@@ -33,6 +36,7 @@ class EffectModel:
     remainder: Remainder
     seen: ResidualDiagnostics
     base_kept: str
+    among: Among | None
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,7 @@ class LoopResult(EffectModel):
     untested: dict[str, str]
     warnings: tuple[dict[str, str], ...]
     joined: PooledFit | None
+    doubts: tuple[Doubt, ...] = ()
 
 
 def result_dict(result: LoopResult) -> dict[str, Any]:
@@ -57,6 +62,7 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
     lack = lack_of_fit(ranking[0].fit).ratio if ranking else None
     return {
         "answer": answer_of(result),
+        "doubts": to_plain(result.doubts),
         "worth": [asdict(worth_of(result, effect)) for effect in effects],
         "base": result.base.to_dict(),
         "verdict": result.verdict,
@@ -87,12 +93,27 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
         "screening": [{"name": one.effect.name, "z": one.z} for one in screened],
         "pad_factors": pad_scatter(result.after.fit).to_dict(),
         "learned": to_plain(result.learnt),
+        "ambiguity": None if result.among is None else _ambiguity(result.among),
         "untested": result.untested,
         "prior": to_plain(result.joined),
         "next_measurement": to_plain(result.next),
         "warnings": list(result.warnings),
         "sources": sorted({effect.reference for effect in effects}),
     }
+
+
+def _ambiguity(among: Among) -> dict[str, Any]:
+    rows = []
+    for one in among.found:
+        effects = [{"name": active.effect.name, "parameters": dict(active.values)} for active in _own(one)]
+        row = {"effects": effects, "young_kPa": 1e3 * one.fit.base.young_MPa}
+        rows.append({**row, "evidence": one.gain, "residual_N": residual_N(one.fit)})
+    return {"explanations": rows, "base_residual_N": residual_N(among.base), "repeats_differ_N": among.differ_N}
+
+
+def _own(one: Explanation) -> list[Active]:
+    """The effects of an explanation with their values."""
+    return [active for active in one.fit.active if active.effect.name in one.names]
 
 
 def _effect(accepted: AcceptedEffect, result: LoopResult) -> dict[str, Any]:
@@ -142,7 +163,10 @@ def answer_of(result: LoopResult) -> list[str]:
     """The answer in sentences, the most important first."""
     after, joined = result.after, result.joined
     names = [named(accepted.candidate.effect.name) for accepted in result.effects]
-    if result.verdict == "none":
+    doubted = result.among is not None and len(result.among.found) != 1
+    if result.among is not None and doubted:
+        first = _ambiguity_text(result.among)
+    elif result.verdict == "none":
         first = "Nothing is missing: the model describes the campaign down to its noise."
     elif result.verdict == "effect":
         them = "it" if len(names) == 1 else "them"
@@ -156,8 +180,12 @@ def answer_of(result: LoopResult) -> list[str]:
         )
     # what the fit did not see comes first
     unseen = "".join(f"{one['message']}. " for one in result.warnings if one["code"] == "beyond_table")
-    lines = [unseen + first]
-    lines += [_effect_text(result, accepted.candidate.effect, accepted.confounded_with) for accepted in result.effects]
+    doubtful = f"Look at the sheet first: {'; '.join(one.text for one in result.doubts)}. " if result.doubts else ""
+    lines = [doubtful + unseen + first]
+    if result.among is None or not doubted:
+        lines += [_effect_text(result, one.candidate.effect, one.confounded_with) for one in result.effects]
+    else:
+        lines += [_explanation_text(one) for one in result.among.found[:SHOWN]]
     before, left = result.base.errors.heldout_N, after.errors.heldout_N
     if left is not None and before is not None:
         change = f"falls from {before:.3g} to {left:.3g} N" if result.effects else f"is {left:.3g} N"
@@ -171,6 +199,8 @@ def answer_of(result: LoopResult) -> list[str]:
         else "The long-term modulus is not determined by this campaign."
     )
     unknown = [name for name, one in parameters.items() if not one["determined"] and name != "young_kPa"]
+    if result.presses.elastic_only:  # its arms are not fitted
+        unknown = []
     if unknown:
         lines.append(f"Not determined by this campaign: {', '.join(unknown)}.")
     if joined is not None and joined.used:
@@ -190,6 +220,14 @@ def answer_words(data: dict[str, Any]) -> str:
     return " ".join(text.strip() for text in data["answer"] if not text.startswith("Next:"))
 
 
+def read_as_words(data: dict[str, Any]) -> list[str]:
+    """Lines of ``campaign.toml`` that read presses in doubt as they look, and what to write if the sheet is right."""
+    if not data["doubts"]:
+        return []
+    lines = [line for one in data["doubts"] for line in one["read_as"].splitlines()]
+    return [*lines, "# where the sheet is right: confirmed = true in place of the last line"]
+
+
 def answer_rows(data: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
     """Head and rows of errors and parameters before and after; of an effect's parameters its name comes last."""
     rows = []
@@ -205,6 +243,43 @@ def answer_rows(data: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
             for name, value in effect["parameters"].items()
         ]
     return ["", "base", "corrected", "95 % low", "95 % high"], rows
+
+
+SHOWN = 4
+"""Explanations that the answer lists; the JSON has all."""
+
+
+def _ambiguity_text(among: Among) -> str:
+    differ = f"presses of one condition differ by {among.differ_N:.2g} N" if among.differ_N else "no press is repeated"
+    if not among.found:
+        left = residual_N(among.base)
+        return f"Nothing is missing beyond the difference of pads: {differ}, the model leaves {left:.2g} N."
+    forces, moduli = (
+        np.array(rows) for rows in zip(*((one.fit.forces, one.fit.base.young_MPa) for one in among.found))
+    )
+    known = [name for name in among.names if all(name in one.names for one in among.found)]
+    doubted = listed([named(name) for name in among.names if name not in known], "or")
+    apart = float(np.ptp(forces, axis=0).max())
+    certain = f"{listed([named(name) for name in known]).capitalize()} is part of all explanations; " if known else ""
+    # a puck that slips freely has the same force at the same strain, whatever its height
+    shapes, other = ("pucks of one shape", "height") if among.one_shape else ("these pucks", "diameter")
+    return (
+        f"{certain}{doubted if certain else doubted.capitalize()}, or several of them: presses of {shapes} cannot "
+        f"tell. Known: the force on pucks of these shapes ({differ}, the explanations by at most {apart:.2g} N). "
+        f"Not known: the cause, and with it the modulus ({1e3 * moduli.min():.3g} to {1e3 * moduli.max():.3g} kPa). "
+        f"Press pucks of another {other}, and one between lubricated plates."
+    )
+
+
+def _explanation_text(one: Explanation) -> str:
+    sizes = []
+    for active in _own(one):
+        size = active.effect.parameters[0]
+        unit = "" if size.unit == "1" else f" {size.unit}"
+        sizes.append(f"{named(active.effect.name)} ({size.name} = {active.values[size.name]:.3g}{unit})")
+    alone = " alone" if len(sizes) == 1 else ""
+    young = 1e3 * one.fit.base.young_MPa
+    return f"{listed(sizes).capitalize()}{alone}: modulus {young:.3g} kPa, leaves {residual_N(one.fit):.2g} N."
 
 
 def _effect_text(result: LoopResult, effect: Effect, rivals: tuple[str, ...]) -> str:

@@ -26,13 +26,15 @@ from dummydesign.loop.model.forward_model import readings
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.pad_scatter import known_pads
 from dummydesign.loop.prior import PooledFit, check_prior, join, with_prior_effects
-from dummydesign.loop.result import EffectModel, LoopResult, named
+from dummydesign.loop.result import EffectModel, LoopResult, listed, named
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
+from dummydesign.loop.selection.doubts import doubt_warnings, doubts_of, without_doubted
+from dummydesign.loop.selection.explanations import explain, one_shape
 from dummydesign.loop.selection.holdout_test import left_out_errors, predicts_worse
 from dummydesign.loop.selection.nonparametric_effect import can_be_learned, learn, learned_alone, learned_first
 from dummydesign.loop.selection.residuals import ResidualDiagnostics, diagnose
-from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, names_of, rank, search
-from dummydesign.loop.selection.verdict import AcceptedEffect, at_bound, needed, remainder
+from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, names_of, rank, search, without
+from dummydesign.loop.selection.verdict import GAIN_FLOOR, AcceptedEffect, at_bound, needed, remainder
 from dummydesign.measurement.campaign import Campaign
 
 
@@ -126,13 +128,21 @@ def close_loop(
         check_prior(prior, campaign)
     campaign = with_pad_factors(campaign, None if prior is None else prior.pad)
     law = law_of(campaign, progress)
-    campaign, presses, beyond = within_reach(campaign, make_presses(campaign), law)
+    declared, every = campaign, make_presses(campaign)
+    campaign, presses, beyond = within_reach(declared, every, law)
     with processor_budget(budget_s) as budget:
-        base = assess(fit_base(presses, law, 1e-3 * start_young_kPa(campaign), progress))
+        first = fit_base(presses, law, 1e-3 * start_young_kPa(campaign), progress)
+        progress("labels")
+        # a label that is wrong is no effect, and would be taken for one
+        doubts = doubts_of(declared, every, first)
+        campaign, presses, first = without_doubted(campaign, presses, first, doubts)
+        base = assess(first)
         available, untested = _available(presses, law)
         seen = diagnose(base.fit)
         explained = _explain(base, seen, available, progress)
     answer = _against_base(base, seen, explained, progress)
+    if law.shape == "cylinder":
+        base, answer = _of_pucks(base, answer, available, progress)
     plain, learnt = answer.after.fit, answer.learnt
     doubt = doubt_of(plain, answer.selection.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
     after = replace(answer.after, fit=with_rough_law(plain, doubt))
@@ -145,9 +155,12 @@ def close_loop(
         fit, joined = join(both, prior, after.lack.ratio)
         after = assess(fit) if joined.used else after
     progress("next measurement")
-    following = _next(campaign, base, answer.effects, answer.selection.ranking)
+    most = 2 if answer.among is None else len(answer.among.found)
+    following = _next(campaign, base, answer.effects, answer.selection.ranking, most)
     stopped = f"{budget_s:g} s of processor time" if budget.ran_out else ""
-    warnings = (*_warnings(campaign, presses, beyond, stopped, answer, joined), *_better_alone(answer.selection, after))
+    better = _better_alone(answer.selection, after) if answer.among is None else ()
+    labels = doubt_warnings(doubts, presses)
+    warnings = (*labels, *_warnings(campaign, presses, beyond, stopped, answer, joined), *better)
     return LoopResult(
         **{**vars(answer), "after": after},
         campaign=campaign,
@@ -158,6 +171,7 @@ def close_loop(
         untested=untested,
         warnings=warnings,
         joined=joined,
+        doubts=doubts,
     )
 
 
@@ -185,7 +199,7 @@ def _explain(
         seen_after = diagnose(after.fit)
         still = remainder(base, after, seen_after)
         left = replace(still, reasons=(learnt.text, *still.reasons))
-    return EffectModel(selection, after, effects, learnt, verdict, left, seen_after, "")
+    return EffectModel(selection, after, effects, learnt, verdict, left, seen_after, "", None)
 
 
 def _against_base(
@@ -209,7 +223,46 @@ def _against_base(
         "model is kept"
     )
     verdict = "unexplained" if left.reasons else "none"
-    return EffectModel(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept)
+    return EffectModel(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept, None)
+
+
+def _of_pucks(
+    base: AssessedModel, answer: EffectModel, available: tuple[Effect, ...], progress: Progress
+) -> tuple[AssessedModel, EffectModel]:
+    """Base and answer for pucks in the scatter of their specimens, with all causes that these cannot tell apart."""
+    presses = base.fit.problem.presses
+    single = one_shape(presses)
+    if answer.verdict == "none" or (answer.verdict == "effect" and not single):
+        return base, answer
+    progress("what pucks of these shapes can tell apart")
+    first = [one.candidate.effect for one in answer.effects]
+    contexts = [without(answer.after.fit, one) for one in first] if single and len(first) > 1 else [base.fit]
+    for context, effect in zip(contexts, first or [None]):
+        among = explain(context, available, single)
+        if among is None or (answer.verdict == "effect" and (effect is None or effect.name not in among.names)):
+            continue
+        plain = assess(among.base)
+        base = plain if context is base.fit else base
+        if not among.found:
+            none = Selection(plain, (), answer.selection.screened, answer.selection.ranking)
+            left = replace(remainder(plain, plain, answer.seen), reasons=())
+            return base, EffectModel(none, plain, (), None, "none", left, diagnose(plain.fit), "", among)
+        best, after = among.found[0], assess(among.found[0].fit)
+        others = tuple(name for name in among.names if name not in best.names)
+        ranking = tuple(
+            EffectCandidate(one.effects[-1].effect, one.fit, one.gain, one.effects[-1].screened) for one in among.found
+        )
+        accepted = tuple(
+            AcceptedEffect(one, others, others, GAIN_FLOOR, after.errors.heldout_N, ranking) for one in best.effects
+        )
+        rivals = tuple((0.0, one.fit) for one in among.found[1:])
+        chosen = Selection(after, accepted, answer.selection.screened, list(ranking), rivals)
+        seen, told = diagnose(after.fit), len(among.found) == 1
+        cannot_tell = f"{listed([named(name) for name in among.names], 'or')}: these presses cannot tell"
+        left = replace(remainder(plain, after, seen), reasons=() if told else (cannot_tell,))
+        verdict = "effect" if told else "ambiguous"
+        return base, EffectModel(chosen, after, accepted, None, verdict, left, seen, "", among)
+    return base, answer
 
 
 def _available(presses: Presses, law: SetupLaw) -> tuple[tuple[Effect, ...], dict[str, str]]:
@@ -224,14 +277,19 @@ def _available(presses: Presses, law: SetupLaw) -> tuple[tuple[Effect, ...], dic
 
 
 def _next(
-    campaign: Campaign, base: AssessedModel, effects: tuple[AcceptedEffect, ...], ranking: list[EffectCandidate]
+    campaign: Campaign,
+    base: AssessedModel,
+    effects: tuple[AcceptedEffect, ...],
+    ranking: list[EffectCandidate],
+    most: int = 2,
 ) -> NextMeasurement | None:
-    """Separate the two likeliest explanations: effect and runner-up, or nothing and the best candidate."""
+    """Separate the ``most`` likeliest explanations: effect and runner-up, or nothing and the best candidate."""
     if not effects and not ranking:
         return None
-    first, *others = (effects[0].candidate, *effects[0].ranking[1:2]) if effects else ranking[:1]
-    fit, name = (others[0].fit, others[0].effect.name) if others else (base.fit, "none")
-    return next_measurement(first.fit, fit, (first.effect.name, name), campaign.lowpass)
+    first, *others = (effects[0].candidate, *effects[0].ranking[1:most]) if effects else ranking[:1]
+    fits = tuple(one.fit for one in others) or (base.fit,)
+    names = tuple(one.effect.name for one in others) or ("none",)
+    return next_measurement(first.fit, fits, (first.effect.name, *names), campaign.lowpass)
 
 
 BETTER = 10.0

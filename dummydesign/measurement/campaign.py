@@ -86,7 +86,8 @@ class Trial:
     designed as. ``geometry`` is the shape of the pad. ``witness_kPa`` is the modulus of a puck of the pad's own batch,
     ``weighed_ratio`` the ratio that was weighed, each with its standard error. ``young_factor`` is what these make of
     the pad's modulus over that of the campaign's usual pad, and ``young_factor_sd`` the standard deviation of its
-    logarithm; the loop sets them.
+    logarithm; the loop sets them. ``lowpass`` is a filter of its own, and ``confirmed`` says that its labels
+    were looked at again.
     """
 
     file: str
@@ -109,6 +110,8 @@ class Trial:
     weighed_ratio_sd: float | None = None
     young_factor: float = 1.0
     young_factor_sd: float = 0.0
+    lowpass: Lowpass | None = None
+    confirmed: bool = False
 
     @property
     def pad(self) -> tuple[str, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -122,11 +122,66 @@ def read_campaign(folder: str | Path) -> Campaign:
         )
     measured = [records.of(table) or own for table in tables]
     tables = [trial_with_record(table, one) if one else table for table, one in zip(tables, measured)]
-    trials = tuple(_read_trial(table, index, folder, pad, punch) for index, table in enumerate(tables, 1))
+    tables, read_as = read_otherwise(top, tables)
+    trials = tuple(_read_trial(table, index, folder, pad, punch, lowpass) for index, table in enumerate(tables, 1))
     check_edge(pad, punch, [trial.geometry for trial in trials], f"{punch_table.where('edge_radius_mm')}: ")
-    warnings = (*no_ratio(pad.ratio), *_check_set(trials, tables), *records.warnings())
+    warnings = (*no_ratio(pad.ratio), *_check_set(trials, tables), *records.warnings(), *read_as)
     name = str(top.data.get("name", folder.name))
     return Campaign(name, folder, pad, punch, lowpass, resolution, trials, warnings, tuple(records.read))
+
+
+OWN_KEYS = {"lowpass_hz": (0.1, 1e5), "zero_N": (-100.0, 100.0)}
+"""What a press may have of its own beside the sheet: the cut-off of its sensor, and a reading that is its zero."""
+PAD_KEYS = (
+    "thickness_mm",
+    "thickness_sd_mm",
+    "design_thickness_mm",
+    "shape",
+    "witness_kPa",
+    "witness_sd_kPa",
+    "weighed_ratio",
+    "weighed_ratio_sd",
+)
+"""What of a trial belongs to its pad."""
+READ_AS_KEYS = ("thickness_mm", "velocity_mm_s", *OWN_KEYS, "confirmed")
+
+
+def read_otherwise(top: TomlTable, tables: list[TomlTable]) -> tuple[list[TomlTable], list[dict[str, str]]]:
+    """The trials as the tables ``[[read_as]]`` read them, and a warning that says so of each table."""
+    by_file = {str(table.data.get("file")): table for table in tables}
+    given = top.tables("read_as") if "read_as" in top.data else []
+    warnings = []
+    for own in given:
+        keys = {key: value for key, value in own.data.items() if key != "files"}
+        unknown = sorted(set(keys) - {"pad_of", "exchanged", *READ_AS_KEYS})
+        if unknown or not keys:
+            known = ("files", "pad_of", "exchanged", *READ_AS_KEYS)
+            where = own.where(unknown[0] if unknown else "files")
+            raise unknown_name("key", unknown[0] if unknown else "", known, "unknown_key", "read_as").within(where)
+        files = own.data.get("files")
+        names = [*(files if isinstance(files, list) else [files]), *([keys["pad_of"]] if "pad_of" in keys else [])]
+        for name in names:
+            if name not in by_file:
+                raise unknown_name("file", str(name), tuple(by_file), quantity="read_as").within(own.where("files"))
+        chosen = [by_file[name] for name in (files if isinstance(files, list) else [files])]
+        changes = {key: value for key, value in keys.items() if key in READ_AS_KEYS}
+        if "exchanged" in keys:
+            if len(chosen) != 2:
+                raise own.fault("exchanged", "needs two files", "malformed", len(chosen))
+            one, two = (table.data for table in chosen)
+            one["file"], two["file"] = two["file"], one["file"]
+            for table in chosen:
+                table.data["confirmed"] = True
+        if "pad_of" in keys:
+            of = by_file[keys["pad_of"]].data
+            changes |= {key: of.get(key) for key in PAD_KEYS}
+        for table in chosen:
+            table.data.update(changes)
+            for key in [key for key, value in table.data.items() if value is None]:
+                del table.data[key]
+        words = ", ".join(f"{key} = {value}" for key, value in keys.items())
+        warnings.append({"code": "read_as", "message": f"as campaign.toml asks, {', '.join(names)}: {words}"})
+    return tables, warnings
 
 
 def geometry_of(text: str, where: str) -> PadShape:
@@ -200,8 +255,10 @@ def _read_sensor(table: TomlTable) -> tuple[Lowpass | None, float]:
         return Lowpass(cutoff, order, passes), resolution
 
 
-def _read_trial(table: TomlTable, number: int, folder: Path, pad: PadSpec, punch: PunchSpec) -> Trial:
-    unknown = sorted(set(table.data) - _TRIAL_KEYS)
+def _read_trial(
+    table: TomlTable, number: int, folder: Path, pad: PadSpec, punch: PunchSpec, lowpass: Lowpass | None
+) -> Trial:
+    unknown = sorted(set(table.data) - _TRIAL_KEYS - set(OWN_KEYS) - {"confirmed"})
     if of_punch := [key for key in unknown if key in PUNCH_KEYS]:
         words = "in a trial: a campaign has one [punch]; join campaigns by 'dummydesign loop --prior'"
         raise table.fault(of_punch[0], words, "not_applicable")
@@ -215,8 +272,15 @@ def _read_trial(table: TomlTable, number: int, folder: Path, pad: PadSpec, punch
     if not (folder / name).is_file():
         raise table.fault("file", "does not exist in the campaign folder", "file_not_found")
     trace = read_trace(folder / name, numbers["velocity_mm_s"])
-    declared = {key: value for key, value in numbers.items() if key != "target_depth_mm"}
+    declared: dict[str, Any] = {key: value for key, value in numbers.items() if key != "target_depth_mm"}
     repeat, sequence = table.count("repeat", 1), table.count("sequence", number)
+    own = {key: table.number(key, None, low=low, high=high) for key, (low, high) in OWN_KEYS.items()}
+    if own["zero_N"]:
+        trace = replace(trace, force_N=trace.force_N - own["zero_N"])
+    if own["lowpass_hz"]:
+        usual = lowpass or Lowpass(own["lowpass_hz"])
+        declared["lowpass"] = Lowpass(own["lowpass_hz"], usual.order, usual.passes)
+    declared["confirmed"] = table.data.get("confirmed", False) is True
     trial = Trial(file=name, repeat=repeat, sequence=sequence, trace=trace, geometry=geometry, **declared)
     _check_against_declared(trial, table)
     return trial
@@ -229,7 +293,7 @@ def _check_against_declared(trial: Trial, table: TomlTable) -> None:
     if deepest >= 0.95 * trial.thickness_mm:
         raise InputError(
             f"{table.where('thickness_mm')}: {trial.file} presses {deepest:g} mm into a pad of "
-            f"{trial.thickness_mm:g} mm; is displacement_mm or thickness_mm in another unit?",
+            f"{trial.thickness_mm:g} mm; is displacement_mm or thickness_mm in another unit, or was it another pad?",
             "inconsistent",
             "trial.thickness_mm",
             trial.thickness_mm,

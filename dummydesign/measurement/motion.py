@@ -18,7 +18,7 @@ LATE = 0.05
 """Share of the hold, at its end, whose mean force is the steady force."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Motion(Serialised):
     """Displacement of the punch over time, piecewise linear between its samples.
 

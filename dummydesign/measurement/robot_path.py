@@ -13,7 +13,7 @@ RISE, COARSE = 128, 32
 """Even steps from contact to the stop, for curves and to find depths."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RobotPath:
     """Path of a robot on the pad, from before contact on.
 

@@ -35,7 +35,7 @@ LOADED, FEW = 0.3, 0.05
 """Share of the largest force that counts as load, and of the samples under load that tell where it is deepest."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trace:
     """One measured (or simulated) press; arrays of shape (n,), compression positive.
 
@@ -90,7 +90,7 @@ def import_first(path: str | Path) -> str:
     return f"; import it first: dummydesign import {shlex.quote(str(path))}"
 
 
-def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[str], list[int], NDArray]:
+def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[str], Sequence[int], NDArray]:
     """Read columns of a CSV file: its header, and line and numbers of each row that is not blank.
 
     A column in inches or pounds-force is read in mm or N.
@@ -128,6 +128,9 @@ def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[
         advice = _header_advice(missing, header, names) + (import_first(path) if any(header) else "")
         raise InputError(f"{path.name}:1: column '{missing}' is missing{advice}", "missing", missing)
     places = [column for column in columns if column is not None]
+    plain = _plain_numbers(text, places)
+    if plain is not None:
+        return header, range(2, len(plain) + 2), plain * np.array(sizes)
     values: list[list[float]] = []
     lines: list[int] = []
     for row in rows:
@@ -141,6 +144,19 @@ def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[
         values.append([size * _number(cell, name, where) for name, cell, size in zip(names, cells, sizes)])
         lines.append(rows.line_num)
     return header, lines, np.array(values).reshape(-1, len(names))
+
+
+def _plain_numbers(text: str, places: list[int]) -> NDArray | None:
+    """Numbers below the header all at once; None where a line is anything else, which is then looked at by itself."""
+    body = text.partition("\n")[2].rstrip("\n")
+    if not body or '"' in text:
+        return None
+    try:
+        numbers = np.loadtxt(io.StringIO(body), delimiter=",", usecols=places, comments=None, ndmin=2)
+    except ValueError:
+        return None
+    whole = len(numbers) == body.count("\n") + 1 and np.isfinite(numbers).all()
+    return numbers if whole else None
 
 
 def _header_advice(missing: str, header: list[str], names: Sequence[str]) -> str:

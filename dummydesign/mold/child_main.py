@@ -40,7 +40,6 @@ def _placed(asked: dict[str, Any]) -> dict[str, Any]:
 
 
 def _made(asked: dict[str, Any]) -> dict[str, Any]:
-    load_trimesh()
     from dummydesign.mold.files.pour_sheet import Foot
 
     start = time.perf_counter()
@@ -72,6 +71,11 @@ def peak_memory_MB() -> float:
 
 def main() -> None:
     """Entry point of the child."""
+    if not cad_problem():
+        # Loaded before the question comes: it comes when the other end closes this one's input.
+        load_trimesh()
+        import dummydesign.mold.build_files  # noqa: F401
+    sys.stdin.read()
     asked = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
     if "processor_s" in asked:
         limit_processor_time(asked["processor_s"])

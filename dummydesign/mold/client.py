@@ -9,7 +9,8 @@ import shlex
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -92,30 +93,82 @@ def _measured(asked: dict[str, Any]) -> dict[str, Any]:
 WORKER = ("-m", "dummydesign.mold.child_main")
 
 
-def _answered(
-    asked: dict[str, Any], timeout_s: float
-) -> tuple[subprocess.CompletedProcess[str] | None, dict[str, Any]]:
-    """Ask this Python with one thread and this package; no process when it did not end in time, {} without answer."""
-    package = str(Path(__file__).resolve().parents[2])
-    path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
-    environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path}
-    with tempfile.TemporaryDirectory(prefix="dummydesign-cad-") as work:
-        question, answer = Path(work) / "question.json", Path(work) / "answer.json"
-        question.write_text(json.dumps(asked), encoding="utf-8")
+class CadChild:
+    """A child that loads the CAD kernel while it waits for its question: this Python, one thread, this package.
+
+    ``meanwhile`` is called once the question is asked, while the child works on it.
+    """
+
+    def __init__(self) -> None:
+        package = str(Path(__file__).resolve().parents[2])
+        path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
+        self._work = tempfile.TemporaryDirectory(prefix="dummydesign-cad-", ignore_cleanup_errors=True)
+        self._question, self._answer = (Path(self._work.name) / f"{name}.json" for name in ("question", "answer"))
+        self._process = subprocess.Popen(
+            [sys.executable, *WORKER, str(self._question), str(self._answer)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            encoding="utf-8",
+            errors="replace",
+            env={**os.environ, **ONE_THREAD, "PYTHONPATH": path},
+        )
+        self.meanwhile: Callable[[], None] | None = None
+
+    def ask(
+        self, asked: dict[str, Any], timeout_s: float
+    ) -> tuple[subprocess.CompletedProcess[str] | None, dict[str, Any]]:
+        """Ask the one question; no process when it did not end in time, {} without answer."""
+        self._question.write_text(json.dumps(asked), encoding="utf-8")
+        process = self._process
+        assert process.stdin is not None
+        with suppress(BrokenPipeError):  # it has ended already
+            process.stdin.close()
+        process.stdin = None
+        if self.meanwhile is not None:
+            self.meanwhile()
         try:
-            done = subprocess.run(
-                [sys.executable, *WORKER, str(question), str(answer)],
-                capture_output=True,
-                encoding="utf-8",
-                errors="replace",
-                timeout=timeout_s,
-                env=environment,
-            )
+            said, complained = process.communicate(timeout=timeout_s)
         except subprocess.TimeoutExpired:
             return None, {}
         # One that was stopped by its limit may have been writing.
-        whole = answer.is_file() and not ran_out(done.returncode)
-        return done, json.loads(answer.read_text(encoding="utf-8")) if whole else {}
+        whole = self._answer.is_file() and not ran_out(process.returncode)
+        done = subprocess.CompletedProcess(process.args, process.returncode, said, complained)
+        return done, json.loads(self._answer.read_text(encoding="utf-8")) if whole else {}
+
+    def close(self) -> None:
+        """End it, whatever it does."""
+        if self._process.poll() is None:
+            self._process.kill()
+            self._process.communicate()
+        self._work.cleanup()
+
+
+_started: list[CadChild] = []
+
+
+@contextmanager
+def child_ahead() -> Iterator[CadChild]:
+    """Start the child now; it takes the next question that is asked inside. One without a question is ended."""
+    child = CadChild()
+    _started.append(child)
+    try:
+        yield child
+    finally:
+        if child in _started:
+            _started.remove(child)
+        child.close()
+
+
+def _answered(
+    asked: dict[str, Any], timeout_s: float
+) -> tuple[subprocess.CompletedProcess[str] | None, dict[str, Any]]:
+    """Ask the child that was started ahead, or one that is started now; see :meth:`CadChild.ask`."""
+    child = _started.pop() if _started else CadChild()
+    try:
+        return child.ask(asked, timeout_s)
+    finally:
+        child.close()
 
 
 def _last_line(done: subprocess.CompletedProcess[str], without: str) -> str:

@@ -34,7 +34,7 @@ FOUR = ("peak_N", "steady_N", "depth_mm", "energy_mJ")
 LATE_POINTS = 25
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PersonResponse:
     """What persons bear: curves of shape (p, n) over ``time_s`` (n,) or (p, n), and numbers, shape (p,).
 

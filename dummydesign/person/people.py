@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from dummydesign.tissue.model.tissue import Subject, Tissue
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class People:
     """Persons of one law at one speed.
 

@@ -41,7 +41,7 @@ MOVING = 0.35
 """Share of the speed at which a trace that ends is still moving."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Press:
     """A press on the pad, from contact to the end of the hold; time counts from contact.
 

@@ -23,7 +23,7 @@ SCANNED = np.logspace(-10.0, 4.0, 57)
 """Weights of the roughness that are tried."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SmoothCurve:
     """A curve at nodes: values (n,), a factor (n, k) of their covariance, the noise of one sample, and which of the
     n - 1 intervals are too coarse for what the samples show."""

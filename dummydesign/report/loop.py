@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.loop.result import LoopResult, answer_rows, answer_words, listed, named, result_dict
+from dummydesign.loop.result import LoopResult, answer_rows, answer_words, listed, named, read_as_words, result_dict
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, Series, press_plot
@@ -240,9 +240,10 @@ def write_loop_report(folder: Path, result: LoopResult) -> dict[str, str]:
         facts.insert(1, (f"{left['heldout_over_noise_floor']:.2f}", words))
     answer, presses = data["answer"], list(press_plots(result))
     lead = f"{result.campaign.name}, {len(result.presses.trials)} trials. {answer[0]}"
-    because = [f"Unexplained: {reason}." for reason in data["residual"]["unexplained_because"]]
+    because = [f"{data['verdict'].capitalize()}: {reason}." for reason in data["residual"]["unexplained_because"]]
     sections = [
         Section("Answer", "\n\n".join(answer[1:])),
+        *_sheet(data),
         Section(
             "Effects",
             "\n\n".join([*because, *_effect_words(data)]),
@@ -275,6 +276,16 @@ def write_loop_report(folder: Path, result: LoopResult) -> dict[str, str]:
     )
 
 
+def _sheet(data: dict[str, Any]) -> Iterator[Section]:
+    """Labels in doubt, and the lines that read them as they look."""
+    if data["doubts"]:
+        rows = [[one["kind"], one["text"], f"{abs(one['z']):.1f}"] for one in data["doubts"]]
+        words = "Nothing is read otherwise before these lines are in campaign.toml:\n\n" + "\n\n".join(
+            read_as_words(data)
+        )
+        yield Section("Labels in doubt", words, table=Table(["kind", "what", "standard deviations"], rows))
+
+
 def _front(title: str, data: dict[str, Any], presses: list[Plot], trials: Plot) -> FrontPage:
     """The first page: answer, residual of each trial, presses, parameters, next measurement."""
     base, after = (data[model]["error"] for model in ("base", "after"))
@@ -292,7 +303,7 @@ def _front(title: str, data: dict[str, Any], presses: list[Plot], trials: Plot) 
         facts.append(Fact("long-term modulus", words))
     blocks = [
         ("Effects", _effect_words(data)),
-        ("Unexplained", [sentence(text) for text in data["residual"]["unexplained_because"]]),
+        (data["verdict"].capitalize(), [sentence(text) for text in data["residual"]["unexplained_because"]]),
     ]
     return FrontPage(
         title,

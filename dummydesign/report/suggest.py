@@ -80,7 +80,7 @@ def steady_figure(answer: Suggestion, curves: SuggestionCurves) -> Plot:
                 "95 % of the pad's castings", grids.pad[known], stiff[known], soft[known], sideways=True, style="cast"
             )
         )
-    others = sorted(zip(answer.result.alternatives, curves.other_depths_mm), key=lambda pair: pair[0].thickness_mm)
+    others = sorted(zip(answer.alternatives, curves.other_depths_mm), key=lambda pair: pair[0].thickness_mm)
     for (other, depth), style in zip(others, STYLES[1:5]):
         series.append(Series.line(f"{other.thickness_mm:g} mm, ratio {other.ratio:g}", depth, grids.pad, style))
     series.append(Series.line("recommended pad", curves.pad_depth_mm, grids.pad))
@@ -120,7 +120,7 @@ def press_plots(answer: Suggestion) -> list[Plot]:
 
 def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
     """The whole map, and its surroundings of the recommended design, where the ellipse can be seen."""
-    scores, best, needed = answer.result.score_map, answer.best, answer.targets.protocol.needed_N
+    scores, best, needed = answer.score_map, answer.best, answer.targets.protocol.needed_N
     value = np.where(scores.feasible, scores.total, np.nan)
     rests = answer.rests_on
     series: list[Series] = [
@@ -134,7 +134,7 @@ def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
     ]
     off, thick = curves.ratio_error, answer.request.thickness_tolerance_mm
     series.append(Series.ellipse("tolerance of weighing and thickness", best.ratio, best.thickness_mm, off, thick))
-    others = answer.result.alternatives
+    others = answer.alternatives
     if others:
         series.append(Series.dots("alternatives", [o.ratio for o in others], [o.thickness_mm for o in others], "other"))
     series.append(Series.dots("recommended", [best.ratio], [best.thickness_mm], "aim"))

@@ -160,7 +160,7 @@ class ComparedPress(NamedTuple):
     braking_mm_s2: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Comparison:
     """What was found; ``result`` is the JSON of ``compare``, the rest is for tables and pictures.
 

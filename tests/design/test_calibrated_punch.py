@@ -59,7 +59,7 @@ def test_another_punch_is_designed_for_with_the_table_of_that_punch_and_says_wha
     assert _force(found) == pytest.approx(plain, rel=1e-9)
     (said,) = [one["message"] for one in found.calibrated.warnings if one["code"] == "calibration_punch"]
     assert "square:14" in said and "round:16" in said
-    assert found.space.resin.references[-1].startswith("calibration ")
+    assert found.resin.references[-1].startswith("calibration ")
 
 
 def test_the_punch_of_the_campaign_takes_its_force_law_too(calibration):

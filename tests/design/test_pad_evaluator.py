@@ -32,7 +32,7 @@ def test_the_recommended_pad_has_the_presses_and_the_numbers_of_its_suggestion()
 def test_with_one_force_law_a_predicted_shaped_pad_has_the_presses_of_the_design():
     """What `suggest` and `predict --tissue` differ by on a shaped pad is elements against table, nothing else."""
     shape, inputs = read_shape("crowned:5.1,3.8,7.8"), read_problem(Request("palm", shape="crowned", verify=False))
-    resin = inputs.space.resin
+    resin = inputs.resin
     designed = verdict_of_pad.PadEvaluator(inputs).evaluate(shape, 10.0, 15.3)
     pad = Pad(10.0, resin.young_MPa(15.3), inputs.punch.radius_mm, prony=resin.prony(15.3), geometry=shape)
     curve, young = elastic_curve(pad, "table", None, None, None), {"low": 20.0, "high": 60.0}

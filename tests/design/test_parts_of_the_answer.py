@@ -126,7 +126,7 @@ def test_only_slow_depths_that_the_circle_reaches_are_verified(monkeypatch):
         radius_mm=7.9,
         targets=SimpleNamespace(protocol=NAGOYA_PROTOCOL, limits=verdict_limits()),
     )
-    suggest._verify(chosen, best, SimpleNamespace(space=space, request=None, punch=None))
+    suggest._verify(chosen, best, SimpleNamespace(**vars(space), request=None, punch=None))
     pad, depths, forces = asked[0]
     assert pad == (10.0, 0.5)
     np.testing.assert_allclose(depths, [1.0])
@@ -477,7 +477,7 @@ def test_a_mould_that_fails_leaves_the_recipe_and_says_what_to_type(monkeypatch)
 
     monkeypatch.setattr(client, "make_mold", fails)
     request = SimpleNamespace(resin="r", pad_mm=(60.0, 50.0), preset="lidded")
-    problem = SimpleNamespace(mould=lambda best, shape: None)
+    problem = SimpleNamespace(mould=lambda best: None)
     with pytest.raises(NoAnswerError) as caught:
         suggestion.make_mould(
             SimpleNamespace(

@@ -60,7 +60,7 @@ def test_nothing_below_the_problem_reads_a_users_folder(monkeypatch, aim):
         ):
             monkeypatch.setattr(module, "find", refuse)
     found = design(problem)
-    assert found.verdict.limits == problem.space.targets.limits and found.to_dict()["shares"]
+    assert found.verdict.limits == problem.targets.limits and found.to_dict()["shares"]
 
 
 def test_the_problem_names_the_files_that_decide(own_folder):
@@ -68,8 +68,8 @@ def test_the_problem_names_the_files_that_decide(own_folder):
     assert {"materials/score", "materials/verdict", "materials/puck", "mould preset open"} <= set(plain.files)
     path = own_folder("materials/verdict.toml", "[usable.over]\nvalue = 1.25", "[usable.over]\nvalue = 1.45")
     own = read_problem(Request("forefinger", **NARROW))
-    assert own.files["materials/verdict"] == path and own.space.targets.limits.over == 1.45
-    assert own.space.targets.limits.origin == "user"
+    assert own.files["materials/verdict"] == path and own.targets.limits.over == 1.45
+    assert own.targets.limits.origin == "user"
 
 
 SUGGEST = [
@@ -182,9 +182,9 @@ def mould(tmp_path, monkeypatch):
 def test_a_mould_keeps_shape_thickness_and_size_of_its_pad(mould, place):
     mould("design/pad" if place == "design" else "m")
     problem = read_problem(Request("forefinger", mould=place, verify=False))
-    assert problem.request.pad_mm == (120.0, 100.0) and problem.space.thickness_mm.tolist() == [4.5]
+    assert problem.request.pad_mm == (120.0, 100.0) and problem.thickness_mm.tolist() == [4.5]
     assert read_shape(problem.request.shape) == read_shape(CROWN)
-    assert len(problem.wide.thickness_mm) > 20 and problem.wide.targets is problem.space.targets
+    assert len(problem.wide_mm) > 20
 
 
 @pytest.mark.slow

@@ -268,7 +268,7 @@ def test_the_next_press_has_the_largest_gap_over_noise_and_doubt():
     vector = found.vector.copy()
     vector[3] += 0.3
     other = replace(found, vector=vector, forces=found.problem.predict(vector))
-    made = next_measurement(found, other, ("a", "b"), None)
+    made = next_measurement(found, (other,), ("a", "b"), None)
     gaps = {}
     for option in options(found.problem.presses, pucks.LAW):
         planned = planned_presses(found.problem.presses, None, [option])

@@ -50,7 +50,7 @@ def gain(explained, **changes):
     base, other, option = explained
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(planning, "options", lambda presses, law: [replace(option, **changes)])
-        return planning.next_measurement(base, other, ("none", "strain_stiffening"), None).expected_gain
+        return planning.next_measurement(base, (other,), ("none", "strain_stiffening"), None).expected_gain
 
 
 def test_a_press_made_twice_or_nearly_shows_nothing_and_another_depth_or_speed_does(explained):

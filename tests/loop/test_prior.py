@@ -114,7 +114,7 @@ def test_the_plan_is_a_campaign_to_press(campaigns, tmp_path):
     base = fit_base(presses, law, 0.03)
     problem = CampaignProblem(presses, law, (effect_named("contact_offset"),))
     other = fit_with_noise(problem, np.insert(base.vector, 5, 0.1), base.sizes)
-    following = next_measurement(other, base, ("contact_offset", "none"), few.lowpass)
+    following = next_measurement(other, (base,), ("contact_offset", "none"), few.lowpass)
     result = SimpleNamespace(next=following, after=SimpleNamespace(fit=base), presses=presses)
     planned = plan_of(result)
     assert len(planned) == REPEATS * len(following.options)

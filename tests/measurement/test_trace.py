@@ -62,6 +62,15 @@ def test_a_bad_cell_is_named_by_line_and_column(tmp_path, line, code):
         read_trace(path)
 
 
+def test_plain_files_are_read_at_once_to_the_same_numbers(tmp_path):
+    path = _write(tmp_path)
+    plain = read_trace(path)
+    path.write_text(path.read_text().replace("\n0.01,", '\n"0.01",'))
+    quoted = read_trace(path)
+    for name in ("time_s", "displacement_mm", "force_N"):
+        np.testing.assert_array_equal(getattr(plain, name), getattr(quoted, name))
+
+
 def test_files_that_cannot_be_read_are_named(tmp_path):
     with raises_code("file_not_found", "trace"):
         read_trace(tmp_path / "none.csv")

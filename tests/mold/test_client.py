@@ -102,6 +102,25 @@ def test_a_kernel_that_never_ends_is_stopped_by_its_processor_time_and_that_is_t
     assert caught.value.code == "cad_failed" and _files(tmp_path) == []
 
 
+def test_a_child_started_ahead_takes_the_next_question_and_work_goes_on_beside_it(monkeypatch):
+    _worker(monkeypatch, "import sys; sys.stdin.read(); open(sys.argv[2], 'w').write(open(sys.argv[1]).read())")
+    with client.child_ahead() as child:
+        beside = []
+        child.meanwhile = lambda: beside.append(child._process.poll())
+        assert client._answered({"number": 7}, 60.0)[1] == {"number": 7}
+        assert len(beside) == 1 and not Path(child._work.name).exists()
+        # the next question has a child of its own
+        assert client._answered({"number": 8}, 60.0)[1] == {"number": 8} and len(beside) == 1
+
+
+def test_a_child_that_was_not_asked_is_ended(monkeypatch):
+    _worker(monkeypatch, "import sys; sys.stdin.read(); sys.exit(3)")
+    with pytest.raises(KeyError), client.child_ahead() as child:
+        assert child._process.poll() is None
+        raise KeyError
+    assert child._process.returncode not in (None, 3) and not Path(child._work.name).exists() and client._started == []
+
+
 def test_a_kernel_that_waits_for_a_busy_machine_is_not_stopped(monkeypatch, tmp_path):
     """Three times the limit by the clock, hardly any of the processor."""
     answer = json.dumps({"error": {"code": "cad_failed", "message": "came to its end"}})

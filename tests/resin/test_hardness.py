@@ -103,7 +103,7 @@ def test_a_fixed_mix_is_kept_with_one_ratio_and_can_be_designed_and_poured_with(
     assert [one.mass_g for one in resin.recipe(made.ratio, 50.0)] == [50.0]
     assert {arm.beta.kind for arm in resin.arms} == {"assumed"}
     inputs = read_problem(Request(tissue="forefinger", resin="gel", shape="slab"))
-    assert list(inputs.space.ratio) == [made.ratio]
+    assert list(inputs.ratio) == [made.ratio]
     pour = mould_spec(8.0, 60.0, 50.0, "open", resin, made.ratio).pour
     assert pour.hardness == expected_hardness(resin, made.ratio).text
     hard = expected_hardness(resin, made.ratio)  # as sure as the value it is from: 5 points

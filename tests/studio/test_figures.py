@@ -25,7 +25,7 @@ def looked(tmp_path_factory):
 
 def test_every_press_of_the_protocol_is_drawn_small(looked):
     inputs, _, pad = looked
-    targets = inputs.space.targets
+    targets = inputs.targets
     plots = figures.presses(targets, pad)
     assert [plot.title.partition(":")[0] for plot in plots] == [
         f"{one.steady_force_N:g} N at {one.velocity_mm_s:g} mm/s" for one in targets.conditions

@@ -118,8 +118,8 @@ def test_a_resin_of_the_user_that_changed_is_read_anew(tmp_path, monkeypatch):
     own = folder / "mine.toml"
     own.write_text(text.replace('name = "polyurethane-nagoya"', 'name = "mine"'), encoding="utf-8")
     state = State("forefinger", resin="mine")
-    before = evaluator_of(tmp_path, state).problem.space.resin.young_MPa(15.0)
+    before = evaluator_of(tmp_path, state).problem.resin.young_MPa(15.0)
     stiffer = "[modulus.young_ref_kPa]\nvalue = 40.0"
     own.write_text(own.read_text(encoding="utf-8").replace("[modulus.young_ref_kPa]\nvalue = 25.0", stiffer), "utf-8")
-    after = evaluator_of(tmp_path, state).problem.space.resin.young_MPa(15.0)
+    after = evaluator_of(tmp_path, state).problem.resin.young_MPa(15.0)
     assert after / before == pytest.approx(1.6, rel=1e-6)

@@ -174,6 +174,7 @@ def write_campaign(
     edge_mm: float = 0.0,
     declared: bool = True,
     cast_pads: CastPads | None = None,
+    cutoff_hz: float = 35.0,
 ) -> Truth:
     """Write a campaign with one effect of the given size; the same seed has the same material in both roles.
 
@@ -183,6 +184,7 @@ def write_campaign(
     usual ones; a pad pressed in several such campaigns of one seed is the same pad. ``cast`` is what [pad] says it was
     cast of (lines of TOML). ``edge_mm`` is a fillet of the punch that presses crowned pads, 0 or 0.4; the file says so
     when it is ``declared``. ``cast_pads`` gives each pad a thickness and a modulus of its own, and a record.
+    ``cutoff_hz`` is that of the sensor, which the file says is 35.
     """
     if edge_mm and not crowned:
         raise ValueError("the fillet is solved for crowned pads")
@@ -242,7 +244,7 @@ def write_campaign(
     force = pad_force(time, x, away, physics)
     force = at_the_pad(effects, force)
     before = np.stack([at_the_punch(effects, t, f, a) for t, f, a in zip(time, force, stacked(4))])
-    signal = butterworth(time, before, 35.0, effects.get("sensor_lag", 0.0))
+    signal = butterworth(time, before, cutoff_hz, effects.get("sensor_lag", 0.0))
     cast = "\n".join([*([cast] if cast else []), *([f'shape = "{CROWN}"'] if crowned else [])])
     punch = [f"edge_radius_mm = {edge_mm}"] if edge_mm and declared else []
     return _write(folder, effects, rows, moved, signal, nominal, young, slow_time, rng, crowned, cast, punch)

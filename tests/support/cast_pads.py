@@ -42,7 +42,7 @@ def known(resin, modulus=True, relaxation=True):
 def space_of(tissue="palm", **asked):
     """What a request for a tissue is searched over, and its flat law."""
     inputs = read_problem(Request(tissue, verify=False, **({"shape": "slab"} | asked)))
-    return inputs.space, inputs.slab_law, inputs.space.castings
+    return inputs, inputs.slab_law, inputs.castings
 
 
 def space_with(resin, targets, thickness_mm, ratio, tolerances=Tolerances(100.0), **more):  # noqa: B008

@@ -206,11 +206,17 @@ def _arm(elastic: np.ndarray, tau: np.ndarray, weight: np.ndarray | float, parts
 
 
 def write_campaign(
-    folder: Path, effects: tuple[tuple[str, float], ...], seed: int, held_out: bool = False, usual_pads: bool = False
+    folder: Path,
+    effects: tuple[tuple[str, float], ...],
+    seed: int,
+    held_out: bool = False,
+    usual_pads: bool = False,
+    cutoff_hz: float = 50.0,
 ) -> Truth:
     """Write a campaign; the same seed has the same material, machine and signs with and without ``held_out``.
 
-    With ``usual_pads`` no pad has a factor of its own and no press a contact of its own.
+    With ``usual_pads`` no pad has a factor of its own and no press a contact of its own. ``cutoff_hz`` is that
+    of the sensor, which the file says is 50.
     """
     own, rng = np.random.default_rng([seed, 101]), np.random.default_rng([seed, 102 + held_out])
     young = float(np.exp(own.uniform(np.log(20.0), np.log(70.0)))) * 1e-3
@@ -253,7 +259,7 @@ def write_campaign(
         "force_resolution_N = 0.01",
     ]
     for k, (time, x, force) in enumerate(presses):
-        signal = _read(time, force, put, PEAK * top_N)
+        signal = _read(time, force, put, PEAK * top_N, cutoff_hz)
         stop = int(np.argmax(x >= 0.999 * x.max()))
         save = np.unique(np.r_[np.arange(0, min(stop + 2000, len(time)), 4), np.arange(stop, len(time), 40)])
         away = np.flatnonzero(x[stop + 4000 :] < 0.98 * x[stop])
@@ -352,9 +358,9 @@ def _limit(put: dict[str, float], largest: float) -> float:
     return largest / (1.0 + 0.35 * put["sensor_clipping"]) if put.get("sensor_clipping") else np.inf
 
 
-def _read(time: np.ndarray, force: np.ndarray, put: dict[str, float], full: float) -> np.ndarray:
+def _read(time: np.ndarray, force: np.ndarray, put: dict[str, float], full: float, cutoff_hz: float) -> np.ndarray:
     """The declared filter, the stages that nobody declared, clock, and the curve of an amplifier of this full load."""
-    b, a = butter(2, 50.0, fs=1.0 / STEP_S)
+    b, a = butter(2, cutoff_hz, fs=1.0 / STEP_S)
     signal = lfilter(b, a, force - force[0]) + force[0]
     lag = put.get("sensor_lag", 0.0)
     for pole in (0.8 * lag, 0.2 * lag) if lag else ():

@@ -43,16 +43,17 @@ def default_out(options: argparse.Namespace) -> str:
 
 def render(result: dict[str, Any]) -> str:
     """The answer in words, then error and parameters before and after."""
-    from dummydesign.loop.result import answer_rows, answer_words
+    from dummydesign.loop.result import answer_rows, answer_words, read_as_words
 
     head, body = answer_rows(result)
     rows = [
         f"  {row[0]:<20} " + " ".join(f"{cell:>9}" for cell in row[1:5]) + "".join(f"  {word}" for word in row[5:])
         for row in (head, *body)
     ]
-    coming = result["next_measurement"]
+    coming, read_as = result["next_measurement"], read_as_words(result)
     return screen(
         [*labelled("RESULT", answer_words(result), 9), ""],
+        [*(f"  {line}" for line in ("to read them so, in campaign.toml:", *read_as)), ""] if read_as else [],
         rows,
         [""],
         warning_block(result),
@@ -86,7 +87,7 @@ def render_details(result: dict[str, Any]) -> str:
     if over is not None:
         lines.append(f"left out: predicted to {over:.2f} noise floors; {expected:.2f} when nothing is missing")
     for reason in result["residual"]["unexplained_because"]:
-        lines.append(f"  unexplained: {reason}")
+        lines.append(f"  {result['verdict']}: {reason}")
     for effect in result["effects"]:
         lines.append(f"effect {effect['name']}: evidence {effect['evidence']:.0f} (needed {effect['threshold']:.0f})")
         for name, value in effect["parameters"].items():

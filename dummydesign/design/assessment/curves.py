@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 RATED, RATED_RISES = 400, 2.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PressCurve:
     """Force of one press over time since contact, arrays (n,), with the subjects' range and the aim's curve.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ from dummydesign.core.serialise import Serialised
 from dummydesign.design.scoring.castings import FORCE_LAW, MODULUS, RELAXATION, RESIN, Castings, Pours, Tolerances
 from dummydesign.design.scoring.crowns import crowned_curves
 from dummydesign.design.scoring.outlook import Outlook
-from dummydesign.design.scoring.press_simulation import PadBatch, make_curves, steady_depth
+from dummydesign.design.scoring.press_simulation import PadBatch, SlabCurves, make_curves, steady_depth
 from dummydesign.design.scoring.score import Evaluation, evaluate
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import (
@@ -51,6 +51,9 @@ class PadCastings:
     space: SearchSpace
     tolerances: Tolerances
     outlook: Outlook
+    _curves: dict[tuple[bytes, ...], tuple[SlabCurves, NDArray]] = field(
+        default_factory=dict, repr=False, compare=False
+    )
 
     @cached_property
     def error(self) -> float:
@@ -67,7 +70,11 @@ class PadCastings:
 
     def slabs(self, pours: Pours) -> PadBatch:
         """Pours as designs to press."""
-        return poured_slabs(self.law, pours, self.space)
+        crowns = () if pours.crowns is None else (pours.crowns.higher_mm, pours.crowns.blunter)
+        shape = tuple(one.tobytes() for one in (pours.thickness_mm, *crowns))
+        if shape not in self._curves:
+            self._curves[shape] = poured_curves(self.law, pours, self.space)
+        return _pads(*self._curves[shape], pours, self.space)
 
     def pressed(self, known: Collection[str] = ()) -> Evaluation:
         """Scores and presses of all castings."""
@@ -107,7 +114,16 @@ class PadCastings:
 
 
 def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> PadBatch:
-    """Pours as designs to press; their thicknesses are taken at the nearest of 41 even steps.
+    """Pours as designs to press."""
+    return _pads(*poured_curves(law, pours, space), pours, space)
+
+
+def _pads(curves: SlabCurves, index: NDArray, pours: Pours, space: SearchSpace) -> PadBatch:
+    return PadBatch(curves, index, pours.young_MPa, space.resin.tau_s, pours.beta)
+
+
+def poured_curves(law: ForceLaw, pours: Pours, space: SearchSpace) -> tuple[SlabCurves, NDArray]:
+    """Curves of pours and which each has; their thicknesses are taken at the nearest of 41 even steps.
 
     These are a hundredth of a millimetre apart for 0.2 mm either way. Pads whose crowns differ have a curve each.
     """
@@ -121,7 +137,7 @@ def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> PadBatch:
         middle, gel = float(np.median(thickness)), space.targets.limits.gel_compression
         curves = crowned_curves(law, pours.crowns, curves.take(index), middle, space.radius_mm, gel)
         index = np.arange(len(index))
-    return PadBatch(curves, index, pours.young_MPa, space.resin.tau_s, pours.beta)
+    return curves, index
 
 
 def limits_that_bind(candidate: DesignCandidate, thickness_mm: NDArray, ratio: NDArray) -> tuple[str, ...]:

@@ -37,7 +37,7 @@ class Tolerances(Serialised):
     crown: CrownMaking | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Pours:
     """Pads that may come out of one design: ``thickness_mm``, ``young_MPa`` (n,) and ``beta`` (n, arms).
 

@@ -15,7 +15,7 @@ from dummydesign.pad.force_law import ForceLaw
 HEIGHTS, RADII = 9, 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Crowns:
     """Crowns of n pads: height over the flat less the designed one [mm], tip radius over the designed one; (n,)."""
 
@@ -61,9 +61,12 @@ def crowned_curves(
     weights = np.zeros((len(heights), HEIGHTS, RADII))
     weights[each, left] = (1.0 - place + left)[:, None] * parabola
     weights[each, left + 1] = (place - left)[:, None] * parabola
-    factor = np.exp(weights.reshape(len(heights), -1) @ changes)
-    area = np.column_stack([designed.area_mm2[:, :1], designed.area_mm2[:, 1:] * factor[:, 1:]])
-    return SlabCurves(designed.thickness_mm + heights, designed.limit_mm * factor[:, 0], area)
+    area = weights.reshape(len(heights), -1) @ changes
+    np.exp(area, out=area)
+    limit = designed.limit_mm * area[:, 0]
+    area[:, 0] = 1.0
+    area *= designed.area_mm2
+    return SlabCurves(designed.thickness_mm + heights, limit, area)
 
 
 def _lagrange(nodes: NDArray, k: int, at: NDArray) -> NDArray:

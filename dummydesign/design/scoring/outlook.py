@@ -23,7 +23,7 @@ LEAST = 0.01
 BESIDE = 1e-3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scatter:
     """What scatters the modulus of a pad about its batch's: making and force law, and the error of a puck's test.
 
@@ -159,9 +159,14 @@ class _Chance:
 
 def smoothed(good: NDArray, grid: NDArray, spread: float) -> NDArray:
     """Probability along even grids of ln E that what is made for it is good, made with a normal scatter."""
-    from scipy.ndimage import gaussian_filter1d
-
-    return gaussian_filter1d(good.astype(float), spread / (grid[1] - grid[0]), axis=-1, mode="constant")
+    sigma = spread / (grid[1] - grid[0])
+    far = int(4.0 * sigma + 0.5)
+    # of a whole bell, cut off at four deviations; beyond the grid nothing is good
+    bell = np.exp(-0.5 * (np.arange(-far, far + 1) / sigma) ** 2)
+    bell /= bell.sum()
+    steps = np.subtract.outer(np.arange(len(grid)), np.arange(len(grid)))
+    weights = np.where(np.abs(steps) <= far, bell[np.clip(steps + far, 0, 2 * far)], 0.0)
+    return np.asarray(good.astype(float) @ weights)
 
 
 def _look(table: NDArray, grid: NDArray, at: NDArray) -> NDArray:

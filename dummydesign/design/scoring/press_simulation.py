@@ -23,7 +23,7 @@ SAMPLES = 481
 AT_ONCE = 600
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SimulatedPress:
     """Presses of D designs at one condition: arrays (D, n) over time, NaN where out of reach.
 
@@ -102,7 +102,7 @@ def parabolic_work_mJ(displacement_mm: NDArray, force_N: NDArray) -> NDArray:
     return np.asarray(work.sum(axis=-1) + lines[:, pairs:].sum(axis=-1))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SlabCurves:
     """Elastic force per unit modulus of T slabs on even depth grids."""
 
@@ -138,18 +138,24 @@ class SlabCurves:
             depth[rows] = np.interp(wanted[rows], self.area_mm2[index], steps[index] * count, right=np.nan)
         return depth
 
+    @cached_property
+    def _ranked(self) -> NDArray:
+        """All curves one after the other as one rising list: the number of each plus half its share of its end."""
+        shares = self.area_mm2 * (0.5 / self.area_mm2[:, -1:])
+        shares += np.arange(len(shares))[:, None]
+        return shares.ravel()
+
     def _depth_of_each(self, slab: NDArray, wanted: NDArray) -> NDArray:
-        """The same for (D, n), by bisection in all curves at once."""
-        row, last = slab[:, None], self.area_mm2.shape[-1] - 1
-        left, step = np.zeros(wanted.shape, int), 1 << (last.bit_length() - 1)
-        while step:
-            tried = np.minimum(left + step, last - 1)
-            left = np.where(self.area_mm2[row, tried] <= wanted, tried, left)
-            step //= 2
-        low, high = self.area_mm2[row, left], self.area_mm2[row, left + 1]
+        """The same for (D, n), by one search in all curves at once."""
+        count, end = self.area_mm2.shape[-1], self.area_mm2[slab, -1][:, None]
+        place = np.searchsorted(self._ranked, slab[:, None] + wanted * (0.5 / end), "right") - 1
+        first = (slab * count)[:, None]
+        place = np.clip(place, first, first + count - 2)
+        flat = self.area_mm2.ravel()
+        low, high = flat.take(place), flat.take(place + 1)
         share = np.clip((wanted - low) / (high - low), 0.0, 1.0)
-        found = self.step_mm[slab][:, None] * (left + share)
-        return np.where(wanted <= self.area_mm2[slab, -1][:, None], found, np.nan)
+        found = self.step_mm[slab][:, None] * (place - first + share)
+        return np.where(wanted <= end, found, np.nan)
 
     def slope_at(self, slab: NDArray, depth_mm: NDArray) -> NDArray:
         """Tangent d(F / E) / d depth at depths (D, n) of slabs (D,), by central differences. [mm]"""
@@ -160,11 +166,17 @@ class SlabCurves:
 
 def _lookup(table: NDArray, slab: NDArray, position: NDArray) -> NDArray:
     """Interpolate rows ``slab`` of a table at positions counted in grid steps; NaN stays NaN."""
-    known = np.nan_to_num(np.clip(position, 0.0, table.shape[-1] - 1.0))
-    left = np.minimum(known.astype(int), table.shape[-1] - 2)
+    known = np.clip(position, 0.0, table.shape[-1] - 1.0)
+    left = np.minimum(np.nan_to_num(known).astype(int), table.shape[-1] - 2)
     share = known - left
-    rows = slab[:, None]
-    return np.where(np.isnan(position), np.nan, table[rows, left] * (1.0 - share) + table[rows, left + 1] * share)
+    left += (slab * table.shape[-1])[:, None]
+    flat = table.ravel()
+    found: NDArray = flat.take(left)
+    found *= 1.0 - share
+    left += 1
+    share *= flat.take(left)
+    found += share
+    return found
 
 
 def designed_depth_mm(law: ForceLaw, thickness_mm: NDArray, radius_mm: float, gel_compression: float) -> NDArray:
@@ -215,7 +227,7 @@ class Sampling:
 COARSE = Sampling(16, 8, 20)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PadBatch:
     """D designs: which slab (index into curves), modulus and relaxation of each.
 

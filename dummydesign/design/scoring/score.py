@@ -22,7 +22,7 @@ from dummydesign.design.scoring.targets import Targets
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Evaluation:
     """Scores and presses of D designs.
 

@@ -23,7 +23,7 @@ CLASSES = ("stands_for", "usable", "reads_low", "over", "out_of_reach")
 STANDS_FOR, USABLE, READS_LOW, OVER, OUT_OF_REACH = CLASSES
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Ranges:
     """What the subjects do in each of c presses, and their depths at g steady forces.
 
@@ -45,7 +45,7 @@ class Ranges:
     highest: str = ""  # the upper end, where it is not the highest subject
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Readings:
     """What one pad, or n of them, do: shapes (c,) and (g,), or (n, c) and (n, g); NaN where out of reach."""
 
@@ -54,7 +54,7 @@ class Readings:
     depth_mm: NDArray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Deviations:
     """Of n pads: lowest subject over pad (``short``) and pad over highest subject (``above``), by quantity.
 

@@ -31,7 +31,7 @@ FINE, MARGIN = 241, 0.3
 AT_ONCE = 20_000
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Batches:
     """n batches: ln modulus (n, R) over the ratios of a search [MPa], and what their relaxation follows from."""
 
@@ -74,7 +74,7 @@ def unlike(batches: Batches, count: int) -> Batches:
     return Batches(kept, batches.ratio, batches.log_young[chosen], batches.log_reference[chosen])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Windows:
     """Of P pads and n batches: how far readings are beyond the verdict's limits along ln E.
 

@@ -31,7 +31,7 @@ FIELD_SHARES = np.linspace(0.04, 1.0, 16)
 BEYOND = 1.3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ElementsLaw(BaseForceLaw):
     """Force law of one cast shape: its table times the elements' force over the table's, at the pad's own thickness."""
 
@@ -183,7 +183,7 @@ def _better(other: ShapedDesign, solved: ShapedDesign, space: SearchSpace) -> bo
 
 def solve_leading(
     designs: Sequence[ShapedDesign], space: SearchSpace, progress: Progress = quiet
-) -> tuple[ShapedDesign, ...]:
+) -> list[ShapedDesign]:
     """Solve the best design; another one only where solving leaves the first behind it.
 
     Pads that cannot be solved fall away. Fields of caps take minutes in space: they are solved where no round pad was
@@ -208,10 +208,10 @@ def solve_leading(
         if left and not _better(rank(left, space)[0], rank(solved, space)[0], space):
             break
     if not solved:
-        return tuple(rank(left, space)) or tuple(designs)
+        return rank(left, space) or list(designs)
     # what only a table knows is not chosen before what was solved, but a slab by its own table
     slabs = [one for one in left if one.shape.plain]
     leading = rank([*solved, *slabs], space)
     gone = {item.shape for item in solved}
     behind = [one for one in designs if one not in slabs and one not in fallen and one.shape not in gone]
-    return (*leading, *rank(behind, space))
+    return [*leading, *rank(behind, space)]

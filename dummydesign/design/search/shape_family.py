@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from dummydesign.pad.tables.shape import ShapeTable
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Designs:
     """M pads of one kind: thickness (M,) and the shape's parameters, name: (M,), in mm or without unit.
 

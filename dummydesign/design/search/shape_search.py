@@ -90,14 +90,6 @@ class _Sieved:
     match: Match
 
 
-@dataclass(frozen=True)
-class SearchOutcome:
-    """Designs of the requested kinds, the best first, and why kinds have none."""
-
-    designs: tuple[ShapedDesign, ...]
-    missing: Mapping[str, str]
-
-
 def kinds_of(text: str) -> tuple[str, ...]:
     """Kinds of shapes a request names: one kind, one given shape, or ``auto`` for all whose force is known."""
     known = designable_kinds()
@@ -115,8 +107,8 @@ def kinds_of(text: str) -> tuple[str, ...]:
 
 def search_shapes(
     text: str, slab_law: ForceLaw, space: SearchSpace, refused: Mapping[str, str] = MappingProxyType({})
-) -> SearchOutcome:
-    """Search every kind of shape that a request names, by its tables.
+) -> tuple[list[ShapedDesign], dict[str, str]]:
+    """Search every kind of shape that a request names, by its tables: designs, the best first, and why kinds have none.
 
     Raises
     ------
@@ -140,7 +132,7 @@ def search_shapes(
         missing[kind] = f"no {kind} pad reaches {space.targets.protocol.needed_N:g} N with {space.resin.name}"
     if not designs:
         raise NoAnswerError("no_feasible_design", "; ".join(missing.values()), quantity="pad")
-    return SearchOutcome(tuple(designs), missing)
+    return designs, missing
 
 
 def rank(designs: Sequence[ShapedDesign], space: SearchSpace) -> list[ShapedDesign]:

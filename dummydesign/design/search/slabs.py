@@ -28,6 +28,7 @@ from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import Readings, readings_of
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, THICKNESS_MM
 from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.resin.model.resin import Resin
 
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 Correct = Callable[["Family"], "Family"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SearchSpace:
     """Every combination of the steps of thickness and ratio, of one resin, for one set of targets.
 
@@ -115,7 +116,7 @@ def pareto(score_map: ScoreMap, best: int) -> NDArray:
     return np.array(kept[:ALTERNATIVES], dtype=int)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ScoreMap(Serialised):
     """Scores over thickness (T,) and ratio (R,): arrays (T, R); ``feasible`` reaches 10 N steady."""
 
@@ -131,7 +132,7 @@ class ScoreMap(Serialised):
 
 @dataclass(frozen=True)
 class DesignCandidate:
-    """One design worked out exactly: its place in the evaluation, parameters and scores."""
+    """One design worked out exactly: its place in the evaluation, parameters, scores, and its shape in an answer."""
 
     thickness_mm: float
     ratio: float
@@ -140,6 +141,7 @@ class DesignCandidate:
     parameters: Any = None
     parametric: float = 0.0
     total: float = 0.0
+    shape: PadShape = field(default_factory=Slab)
 
     @property
     def alone(self) -> PadBatch:
@@ -168,15 +170,6 @@ class DesignCandidate:
         return np.asarray(steady_depth(self.alone, force_N, speed, sampling)[0])
 
 
-@dataclass(frozen=True)
-class SearchResult:
-    """What a search found: best design, Pareto alternatives, and the map."""
-
-    best: DesignCandidate
-    alternatives: tuple[DesignCandidate, ...]
-    score_map: ScoreMap
-
-
 def thickness_steps(low_mm: float, high_mm: float) -> NDArray:
     """Thicknesses in steps of 0.5 mm inside a range, both ends included. [mm]"""
     for value in (low_mm, high_mm):
@@ -196,8 +189,8 @@ def make_slabs(curves: SlabCurves, slab: NDArray, resin: Resin, ratio: NDArray) 
     return PadBatch(curves, slab, resin.young_MPa(known)[back], resin.tau_s, resin.strengths(known)[back])
 
 
-def search(law: ForceLaw, space: SearchSpace) -> SearchResult:
-    """Score every thickness and ratio of one force law, in practical steps.
+def search(law: ForceLaw, space: SearchSpace) -> tuple[DesignCandidate, tuple[DesignCandidate, ...], ScoreMap]:
+    """Score every thickness and ratio of one force law, in practical steps: best design, Pareto alternatives, map.
 
     Every combination is scored on a coarse time grid (the map); the best of it are worked out on a fine
     one, with the tissue's law fitted to their simulated presses. The map has no fitted
@@ -231,7 +224,7 @@ def search(law: ForceLaw, space: SearchSpace) -> SearchResult:
     first = sorted(every[: len(ranked)], key=lambda candidate: -candidate.total)[:FITTED]
     candidates = list(with_parameters([*first, *every[len(ranked) :]], space))
     best = max(candidates, key=lambda candidate: candidate.total)
-    return SearchResult(best, alternatives_to(candidates, best), score_map)
+    return best, alternatives_to(candidates, best), score_map
 
 
 def exact_candidates(slabs: PadBatch, ratio: NDArray, space: SearchSpace) -> list[DesignCandidate]:

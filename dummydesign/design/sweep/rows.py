@@ -49,7 +49,7 @@ BY_FORCE = tuple(f"{name}_at_N" for name in _BY_FORCE)
 SOLVED_SHARES = DEPTH_SHARE * np.linspace(0.04, 1.0, 16)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Task:
     """Some designs of one punch, condition and base with all that is needed to work them out anywhere."""
 

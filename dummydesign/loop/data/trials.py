@@ -219,7 +219,7 @@ def make_presses(campaign: Campaign) -> Presses:
 
 def stack(trials: tuple[Trial, ...], lowpass: Lowpass | None) -> Presses:
     """Reduce trials and stack them."""
-    reduced = tuple(reduce_press(trial.trace, lowpass) for trial in trials)
+    reduced = tuple(reduce_press(trial.trace, trial.lowpass or lowpass) for trial in trials)
     count = max(len(press.time_s) for press in reduced)
     bins = Bins(reduced)
     longest = bins.used.shape[1]

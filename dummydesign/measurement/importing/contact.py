@@ -109,7 +109,7 @@ def _speed(time: NDArray, x: NDArray, start: int, onset: int, top: int) -> float
     return max(float((x[b] - x[a]) / max(time[b] - time[a], 1e-9)) for a, b in ends)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Bins:
     """Means over parts of the lead-in (``early`` of them), then over even steps of position."""
 

@@ -38,7 +38,7 @@ INCHES_N_PER_MM, INCHES_MM = 60.0, 0.5
 """Stiffness and size beyond any hand or pad (a 5 mm pad: 7 N/mm at 15 N): both must agree before a unit is doubted."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Press:
     """One press with what was found in it; ``warn`` takes a code and a message without the press's name."""
 

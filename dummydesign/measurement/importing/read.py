@@ -31,7 +31,7 @@ from dummydesign.measurement.trace import COLUMNS, SECONDS, magnitude_fault
 Warnings = list[dict[str, Any]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ImportedPress:
     """One press as it is written: time from 0 at its first sample, zero at contact, tared, compression positive.
 

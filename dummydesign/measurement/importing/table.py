@@ -48,7 +48,7 @@ MOST_INTERRUPTIONS = 500
 MIN_SAMPLES = 10
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Columns:
     """The three columns as the file counts them, in s, mm and N.
 
@@ -189,7 +189,7 @@ def _read_bytes(path: Path) -> bytes:
     return data
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class TableBody:
     """Numbers of the wanted columns, the file line of each row, and the rows before which text stands."""
 

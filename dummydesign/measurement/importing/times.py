@@ -32,7 +32,7 @@ def seconds_per_count(column: Column) -> float:
     return 1.0 if column.kind == "stamp" else column.unit.factor if column.unit else 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ComposedTime:
     """Whole seconds and their fraction in another column: both columns, and the time from the first second. [s]"""
 

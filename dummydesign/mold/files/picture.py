@@ -74,7 +74,7 @@ BOTTOM, TOP, INK = "#ffffff", "#e8edf2", "#33424d"
 LETTERS, LABEL_PX, TITLE_PX = (32, 48, 60), 22, 25
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scene:
     """Parts as they stand in the picture (vertices, faces, colour), their labels, and a parallel view of them.
 

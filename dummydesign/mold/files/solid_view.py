@@ -45,7 +45,7 @@ def box(length_mm: float, width_mm: float, height_mm: float) -> NDArray:
     return corner[sides[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Shown:
     """One part in the view: how far it is lifted when the parts are apart, and where its stack stands. [mm]
 

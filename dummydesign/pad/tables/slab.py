@@ -21,7 +21,7 @@ NAME = "slab-compressibility.json"
 COMMAND = "python -m studies.tables.compressibility"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class CompressibilityTable:
     """c at nodes of a/h (R,) and d/h (D,); shape (R, D)."""
 

@@ -72,7 +72,7 @@ def mixed(name: str, liquids: Sequence[Liquid], parts: Sequence[float]) -> Quant
     return Quantity(at("value"), at("low"), at("high"), kind, source)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RelaxationGivenModulus:
     """ln beta = ln of the stated strength + slope (ln E - mean) + spread z, with independent normal z.
 
@@ -185,7 +185,7 @@ class Point:
         return max(math.log(self.young_kPa.high / self.young_kPa.low) / (2 * HALF_WIDTH), SMALLEST_SPREAD)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Draws:
     """Draws of what is not known of a resin; ``young_MPa`` and ``beta`` follow one draw each.
 

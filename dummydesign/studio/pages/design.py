@@ -260,7 +260,7 @@ class DesignPage:
             return Refusal(str(problem))
         except Exception as problem:
             return Refusal(f"this pad cannot be evaluated ({type(problem).__name__}: {problem})")
-        inputs, targets = evaluator.problem, evaluator.problem.space.targets
+        inputs, targets = evaluator.problem, evaluator.problem.targets
         section = figures.section(shape, state.thickness_mm, inputs.punch)
         large = plots_html([figures.steady(inputs.tissue, targets, pad), section])
         small = plots_html(figures.presses(targets, pad), small=True)
@@ -278,7 +278,7 @@ class DesignPage:
             return
         self.plots.set_content(view.plots)
         self._say(state, view.pad.verdict.light, view.pad.verdict.text, "")
-        resin = view.evaluator.problem.space.resin
+        resin = view.evaluator.problem.resin
         young = 1e3 * float(resin.young_MPa(state.ratio))
         with self.numbers:
             if (calibrated := view.evaluator.problem.calibrated) is not None:

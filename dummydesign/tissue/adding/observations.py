@@ -116,7 +116,7 @@ def force_unit_fault(depth_mm: NDArray, force_N: NDArray) -> str:
     return f"{words} ({each}): write the unit into the column's name, such as force_{next(iter(likely))}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ObservedCurve:
     """One press of one person: the line it begins at, and arrays of shape (n,)."""
 

@@ -43,7 +43,7 @@ UNKNOWN_MM = 1.0
 _STEP_MM = 1e-3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ContactOffsets:
     """Offset of each press with its 95 % interval, in the order of the traces [mm].
 

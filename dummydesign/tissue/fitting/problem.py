@@ -128,7 +128,7 @@ START_RATES_PER_S = np.geomspace(0.05, 400.0, 14)
 """Decay rates at the median depth from which starts are combined."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Optimum:
     """The best fit of a number of arms: parameters (ln), noise and whitening."""
 

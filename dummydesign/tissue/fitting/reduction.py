@@ -27,7 +27,7 @@ QUIET_SAMPLES = 40
 """Samples that a punch must leave after its ringing for the noise of the hold to be read from them."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ReducedTrace:
     """One press in bins, and the motion at the nodes where a model is evaluated."""
 

@@ -107,7 +107,7 @@ def tolerance_factor(subjects: int, share: float, confidence: float = CONFIDENCE
     return float(nct.ppf(confidence, subjects - 1, root * ndtri(share))) / root
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Population:
     """People of one kind as n subjects show them, in one or several readings.
 

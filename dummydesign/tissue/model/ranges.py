@@ -24,7 +24,7 @@ STEADY_TOLERANCE = 0.01
 """Share of the steady force to which it can be set: the robot's 0.02 mm are 1 % of it at a depth of 6 mm."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ForceRange:
     """Force variation range at one steady force and speed: the envelope of the subjects' F(t).
 

@@ -54,10 +54,10 @@ def test_the_next_best_is_the_first_of_another_kind(told):
 
 def test_every_kind_is_listed_with_its_level_and_share_and_kinds_without_a_pad_with_the_reason():
     problem = read_problem(Request("forefinger", shape="slab", thickness_mm=(5.0, 6.0), verify=False))
-    found = search_shapes("slab", problem.slab_law, problem.space)
-    first, missing = compare_kinds(found.designs[:1], {"boned": "too thin"}, problem.space)
+    designs, _ = search_shapes("slab", problem.slab_law, problem)
+    first, missing = compare_kinds(designs[:1], {"boned": "too thin"}, problem)
     row = first.to_dict()
-    own = found.designs[0]
+    own = designs[0]
     assert row["kind"] == "slab" and row["by"] == "table" and row["after_puck"] == own.outlook.after_puck
     assert row["acceptable"] == (row["level"] != "not_representative") and 0.0 <= row["total"] <= 1.0
     assert (row["thickness_mm"], row["ratio"]) == (own.thickness_mm, own.outlook.ratio)

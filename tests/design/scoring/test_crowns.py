@@ -95,9 +95,9 @@ def test_errors_of_the_steps_add_up_within_what_the_file_states(castings):
 
 def test_a_slab_draws_no_crown_and_what_it_draws_does_not_depend_on_one(castings):
     request = read_problem(Request("palm", shape="slab", verify=False))
-    assert request.space.tolerances(Slab(), 10.0, 15.0).crown is None
+    assert request.tolerances(Slab(), 10.0, 15.0).crown is None
     crown = read_shape("crowned:2.4,3.5,7.8")
-    assert request.space.tolerances(crown, 11.0, 15.0).crown == crown_making()
+    assert request.tolerances(crown, 11.0, 15.0).crown == crown_making()
     plain, crowned = (castings.pours(10.0, 15.3, Tolerances(60.0, crown=one)) for one in (None, crown_making()))
     for name in ("thickness_mm", "young_MPa", "beta"):
         np.testing.assert_array_equal(getattr(plain, name), getattr(crowned, name))

@@ -63,8 +63,8 @@ def test_a_file_of_ones_own_is_read_and_decides(own_file):
 def test_the_limit_of_the_gels_compression_is_that_of_every_curve(own_file):
     def limit():
         inputs = read_problem(Request("forefinger", shape="slab", verify=False))
-        gel = inputs.space.targets.limits.gel_compression
-        return make_curves(inputs.slab_law, [10.0], inputs.space.radius_mm, gel).limit_mm
+        gel = inputs.targets.limits.gel_compression
+        return make_curves(inputs.slab_law, [10.0], inputs.radius_mm, gel).limit_mm
 
     np.testing.assert_allclose(limit(), 6.0)
     own_file(changed("bottoming_out.gel_compression", "value = 0.6", "value = 0.4"))

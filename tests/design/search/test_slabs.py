@@ -26,36 +26,34 @@ def found(layer_law, resin, finger):
 
 
 def test_the_recommendation_is_in_practical_steps(found):
-    assert found.best.thickness_mm / 0.5 == pytest.approx(round(found.best.thickness_mm / 0.5))
-    assert found.best.ratio / 0.1 == pytest.approx(round(found.best.ratio / 0.1))
+    assert found[0].thickness_mm / 0.5 == pytest.approx(round(found[0].thickness_mm / 0.5))
+    assert found[0].ratio / 0.1 == pytest.approx(round(found[0].ratio / 0.1))
 
 
 def test_the_recommendation_is_at_the_top_of_the_map(found, resin):
-    total = found.score_map.total
-    rows = np.argsort(-np.where(found.score_map.feasible, total, -1.0).ravel())[:24]
+    total = found[2].total
+    rows = np.argsort(-np.where(found[2].feasible, total, -1.0).ravel())[:24]
     places = [np.unravel_index(row, total.shape) for row in rows]
-    assert (found.best.thickness_mm, found.best.ratio) in {
-        (found.score_map.thickness_mm[t], found.score_map.ratio[r]) for t, r in places
-    }
+    assert (found[0].thickness_mm, found[0].ratio) in {(found[2].thickness_mm[t], found[2].ratio[r]) for t, r in places}
 
 
 def test_no_design_nearby_scores_better_when_worked_out_exactly(found, layer_law, resin, finger):
     targets = make_targets(finger, "average", Sampling())
-    near = thickness_steps(found.best.thickness_mm - 1.0, found.best.thickness_mm + 1.0)
-    ratios = resin.ratios(found.best.ratio - 0.3, found.best.ratio + 0.3)
+    near = thickness_steps(found[0].thickness_mm - 1.0, found[0].thickness_mm + 1.0)
+    ratios = resin.ratios(found[0].ratio - 0.3, found[0].ratio + 0.3)
     again = search(layer_law, space_with(resin, targets, near, ratios))
-    assert again.best.total <= found.best.total + 0.01
+    assert again[0].total <= found[0].total + 0.01
 
 
 def test_the_recommendation_crosses_the_tissues_range_in_the_measured_part(found, finger):
-    depth = found.best.evaluation.depth_mm[found.best.index, 1]
+    depth = found[0].evaluation.depth_mm[found[0].index, 1]
     low, high = finger.steady_depth_range(10.0)
     assert low <= depth <= high
-    assert found.best.evaluation.steady_state_range[found.best.index] > 0.5
+    assert found[0].evaluation.steady_state_range[found[0].index] > 0.5
 
 
 def test_no_condition_is_deeper_than_the_limit(found):
-    for candidate in (found.best, *found.alternatives):
+    for candidate in (found[0], *found[1]):
         depth = candidate.evaluation.depth_mm[candidate.index]
         assert np.nanmax(depth) <= 0.6 * candidate.thickness_mm + 1e-9
 
@@ -65,15 +63,15 @@ def test_alternatives_are_not_beaten_by_the_recommendation_and_differ_from_it(fo
         e, i = candidate.evaluation, candidate.index
         return np.array([e.steady_state_range[i], e.force_variation_range[i], e.aim[i], e.low_force_range[i]])
 
-    assert found.alternatives
-    for other in found.alternatives:
-        assert np.any(parts(other) > parts(found.best))
-        assert abs(other.thickness_mm - found.best.thickness_mm) > 1.0 or abs(other.ratio - found.best.ratio) > 0.3
+    assert found[1]
+    for other in found[1]:
+        assert np.any(parts(other) > parts(found[0]))
+        assert abs(other.thickness_mm - found[0].thickness_mm) > 1.0 or abs(other.ratio - found[0].ratio) > 0.3
 
 
 def depth_at_10_N(layer_law, resin, tissue, aim):
     targets = make_targets(tissue, aim, Sampling())
-    best = search(layer_law, space_with(resin, targets, thickness_steps(3.0, 30.0), resin.ratios())).best
+    best = search(layer_law, space_with(resin, targets, thickness_steps(3.0, 30.0), resin.ratios()))[0]
     return best.evaluation.depth_mm[best.index, 1]
 
 
@@ -91,7 +89,7 @@ def test_each_aim_is_answered_by_its_own_pad(layer_law, resin):
 def test_limits_are_kept(layer_law, resin, finger):
     targets = make_targets(finger, "average", Sampling())
     found = search(layer_law, space_with(resin, targets, thickness_steps(8.0, 12.0), resin.ratios(16.0, 16.5)))
-    assert 8.0 <= found.best.thickness_mm <= 12.0 and 16.0 <= found.best.ratio <= 16.5
+    assert 8.0 <= found[0].thickness_mm <= 12.0 and 16.0 <= found[0].ratio <= 16.5
 
 
 def test_when_nothing_reaches_10_N_it_says_so(layer_law, resin, finger):

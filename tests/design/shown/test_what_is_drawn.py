@@ -80,7 +80,7 @@ def answer(tolerance=0.2, weighing=0.1, **more):
         "radius_mm": 7.9,
         "best": SimpleNamespace(ratio=15.0, thickness_mm=10.0),
         "request": SimpleNamespace(thickness_tolerance_mm=tolerance, weighing_g=weighing),
-        "recommended": SimpleNamespace(batch={"components": components}),
+        "batch": {"components": components},
         "targets": SimpleNamespace(protocol=NAGOYA_PROTOCOL, sampling=Sampling(), limits=verdict_limits()),
     }
     return SimpleNamespace(**{**given, **more})
@@ -89,10 +89,10 @@ def answer(tolerance=0.2, weighing=0.1, **more):
 def test_the_ratio_is_off_most_where_both_are_weighed_off_in_opposite_ways():
     assert ratio_error(answer()) == pytest.approx(15.0 * ((150.1 / 150.0) / (10.9 / 11.0) - 1.0))
     assert ratio_error(answer(weighing=0.0)) == 0.0
-    only = SimpleNamespace(batch={"components": [{"name": "hardener", "mass_g": 10.0}]})
-    assert ratio_error(answer(recommended=only)) == 0.0
-    without = SimpleNamespace(batch={"components": [{"name": "base", "mass_g": 10.0}]})
-    assert ratio_error(answer(recommended=without)) == 0.0
+    only = {"components": [{"name": "hardener", "mass_g": 10.0}]}
+    assert ratio_error(answer(batch=only)) == 0.0
+    without = {"components": [{"name": "base", "mass_g": 10.0}]}
+    assert ratio_error(answer(batch=without)) == 0.0
 
 
 def test_depth_and_peak_react_as_the_power_law_says():

@@ -35,14 +35,14 @@ def test_the_recommended_pad_gets_the_verdict_and_the_curve_of_the_suggestion(in
 
 def test_a_softer_pad_is_deeper_at_every_force(inputs):
     law = law_of_shape(inputs.slab_law, Slab(), 5.0)
-    soft, stiff = (one_pad(law, inputs.space, 5.0, ratio) for ratio in (15.0, 15.4))
-    assert inputs.space.resin.young_MPa(15.0) < inputs.space.resin.young_MPa(15.4)
+    soft, stiff = (one_pad(law, inputs, 5.0, ratio) for ratio in (15.0, 15.4))
+    assert inputs.resin.young_MPa(15.0) < inputs.resin.young_MPa(15.4)
     force = np.array([1.0, 5.0, 10.0])
     assert (soft.candidate.steady_depth_mm(force) > stiff.candidate.steady_depth_mm(force)).all()
 
 
 def test_a_pad_out_of_reach_is_judged_red_and_not_refused(inputs):
-    pad = one_pad(law_of_shape(inputs.slab_law, Slab(), 10.0), inputs.space, 10.0, 14.0)
+    pad = one_pad(law_of_shape(inputs.slab_law, Slab(), 10.0), inputs, 10.0, 14.0)
     assert pad.verdict.level == "not_representative" and pad.verdict.not_reached == 6
 
 

@@ -79,15 +79,15 @@ def test_scores_are_of_the_studys_own_forces_and_speeds_as_suggest_gives_them(la
     pads = {"thickness_mm": (5.0, 5.5), "ratio": (15.0, 16.0)}
     asked = Request("forefinger", force_N=(2.0, 4.0, 8.0), velocity_mm_s=(50.0,), **pads)
     inputs = read_problem(asked, layer_law)
-    found = search(layer_law, inputs.space).score_map
+    found = search(layer_law, inputs)[2]
     ratios = tuple(float(value) for value in found.ratio)
     own = Study((5.0, 5.5), ratios, SQUARE, (50.0,), (2.0, 4.0, 8.0), tissue="forefinger")
     scores = [row["score"]["total"] for row in whatif(own, layer_law)["rows"]]
     np.testing.assert_allclose(scores, found.total.ravel(), rtol=1e-9)
     paper = replace(own, forces_N=(1.0, 5.0, 10.0, 15.0), velocities_mm_s=(10.0, 250.0))
-    plain = search(layer_law, read_problem(Request("forefinger", **pads), layer_law).space)
+    plain = search(layer_law, read_problem(Request("forefinger", **pads), layer_law))[2]
     scores = [row["score"]["total"] for row in whatif(paper, layer_law)["rows"]]
-    np.testing.assert_allclose(scores, plain.score_map.total.ravel(), rtol=1e-9)
+    np.testing.assert_allclose(scores, plain.total.ravel(), rtol=1e-9)
 
 
 def test_hold_and_braking_of_the_study_are_those_of_its_scores_as_suggest_gives_them(layer_law):
@@ -97,7 +97,7 @@ def test_hold_and_braking_of_the_study_are_those_of_its_scores_as_suggest_gives_
 
     pads = {"thickness_mm": (5.0, 5.5), "ratio": (15.0, 16.0)}
     test = {"hold_s": 0.5, "deceleration_mm_s2": 5000.0}
-    found = search(layer_law, read_problem(Request("forefinger", **test, **pads), layer_law).space).score_map
+    found = search(layer_law, read_problem(Request("forefinger", **test, **pads), layer_law))[2]
     own = Study((5.0, 5.5), tuple(float(value) for value in found.ratio), SQUARE, tissue="forefinger", **test)
     rows = whatif(own, layer_law)["rows"]
     np.testing.assert_allclose([row["score"]["total"] for row in rows], found.total.ravel(), rtol=1e-9)

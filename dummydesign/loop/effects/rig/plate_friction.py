@@ -25,7 +25,7 @@ class PlateFriction(Effect):
     belongs_to = "rig"
     shapes = ("cylinder",)
     needs = ("frictionless_plates",)
-    parameters = (Parameter("friction", "1", 0.0, 0.0, 2.0, 0.1),)
+    parameters = (Parameter("friction", "1", 0.0, 0.0, 2.0, 0.3),)
     signature = "extra stiffening that grows as the puck flattens; more on flat pucks"
     cause = "plates that hold the faces of the puck"
     remedy = 'lubricate the plates with silicone oil or water, or glue the faces and declare contact = "bonded"'

@@ -1,0 +1,591 @@
+"""Doubts about the labels of a campaign: presses on another pad, exchanged, mistyped, of another sensor or zero.
+
+A wrong label acts on single presses or days, an effect on all presses that are alike. So every press is compared with
+what the others let expect of a press like it: its gain by pad, depth, speed and circumstances, its zero and the cut-off
+of its sensor. How far presses that are rightly labelled scatter about that, by whatever effect, is the floor.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.serialise import Serialised
+from dummydesign.core.user_library import toml_value
+from dummydesign.loop.data.trials import Presses, stack
+from dummydesign.loop.fitting.by_trial import UNDECLARED_HZ, Own, cutoffs, gains, of_pad, zeros
+from dummydesign.loop.fitting.fit import CampaignFit, fit_base
+from dummydesign.loop.model.campaign_law import BEYOND, within_reach
+from dummydesign.measurement.campaign import Campaign, Trial, held_force
+from dummydesign.measurement.ramp_detection import approach_velocity
+
+ODD_Z, FITS_Z = 6.0, 4.0
+"""Standard deviations from which a press is odd, and up to which another label fits it."""
+LEAST_GAIN, GAIN_FLOOR = 0.05, 0.007
+"""Least ln of the force by which a press must be odd, and the least scatter of it that is believed."""
+ODD_SPEED = 0.18
+"""ln of the speed by which a press differs from the sheet; robots keep theirs within 5 %."""
+ODD_TARGET = 0.1
+"""ln of the held over the planned force by which a press must be odd to be taken for another's."""
+LEAST_ZERO_N, ZERO_FLOOR_N = 0.04, 0.01
+LEAST_CUTOFF, CUTOFF_FLOOR, CUTOFF_KNOWN = 0.2, 0.04, 0.25
+"""Least ln of the cut-off by which a sensor is another, least scatter, and the standard error up to which it counts."""
+MOST_CUTOFF = 1.6
+"""Largest ln of the cut-off by which a sensor may be another: what asks for more is no filter."""
+SAME_REPEAT = 0.5
+"""Share of the change by which repeats must differ of which one is of another sensor."""
+LEAST_OF_IT = 0.35
+"""Share of a press's oddness up to which another label must bring it."""
+MISFIT = 4.0
+"""Chi-square a bin over the largest of rightly labelled presses, up to which another label is held to fit."""
+STUDENT, ROUNDS = 3.0, 40
+"""Degrees of freedom of what scatters, so that odd presses do not draw the others, and rounds of its regression."""
+GROUP_Z, SINGLE_Z = 4.7, 6.0
+"""Difference of two groups of presses over the scatter within, from which they are two; where one is a single press."""
+
+
+@dataclass(frozen=True)
+class Doubt(Serialised):
+    """A label that looks wrong: its kind, the presses, how odd they are (standard deviations of what right ones
+    scatter), in words, and the lines of ``campaign.toml`` that read it otherwise."""
+
+    kind: str
+    files: tuple[str, ...]
+    z: float
+    text: str
+    read_as: str
+    rows: tuple[int, ...] = field(default=(), repr=False)
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What presses let expect of each other: coefficients with their covariance, and the scatter about them."""
+
+    scale: float
+    middle: NDArray
+    covariance: NDArray
+
+    def z(self, values: NDArray, columns: NDArray) -> NDArray:
+        """Standard deviations by which values differ from what is expected of presses with these columns."""
+        spread = np.einsum("ti,ij,tj->t", columns, self.covariance, columns)
+        return (values - columns @ self.middle) / np.sqrt(self.scale**2 + spread)
+
+
+def expect(
+    values: NDArray, errors: NDArray, columns: NDArray, spreads: NDArray, floor: float, use: NDArray
+) -> tuple[Expected, NDArray]:
+    """Regression on columns with normal priors and Student's t about it, of those values that are used; the scale is
+    from the values themselves. Also the weights (T,)."""
+    prior = np.diag(spreads**-2.0)
+    middle_of = np.median(values[use])
+    scale = max(floor, 1.4826 * float(np.median(np.abs(values[use] - middle_of))))
+    weight = 1.0 * use
+    for _ in range(ROUNDS):
+        strength = weight / (scale**2 + errors**2)
+        covariance = np.linalg.inv((columns.T * strength) @ columns + prior)
+        middle = covariance @ ((columns.T * strength) @ values)
+        left = values - columns @ middle
+        taken = float(np.einsum("ti,ij,tj,t->", columns, covariance, columns, strength))
+        free = max(use.sum() - taken, 1.0) / use.sum()
+        seen = np.median((np.abs(left) / np.sqrt(1.0 + (errors / scale) ** 2))[use])
+        scale = max(floor, 0.7 * scale, 1.4826 * float(seen) / np.sqrt(free))
+        weight = use * (STUDENT + 1.0) / (STUDENT + left**2 / (scale**2 + errors**2))
+    return Expected(scale, middle, covariance), strength
+
+
+def odd(
+    values: NDArray, errors: NDArray, columns: NDArray, spreads: NDArray, floor: float, use: NDArray
+) -> tuple[NDArray, NDArray]:
+    """Differences of each value from what the others let expect of it, and how many standard deviations they are."""
+    differences, z = np.zeros(len(values)), np.zeros(len(values))
+    near, strength = expect(values, errors, columns, spreads, floor, use)
+    normal, inner = (columns.T * strength) @ columns + np.diag(spreads**-2.0), (columns.T * strength) @ values
+    for row, own in enumerate(columns):
+        covariance = np.linalg.inv(normal - strength[row] * np.outer(own, own))
+        differences[row] = values[row] - own @ (covariance @ (inner - strength[row] * values[row] * own))
+        z[row] = differences[row] / np.sqrt(near.scale**2 + errors[row] ** 2 + own @ covariance @ own)
+    return differences, z
+
+
+@dataclass(frozen=True)
+class Labels:
+    """What the sheet says of the presses and what they read.
+
+    ``columns`` (T, n) are those by which gains may follow pad, depth, speed and circumstances, and ``spreads`` (n,) how
+    far; pads ``between`` (T,) are expected to lie between others. ``ln_speed`` is ln of the measured over the declared
+    speed, ``ln_target`` that of the held over the planned force (nan without one).
+    """
+
+    presses: Presses
+    fit: CampaignFit
+    gain: Own
+    columns: NDArray
+    spreads: NDArray
+    between: NDArray
+    ln_speed: NDArray
+    ln_target: NDArray
+
+    @property
+    def gain_errors(self) -> NDArray:
+        """Standard errors of the gains, of pads between others with what these leave open (T,)."""
+        return np.hypot(self.gain.error, self.between * BETWEEN)
+
+
+WIDE = np.array([10.0, 0.2, 0.2, 1.0, 0.1, 0.1, 0.1, 0.1, 0.1, 0.03])
+"""How far ln of the force may follow, in the order of :func:`gain_columns`: level, depth over thickness and its square,
+contact over depth, speed, temperature, age, rest, presses before, order."""
+PAD_LEVEL, PAD_SLOPE = 0.3, 0.1
+"""The same of a pad's own level and slope in depth."""
+FEW, FEW_SHARE = 2, 0.34
+"""A thickness that at most so many presses name, and that share of what is usual, is expected to lie between others."""
+BETWEEN = 0.04
+"""How well, in ln of the force."""
+USUAL_SHARE, CONTACT_MM, SEEN_TO = 0.2, 0.05, 3
+"""Depth over thickness and contact of usual size; of the deepest presses so many count as equally deep, so that none
+is expected from others far away."""
+
+
+def gain_columns(presses: Presses) -> tuple[NDArray, NDArray, NDArray]:
+    """Columns (T, n) by which gains may follow what is declared of the presses, how far (n,), and which pads, in place
+    of an own level, lie between others (T,)."""
+
+    def centred(values: NDArray) -> NDArray:
+        known = np.all(np.isfinite(values))
+        return (values - values.mean()) / max(float(values.std()), 1e-9) if known else np.zeros(len(values))
+
+    history = presses.history
+    share = presses.depth_mm / presses.thickness_mm
+    share = np.minimum(share, np.sort(share)[-min(SEEN_TO, len(share))]) / USUAL_SHARE - 1.0
+    shared = [
+        np.ones(len(share)),
+        share,
+        share**2,
+        CONTACT_MM / presses.depth_mm,
+        np.log(presses.velocity_mm_s / presses.velocity_mm_s.mean()),
+        centred(history.temperature_C),
+        centred(np.log(np.maximum(history.age_days, 1e-2))),
+        centred(np.log(np.maximum(history.rest_s, 1.0))),
+        np.log1p((history.earlier_depth_mm > 0).sum(axis=1)),
+        centred(history.sequence),
+    ]
+    counts = np.bincount(presses.pad)
+    few = (counts <= FEW) & (counts <= FEW_SHARE * np.median(counts))
+    known = np.flatnonzero(~few)
+    thick = np.log(np.array([thickness for _, thickness in presses.pads]))
+    order = known[np.argsort(thick[known], kind="stable")]
+    own = []
+    for pad in known:
+        level = 1.0 * (np.arange(len(counts)) == pad)
+        level[few] = np.interp(thick[few], thick[order], 1.0 * (order == pad))
+        own.append(level[presses.pad])
+    spreads = np.r_[WIDE, np.full(len(own), PAD_LEVEL), np.full(len(own), PAD_SLOPE)]
+    return np.stack([*shared, *own, *(one * share for one in own)], axis=1), spreads, few[presses.pad]
+
+
+def labels_of(presses: Presses, fit: CampaignFit) -> Labels:
+    """Read every press beside a base fit."""
+    columns, spreads, between = gain_columns(presses)
+    ramps = [press.ramp for press in presses.presses]
+    speeds = [approach_velocity(t.trace.time_s, t.trace.displacement_mm, r) for t, r in zip(presses.trials, ramps)]
+    held = [held_force(trial.trace, ramp) for trial, ramp in zip(presses.trials, ramps)]
+    declared = np.array([trial.velocity_mm_s for trial in presses.trials])
+    planned = np.array([trial.target_force_N or np.nan for trial in presses.trials])
+    ln_target = np.log(np.maximum(held, 1e-6) / planned)
+    speed = np.log(np.array(speeds) / declared)
+    return Labels(presses, fit, gains(presses, fit), columns, spreads, between, speed, ln_target)
+
+
+GROSS, GROSS_SHARE, REFITS = 0.2, 0.4, 3
+"""ln of the force from which an odd press may have drawn the base fit, the share of the oddest one's that others must
+have to be left out with it, and how often the base is fitted again."""
+MOST = 0.4
+"""Share of the presses up to which some may be in doubt: beyond, nobody knows which are right."""
+
+
+def undrawn(presses: Presses, fit: CampaignFit, campaign: Campaign) -> tuple[Labels, NDArray]:
+    """All presses beside a base fit without those that would draw it away from the others, and which it has (T,)."""
+    labels, use = labels_of(presses, fit), np.ones(len(presses.trials), bool)
+    for _ in range(REFITS):
+        differences, z = odd_gains(labels, use)
+        least = max(GROSS, GROSS_SHARE * float(np.abs(differences * use).max()))
+        gross = (np.abs(differences) > least) & (np.abs(z) > FITS_Z) & use
+        if not gross.any() or (gross | ~use).sum() > MOST * len(use):
+            break
+        use = use & ~gross
+        labels = labels_of(presses, refitted(campaign, presses, use, fit))
+    return labels, use
+
+
+def refitted(campaign: Campaign, presses: Presses, use: NDArray, fit: CampaignFit) -> CampaignFit:
+    """The base fit of some of the presses (T,)."""
+    kept = tuple(trial for trial, own in zip(presses.trials, use) if own)
+    _, rest, _ = within_reach(replace(campaign, trials=kept), stack(kept, campaign.lowpass), fit.problem.law)
+    return fit_base(rest, fit.problem.law, fit.base.young_MPa)
+
+
+def odd_gains(labels: Labels, use: NDArray) -> tuple[NDArray, NDArray]:
+    """How odd the gain of each press is: ln of the force, and standard deviations."""
+    own = use & ~labels.between
+    return odd(labels.gain.value, labels.gain_errors, labels.columns, labels.spreads, GAIN_FLOOR, own)
+
+
+def expected_gains(labels: Labels, use: NDArray) -> tuple[Expected, NDArray]:
+    """What the gains let expect of each other, and by which presses (T,)."""
+    own = use & ~labels.between
+    return expect(labels.gain.value, labels.gain_errors, labels.columns, labels.spreads, GAIN_FLOOR, own)[0], own
+
+
+@dataclass(frozen=True)
+class PadReading:
+    """Presses as presses of one of the pads: ln of the force and standard deviations by which they differ from what is
+    expected of it, all (T,), the chi-square that is left, and whether the force law reaches so deep."""
+
+    pad: Trial
+    difference: NDArray
+    z: NDArray
+    left: NDArray
+    reached: NDArray
+
+
+def as_pads(labels: Labels, use: NDArray) -> list[PadReading]:
+    """All presses read as of each pad that more than a few presses name."""
+    presses, shared = labels.presses, len(WIDE)
+    near, own = expected_gains(labels, use)
+    count = (len(labels.spreads) - shared) // 2
+    out = []
+    for number in np.unique(presses.pad[own]):
+        first = int(np.flatnonzero(presses.pad == number)[0])
+        pad = presses.trials[first]
+        gain = gains(of_pad(presses, pad), labels.fit)
+        end = float(labels.columns[:, 1].max())
+        share = np.minimum(presses.depth_mm / pad.thickness_mm / USUAL_SHARE - 1.0, end)
+        level = labels.columns[first, shared : shared + count]
+        columns = labels.columns.copy()
+        columns[:, 1], columns[:, 2] = share, share**2
+        columns[:, shared:] = np.concatenate([np.tile(level, (len(share), 1)), share[:, None] * level], axis=1)
+        spread = np.einsum("ti,ij,tj->t", columns, near.covariance, columns)
+        difference = gain.value - columns @ near.middle
+        z = difference / np.sqrt(near.scale**2 + gain.error**2 + spread)
+        law = labels.fit.problem.law
+        limit = law.limit_of((pad,)) if hasattr(law, "limit_of") else law.limit(np.array([pad.thickness_mm]))
+        out.append(PadReading(pad, difference, z, gain.left, presses.depth_mm <= BEYOND * float(np.min(limit))))
+    return out
+
+
+def doubts_of(campaign: Campaign, presses: Presses, fit: CampaignFit) -> tuple[Doubt, ...]:
+    """Doubts about the labels of all presses of a campaign, from the base fit of those that its force law reaches."""
+    labels, use = undrawn(presses, fit, campaign)
+    looked = np.array([trial.confirmed for trial in presses.trials])
+    found = [*of_gains(labels, use, looked), *of_whole_pads(labels, use, looked, campaign)]
+    rest = ~looked & ~np.isin(np.arange(len(looked)), [row for one in found for row in one.rows])
+    return (*found, *of_sensors(labels, rest & use, campaign), *of_zeros(labels, ~looked))
+
+
+LEAST_LEFT = 4
+"""Presses that must remain where those in doubt are left out."""
+
+
+def without_doubted(
+    campaign: Campaign, presses: Presses, fit: CampaignFit, doubts: tuple[Doubt, ...]
+) -> tuple[Campaign, Presses, CampaignFit]:
+    """Campaign, presses and base fit without the presses in doubt; with them where too few would remain."""
+    files = {file for one in doubts for file in one.files}
+    kept = tuple(trial for trial in presses.trials if trial.file not in files)
+    if len(kept) == len(presses.trials) or len(kept) < max(LEAST_LEFT, (1.0 - MOST) * len(presses.trials)):
+        return campaign, presses, fit
+    rest, law = replace(campaign, trials=kept), fit.problem.law
+    stacked = stack(kept, campaign.lowpass)
+    return rest, stacked, fit_base(stacked, law, fit.base.young_MPa)
+
+
+def doubt_warnings(doubts: tuple[Doubt, ...], used: Presses) -> list[dict[str, str]]:
+    """What to do about each doubt, and whether its presses are used."""
+    known = {trial.file for trial in used.trials}
+    out = []
+    for one in doubts:
+        use = "used all the same" if known & set(one.files) else "left out"
+        it = "it is" if len(one.files) == 1 else "they are"
+        out.append({"code": "doubtful_label", "message": f"{one.text}; {it} {use}"})
+    return out
+
+
+def of_gains(labels: Labels, use: NDArray, looked: NDArray) -> list[Doubt]:
+    """Presses on another pad, exchanged, mistyped or at another speed."""
+    presses = labels.presses
+    differences, z = odd_gains(labels, use)
+    gain_odd = (np.abs(z) > ODD_Z) & (np.abs(differences) > LEAST_GAIN) & ~looked
+    gain_odd &= ~_like_its_repeats(presses, differences, gain_odd)
+    speed_odd = (np.abs(labels.ln_speed) > ODD_SPEED) & ~looked
+    target_odd = _odd_target(labels) & ~looked
+    pads = as_pads(labels, use) if gain_odd.any() else []
+    usual = float(labels.gain.left[use & ~gain_odd].max(initial=1.0))
+    taken = np.zeros(len(use), bool)
+    out = []
+
+    def fits(row: int, pad: PadReading) -> bool:
+        near = abs(pad.z[row]) < FITS_Z or abs(pad.difference[row]) < LEAST_OF_IT * abs(differences[row]) * 0.5
+        better = abs(pad.difference[row]) < LEAST_OF_IT * abs(differences[row])
+        return bool(near and better and pad.reached[row] and pad.left[row] < MISFIT * usual)
+
+    def has_label_of(row: int, other: int) -> bool:
+        one, two = presses.trials[row], presses.trials[other]
+        same = one.pad == two.pad
+        if gain_odd[row] == same or not (same or any(p.pad.pad == two.pad and fits(row, p) for p in pads)):
+            return False
+        if abs(labels.ln_speed[row] + np.log(one.velocity_mm_s / two.velocity_mm_s)) > ODD_SPEED:
+            return False
+        if one.target_force_N and two.target_force_N and (target_odd[row] or target_odd[other]):
+            usual_target = float(np.nanmedian(labels.ln_target[presses.pad == presses.pad[other]]))
+            own = labels.ln_target[row] + np.log(one.target_force_N / two.target_force_N) - usual_target
+            return abs(own) < max(3.0 * ODD_TARGET, 0.3 * abs(labels.ln_target[row] - usual_target))
+        return True
+
+    suspects = np.flatnonzero(gain_odd | speed_odd | target_odd)
+    for one, two in combinations(suspects.tolist(), 2):
+        if not (taken[one] or taken[two]) and has_label_of(one, two) and has_label_of(two, one):
+            taken[[one, two]] = True
+            worst = max(abs(float(z[one])), abs(float(z[two])))
+            out.append(_exchanged(presses, one, two, worst))
+    for row in np.flatnonzero(gain_odd & ~taken).tolist():
+        trial = presses.trials[row]
+        options = [pad for pad in pads if pad.pad.pad != trial.pad and fits(row, pad)]
+        best = min(options, key=lambda pad: abs(float(pad.z[row])), default=None)
+        if best is not None:
+            out.append(_other_pad(presses, row, best, float(z[row])))
+        elif (mm := _thickness_mm(pads, row)) is not None:
+            out.append(_mistyped(presses, row, mm, float(z[row])))
+    for row in np.flatnonzero(speed_odd & ~taken).tolist():
+        out.append(_other_speed(presses, row, float(labels.ln_speed[row])))
+    return out
+
+
+WHOLE_PAD, WHOLE_SPAN, THINNEST = 0.12, 3.0, 4.0
+"""ln of the force by which all presses of a pad must differ from those of the others: at least, and over the
+differences among these; and how many times that of the thinnest pad."""
+
+
+def of_whole_pads(labels: Labels, use: NDArray, looked: NDArray, campaign: Campaign) -> list[Doubt]:
+    """A pad whose thickness looks mistyped in all its rows.
+
+    The thinnest must differ by more: what changes its force most (slip of its base, compressibility, an error of all
+    thicknesses) is an effect, and looks the same.
+    """
+    presses = labels.presses
+    near, own = expected_gains(labels, use)
+    count = (len(labels.spreads) - len(WIDE)) // 2
+    numbers = np.unique(presses.pad[own])
+    if count < 3 or len(numbers) != count:
+        return []
+    levels, thick = near.middle[len(WIDE) : len(WIDE) + count], [presses.pads[number][1] for number in numbers]
+    apart = []
+    for place in range(count):
+        others = np.delete(levels, place)
+        differs = abs(float(levels[place] - np.median(others)))
+        limit = max(WHOLE_PAD, WHOLE_SPAN * float(np.ptp(others)))
+        apart.append(differs / limit / (1.0 if thick[place] > min(thick) else THINNEST))
+    place = int(np.argmax(apart))
+    rows = np.flatnonzero((presses.pad == numbers[place]) & ~looked)
+    if apart[place] < 1.0 or len(rows) == 0:
+        return []
+    rest = use & (presses.pad != numbers[place])
+    pads = as_pads(labels_of(presses, refitted(campaign, presses, rest, labels.fit)), rest)
+    seen = [mm for row in rows.tolist() if (mm := _thickness_mm(pads, row)) is not None]
+    z = float(levels[place] - np.median(np.delete(levels, place))) / near.scale
+    return [_whole_pad(presses, rows, float(np.median(seen)) if seen else None, z)]
+
+
+def _like_its_repeats(presses: Presses, differences: NDArray, odd_ones: NDArray) -> NDArray:
+    """Whether all repeats of an odd press differ as it does (T,): then it is no label, but what they have in common."""
+    out = np.zeros(len(differences), bool)
+    for row in np.flatnonzero(odd_ones):
+        same = np.flatnonzero((presses.cell == presses.cell[row]) & (np.arange(len(out)) != row))
+        own = differences[row]
+        out[row] = len(same) > 0 and bool(np.all(np.abs(differences[same] - own) < 0.5 * abs(own)))
+    return out
+
+
+def _odd_target(labels: Labels) -> NDArray:
+    """Whether the force held is another than planned, by what is usual on the pad (T,)."""
+    out = np.zeros(len(labels.ln_target), bool)
+    for pad in np.unique(labels.presses.pad):
+        own = (labels.presses.pad == pad) & np.isfinite(labels.ln_target)
+        if own.sum() > FEW:
+            left = labels.ln_target[own] - np.median(labels.ln_target[own])
+            scale = max(1.4826 * float(np.median(np.abs(left))), 0.3 * ODD_TARGET)
+            out[own] = (np.abs(left) > ODD_Z * scale) & (np.abs(left) > ODD_TARGET)
+    return out
+
+
+def _thickness_mm(pads: list[PadReading], row: int) -> float | None:
+    """Thickness of which the force of a press is expected, by those of the pads; None where it is none. [mm]"""
+    reached = [pad for pad in pads if pad.reached[row] and pad.pad.pad[0] == ""]
+    if len(reached) < 2:
+        return None
+    thick = np.log([pad.pad.thickness_mm for pad in reached])
+    ends = np.argsort([abs(float(pad.difference[row])) for pad in reached])[:2]
+    (a, b), (left, right) = thick[ends], (float(reached[end].difference[row]) for end in ends)
+    if left == right:
+        return None
+    at = a - left * (b - a) / (right - left)
+    inside = thick.min() - BEYOND_PADS < at < thick.max() + BEYOND_PADS
+    return float(np.exp(at)) if inside else None
+
+
+BEYOND_PADS = 1.2
+"""ln of the thickness by which a press may be of a pad beyond all others."""
+
+
+def groups(values: NDArray, errors: NDArray, days: NDArray, floor: float, least: float) -> tuple[NDArray, float, bool]:
+    """Which presses (T,) are another group than the rest, how clearly, and whether they are those of a day.
+
+    Those of one day, or those above or below the widest difference of means; none where these differ by less than
+    ``least`` or :data:`GROUP_Z` times the scatter within.
+    """
+    best, clear, of_day = np.zeros(len(values), bool), 0.0, False
+    known = np.isfinite(errors)
+    if known.sum() < 5:
+        return best, clear, of_day
+    order = np.flatnonzero(known)[np.argsort(values[known], kind="stable")]
+    cuts = [np.isin(np.arange(len(values)), order[:count]) for count in range(1, len(order))]
+    by_day = [days == day for day in np.unique(days[np.isfinite(days)])]
+    for split, is_day in [*((one, True) for one in by_day), *((one, False) for one in cuts)]:
+        one, two = split & known, ~split & known
+        counts = int(one.sum()), int(two.sum())
+        if min(counts) == 0 or (is_day and min(counts) < 2):
+            continue
+        middles = np.median(values[one]), np.median(values[two])
+        left = np.where(one, values - middles[0], values - middles[1])[known]
+        spread = float(np.mean(errors[known] ** 2))
+        within = max(floor, np.sqrt(spread), 1.4826 * float(np.median(np.abs(left))), float(np.sqrt(np.mean(left**2))))
+        apart = abs(middles[1] - middles[0])
+        # a day is chosen before it is seen: its mean counts, where a split by value must leave two heaps
+        score = apart / within * (np.sqrt(1.0 / (1.0 / counts[0] + 1.0 / counts[1])) / 1.25 if is_day else 1.0)
+        limit = SINGLE_Z if min(counts) == 1 else GROUP_Z
+        if apart > least and score > limit and score * (1.5 if is_day else 1.0) > clear:
+            counted = split if is_day else one
+            fewer = counted if 2 * counted.sum() <= (len(known) if is_day else known.sum()) else ~counted
+            best, clear, of_day = fewer & (known | is_day), score * (1.5 if is_day else 1.0), is_day
+    return best, clear, of_day
+
+
+def of_sensors(labels: Labels, use: NDArray, campaign: Campaign) -> list[Doubt]:
+    """Presses by a sensor of another filter."""
+    presses = labels.presses
+    own = cutoffs(presses, labels.fit, campaign.lowpass)
+    # what the model misses may look like a filter
+    error = own.error * np.sqrt(np.maximum(own.left, 1.0))
+    shows = use & (error < CUTOFF_KNOWN)
+    if shows.sum() < 5:
+        return []
+    # by pad and depth the model may be off in what looks like a filter
+    columns = labels.columns[:, [0, 1, *range(len(WIDE), len(WIDE) + (len(labels.spreads) - len(WIDE)) // 2)]]
+    spreads = np.r_[10.0, 0.3, np.full(columns.shape[1] - 2, 0.3)]
+    near, _ = expect(own.value, error, columns, spreads, CUTOFF_FLOOR, shows)
+    values = own.value - columns @ near.middle
+    odd_ones, clear, of_day = groups(
+        values, np.where(shows, error, np.inf), presses.history.age_days, CUTOFF_FLOOR, LEAST_CUTOFF
+    )
+    if not odd_ones.any():
+        return []
+    both = [float(np.median(values[shows & part])) for part in (odd_ones, ~odd_ones)]
+    shift = both[0] - both[1]
+    repeats = [shows & (presses.cell == presses.cell[row]) for row in np.flatnonzero(odd_ones & shows)]
+    if not of_day and any(one.sum() > 1 for one in repeats):
+        # a filter tells repeats apart; what all repeats have in common does not
+        apart = [
+            np.median(values[one & odd_ones]) - np.median(values[one & ~odd_ones])
+            for one in repeats
+            if np.any(one & ~odd_ones)
+        ]
+        if not apart or min(gap / shift for gap in apart) < SAME_REPEAT:
+            return []
+    if abs(shift) > MOST_CUTOFF:
+        return []
+    usual = campaign.lowpass.cutoff_hz if campaign.lowpass else UNDECLARED_HZ
+    hz = usual * float(np.exp(shift))
+    return [_other_sensor(presses, odd_ones, hz, usual, clear, of_day)]
+
+
+def of_zeros(labels: Labels, use: NDArray) -> list[Doubt]:
+    """Presses of a day whose zero is another."""
+    presses = labels.presses
+    own = zeros(presses, labels.fit)
+    # how far zeros scatter is seen; the noise of a hold, by which they would, is drawn by a zero that moved
+    errors = np.where(use & np.isfinite(own.error), 0.0, np.inf)
+    odd_ones, clear, of_day = groups(own.value, errors, presses.history.age_days, ZERO_FLOOR_N, LEAST_ZERO_N)
+    if not odd_ones.any():
+        return []
+    shift = float(np.median(own.value[odd_ones & use]) - np.median(own.value[~odd_ones & use]))
+    return [_other_zero(presses, odd_ones, shift, clear, of_day)]
+
+
+def _lines(files: list[str], **keys: object) -> str:
+    """Lines of ``campaign.toml`` that read some presses in another way."""
+    return "\n".join(
+        ["[[read_as]]", f"files = {toml_value(files)}", *(f"{k} = {toml_value(v)}" for k, v in keys.items())]
+    )
+
+
+def _exchanged(presses: Presses, one: int, two: int, z: float) -> Doubt:
+    files = [presses.trials[row].file for row in (one, two)]
+    text = f"{files[0]} and {files[1]} look exchanged: each is what is expected of the other's row"
+    return Doubt("exchanged", tuple(files), z, text, _lines(files, exchanged=True), (one, two))
+
+
+def _named(trial: Trial) -> str:
+    shape = "" if trial.geometry.plain else f"{trial.geometry} "
+    return f"the {shape}{trial.thickness_mm:g} mm pad"
+
+
+def _other_pad(presses: Presses, row: int, best: PadReading, z: float) -> Doubt:
+    trial = presses.trials[row]
+    text = f"{trial.file} looks like {_named(best.pad)}, not {trial.thickness_mm:g} mm"
+    return Doubt("pad", (trial.file,), z, text, _lines([trial.file], pad_of=best.pad.file), (row,))
+
+
+def _mistyped(presses: Presses, row: int, mm: float, z: float) -> Doubt:
+    trial = presses.trials[row]
+    text = f"{trial.file} looks like a pad of about {mm:.2g} mm, not {trial.thickness_mm:g} mm"
+    return Doubt("thickness", (trial.file,), z, text, _lines([trial.file], thickness_mm=float(f"{mm:.3g}")), (row,))
+
+
+def _whole_pad(presses: Presses, rows: NDArray, mm: float | None, z: float) -> Doubt:
+    files, declared = [presses.trials[row].file for row in rows], presses.trials[rows[0]].thickness_mm
+    like = "look like one of another thickness" if mm is None else f"look like one of about {mm:.2g} mm"
+    text = f"all {len(files)} presses of the {declared:g} mm pad {like}: gauge it"
+    lines = _lines(files, thickness_mm=declared if mm is None else float(f"{mm:.3g}"))
+    return Doubt("thickness", tuple(files), z, text, lines, tuple(rows.tolist()))
+
+
+def _other_speed(presses: Presses, row: int, ln_speed: float) -> Doubt:
+    trial = presses.trials[row]
+    speed = float(f"{trial.velocity_mm_s * np.exp(ln_speed):.3g}")
+    text = f"{trial.file} was pressed at {speed:g} mm/s, not {trial.velocity_mm_s:g} mm/s"
+    lines = _lines([trial.file], velocity_mm_s=speed)
+    return Doubt("speed", (trial.file,), ln_speed / ODD_SPEED * ODD_Z, text, lines, (row,))
+
+
+def _which(presses: Presses, rows: NDArray, of_day: bool) -> tuple[list[str], str]:
+    """Files of some presses, and what to call them."""
+    trials = [trial for trial, own in zip(presses.trials, rows) if own]
+    files = [trial.file for trial in trials]
+    if of_day:
+        return files, f"the {len(files)} presses at the age of {trials[0].age_days:g} days"
+    return files, files[0] if len(files) == 1 else f"{len(files)} presses ({', '.join(files)})"
+
+
+def _other_sensor(presses: Presses, rows: NDArray, hz: float, usual: float, z: float, of_day: bool) -> Doubt:
+    files, words = _which(presses, rows, of_day)
+    text = f"{words} look filtered at about {hz:.2g} Hz, not {usual:g} Hz as the others"
+    lines = _lines(files, lowpass_hz=float(f"{hz:.2g}"))
+    return Doubt("sensor", tuple(files), z, text, lines, tuple(np.flatnonzero(rows).tolist()))
+
+
+def _other_zero(presses: Presses, rows: NDArray, shift: float, z: float, of_day: bool) -> Doubt:
+    files, words = _which(presses, rows, of_day)
+    text = f"{words} read {shift:+.2g} N before contact, beside the others: their zero is another"
+    lines = _lines(files, zero_N=float(f"{shift:.2g}"))
+    return Doubt("zero", tuple(files), z, text, lines, tuple(np.flatnonzero(rows).tolist()))

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import os
 import shlex
+import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError, unknown_name
-from dummydesign.core.files import write_text, writing
-from dummydesign.core.user_library import read_toml, toml_text
+from dummydesign.core.files import csv_text, write_text, writing
+from dummydesign.core.user_library import data_folder, read_toml, toml_text
 
 FILE = "project.toml"
 SCHEMA = 1
@@ -128,6 +129,32 @@ def make_project(folder: str | Path, name: str | None = None, **given: str | Non
             (root / part).mkdir(parents=True, exist_ok=True)
     write_text(root / FILE, project.toml())
     return project
+
+
+EXAMPLE_SEED, NOISE_N, RATE_HZ = 1, 0.02, 1000.0
+
+
+def make_example(root: Path) -> None:
+    """Make a project to try all steps with: presses of the forefinger's aim, simulated, and a pressed campaign."""
+    import numpy as np
+
+    from dummydesign.design.scoring.press_simulation import Sampling
+    from dummydesign.design.scoring.targets import make_targets
+    from dummydesign.tissue import load_tissue
+
+    make_project(root, "Example", tissue="forefinger")
+    sampling, draw = Sampling(400, 100, 400), np.random.default_rng(EXAMPLE_SEED)
+    for press in make_targets(load_tissue("forefinger"), "average", sampling).conditions:
+        moved = sampling.motion(press.velocity_mm_s, press.aim.depth_mm)
+        time_s = np.arange(-0.2, press.aim.time_s[-1], 1.0 / RATE_HZ)
+        way_mm = np.where(
+            time_s < 0, time_s * press.velocity_mm_s, np.interp(time_s, moved.time_s[0], moved.displacement_mm[0])
+        )
+        force_N = np.interp(time_s, press.aim.time_s, press.aim.curves_N[0], left=0.0)
+        rows = np.column_stack([time_s + 0.2, way_mm, force_N + draw.normal(0.0, NOISE_N, len(time_s))])
+        name = f"finger_v{press.velocity_mm_s:03.0f}_f{press.steady_force_N:02.0f}.csv"
+        write_text(root / "measured" / name, csv_text(("time_s", "displacement_mm", "force_N"), np.round(rows, 4)))
+    shutil.copytree(data_folder() / "examples" / "campaign", root / "campaigns" / "example")
 
 
 def change_project(project: Project, **given: Any) -> Project:

@@ -30,8 +30,6 @@ HEADER = """
 REASONS = {"max-file-size": f"is larger than {LARGEST_BYTES // 2**20} MB"}
 STILL_OFFERED_S = 60.0
 """How long a deletion can be undone right where it happened, also after the page was loaded again. [s]"""
-MOST_LISTED = 3
-"""Files of one drop that are taken and still listed one by one."""
 REJECTED = "(entries) => emit(performance.now(), entries.map((e) => [e.file.name, e.failedPropValidation]))"
 ADDED = "(files) => emit(performance.now())"
 
@@ -196,7 +194,7 @@ class DropList:
         lines = "".join(f'<p class="note" data-kind="taken">{escape(one)}</p>' for one in sentences)
         count = len(sentences)
         shown.set_content(
-            lines if count <= MOST_LISTED else f"<details><summary>{count} files were taken</summary>{lines}</details>"
+            lines if count == 1 else f"<details><summary>{count} files were taken</summary>{lines}</details>"
         )
 
 

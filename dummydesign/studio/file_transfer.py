@@ -124,8 +124,10 @@ def zipped(root: Path, folder: Path) -> IO[bytes]:
         packed = opened.enter_context(tempfile.TemporaryFile(dir=home))
         with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, strict_timestamps=False) as archive:
             for name in listed(root, folder):
-                inner = (root / name).relative_to(folder.parent).as_posix()
-                archive.write(root / name, inner.encode("utf-8", "replace").decode("utf-8"))
+                archive.write(
+                    root / name,
+                    (root / name).relative_to(folder.parent).as_posix().encode("utf-8", "replace").decode("utf-8"),
+                )
         packed.seek(0)
         opened.pop_all()
     return packed

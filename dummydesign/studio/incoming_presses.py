@@ -152,8 +152,10 @@ def bring_in(root: Path, name: str) -> str:
 def table(root: Path) -> list[dict[str, Any]]:
     """A row for each press: what its name says, and what a table of trials among the files says."""
     given = _rows_of_table(root / FOLDER / TABLE)
-    unknown = dict.fromkeys(COLUMNS[1:])
-    return [{"file": name, **unknown, **named_values(Path(name)), **given.get(name, {})} for name in traces(root)]
+    return [
+        {"file": name, **dict.fromkeys(COLUMNS[1:]), **named_values(Path(name)), **given.get(name, {})}
+        for name in traces(root)
+    ]
 
 
 def _rows_of_table(path: Path) -> dict[str, dict[str, Any]]:
@@ -180,8 +182,7 @@ def write_table(root: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     def cell(value: object) -> object:
         return f"{value:g}" if isinstance(value, float) else value
 
-    lines = ([cell(row.get(key)) for key in used] for row in rows)
-    write_text(root / FOLDER / TABLE, csv_text(used, lines))
+    write_text(root / FOLDER / TABLE, csv_text(used, ([cell(row.get(key)) for key in used] for row in rows)))
 
 
 def words(root: Path, name: str, more: Sequence[str]) -> list[str]:

@@ -37,13 +37,15 @@ class JobPanel:
         needs: str = "",
         first: Callable[[], Steps] = list,
         check: Callable[[], object] = lambda: None,
+        found: ui.element | None = None,
+        main: bool = True,
     ) -> None:
         """Build it.
 
         ``belongs`` is given a job and the command that is chosen (empty when that is refused), ``ended`` a job that
         ended and whether it belongs to what is chosen; what is shown is renewed when ``stamp`` changes. Answers without
         the key ``needs`` are not shown. The commands of ``first`` run before. ``check`` refuses what is chosen before
-        anything is started.
+        anything is started. What was found stands in ``found``, else under the button, which is the ``main`` one.
         """
         self.root, self.name = root, name
         self._commands: Callable[[], Steps] = lambda: [*first(), words()]
@@ -56,12 +58,12 @@ class JobPanel:
         self._pressed = self.running = self.answered = False
         with ui.element("section").classes("work"):
             with ui.element("div").classes("state"):
-                self._button = widgets.button(label, self.begin, f"run-{name}", main=True)
+                self._button = widgets.button(label, self.begin, f"run-{name}", main=main)
                 self._stop = widgets.button("Stop", self.end, f"stop-{name}")
                 self._spinner = ui.spinner(size="1.4em")
                 self._status = ui.label("").props('role="status" aria-live="polite"')
             self._problem, self._lines = ui.element("div"), widgets.area()
-            self._result_area = widgets.area(f"found-{name}")
+            self._result_area = (found or widgets.area()).props(f'data-test="found-{name}"')
         self.renew()
         ui.timer(0.5, self.update)
 
@@ -120,7 +122,7 @@ class JobPanel:
         if newest is not None and self.running:
             self._watched = newest.folder.name
             if newest.folder != self._usual[0]:
-                self._usual = newest.folder, jobs.usual_s(self.root, self.name)
+                self._usual = newest.folder, jobs.usual_s(self.name)
             self._status.set_text(jobs.progress_line(newest, self._usual[1]))
         as_chosen = answer is not None and same(answer, words)
         ours = newest and (newest.folder.name, newest.state, mine)

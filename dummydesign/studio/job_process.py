@@ -14,10 +14,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
-from dummydesign.core.files import acquire_lock, write_text
+from dummydesign.core.errors import InputError
+from dummydesign.core.files import acquire_lock, read_json, write_text
 from dummydesign.core.progress import VARIABLE
+from dummydesign.core.user_library import user_folder
 
 COMMAND, ANSWER, ERRORS, PROGRESS, STATUS = "command.json", "answer.json", "errors.txt", "progress.txt", "status.json"
 LOCK, PID, STOP, CHILD, AWAKE = "lock", "pid", "stop", "child", "awake"
@@ -69,7 +72,23 @@ def main(folder: Path, handed_on: int | None = None) -> int:
     lock.close()
     if awake is not None:
         awake.close()
+    if status in (0, 1) and not stopped:
+        remember(asked.get("name", ""), ended["end"] - start)
     return status
+
+
+def times_file() -> Path:
+    """File of the user with how long the last runs of each step took on this machine. [s]"""
+    return user_folder() / "studio-times.json"
+
+
+def remember(name: str, seconds: float) -> None:
+    """Keep how long a step took; where that cannot be written, the next time left is less sure, no more."""
+    kept = read_json(times_file())
+    kept[name] = [*kept.get(name, []), round(seconds, 1)][-5:]
+    with suppress(InputError, OSError):
+        times_file().parent.mkdir(parents=True, exist_ok=True)
+        write_text(times_file(), json.dumps(kept))
 
 
 def _wait(child: subprocess.Popen[bytes], asked_to_stop: Callable[[], bool]) -> tuple[int, bool]:

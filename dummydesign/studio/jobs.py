@@ -211,10 +211,10 @@ def start(root: Path, name: str, *commands: Sequence[str]) -> Job:
     return read_job(folder)
 
 
-def usual_s(root: Path, name: str) -> float | None:
-    """How long the last runs of a step took, the middle of up to five; None before the first. [s]"""
-    taken = [one.seconds for one in all_jobs(root, name) if one.name == name and one.has_answer][-5:]
-    return statistics.median(taken) if taken else None
+def usual_s(name: str) -> float | None:
+    """How long the last runs of a step took on this machine, in all projects, the middle; None before the first. [s]"""
+    taken = read_json(runner.times_file()).get(name)
+    return statistics.median(map(float, taken)) if taken else None
 
 
 def progress_line(job: Job, usual: float | None) -> str:

@@ -8,10 +8,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import read_json
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
 from dummydesign.design.scoring.verdict import LIGHTS
@@ -23,6 +22,9 @@ from dummydesign.project.status import finished_manifest, things_in
 from dummydesign.studio import file_transfer, select_options
 from dummydesign.studio.jobs import changed_inputs
 from dummydesign.studio.state import State, design_state, design_summary
+
+if TYPE_CHECKING:
+    from dummydesign.mold.pour.acceptance import GaugePoint
 
 GROUPS = ("Pour", "Print or machine", "Draw", "Check", "More")
 PRESETS = {
@@ -161,16 +163,22 @@ def calibrations(root: Path, campaign: str) -> list[CalibrationEntry]:
     own = []
     for folder, manifest in _manifests(root, "calibrations", "loop"):
         path = str(manifest.get("inputs", {}).get("campaign", ""))
-        read = manifest.get("files_read") or []
         sums = tuple(
             (str(one["file"]), one.get("sha256"))
-            for one in read
+            for one in manifest.get("files_read") or []
             if str(one.get("name", "")).rpartition("/")[0] == path.rstrip("/")
         )
         of_campaign = _names(root, path, campaign) or _was_renamed(root, path, campaign, dict(sums))
         if of_campaign and (root / folder / "calibration.json").is_file():
-            text = str((manifest["summary"] or {}).get("text", ""))
-            own.append(CalibrationEntry(folder, text, campaign, str(manifest["inputs"].get("prior") or ""), sums))
+            own.append(
+                CalibrationEntry(
+                    folder,
+                    str((manifest["summary"] or {}).get("text", "")),
+                    campaign,
+                    str(manifest["inputs"].get("prior") or ""),
+                    sums,
+                )
+            )
     return own
 
 
@@ -208,22 +216,18 @@ def grouped_files(names: Iterable[str]) -> list[tuple[str, list[tuple[str, str]]
 def _group(name: str) -> tuple[str, str]:
     stem, _, ending = name.rpartition(".")
     tail = re.search(_TAIL.format("|".join(shape_kinds())), stem)
-    part = stem[: tail.start()] if tail else stem
+    part, kind = stem[: tail.start()] if tail else stem, ending.upper()
     words = part.replace("_", " ").capitalize()
-    if part == "pour":
-        return "Pour", "Pour sheet (PDF): start here" if ending == "pdf" else "Pour sheet (web page)"
-    if part == "drawings":
-        return "Draw", f"All drawings ({ending.upper()})"
-    if part == "assembly" and ending in ("html", "step"):
-        kind = ", to turn (web page)" if ending == "html" else f", {ending.upper()}"
-        return "Print or machine", f"All parts{kind}"
-    if part != "assembly" and tail and ending in ("step", "3mf"):
-        return "Print or machine", f"{words}, {ending.upper()}"
-    if part != "assembly" and tail and ending == "png":
-        return "Draw", f"Picture of the {words.lower()}"
-    if record := re.fullmatch(r"record(?:-(\d+))?\.json", name):
-        return "Check", f"Record of the cast pad {record[1] or ''}".rstrip()
-    return ("Check", CHECKED[name]) if name in CHECKED else ("More", name)
+    made = ("Print or machine", f"{words}, {kind}")
+    usual = {"step": made, "3mf": made, "png": ("Draw", f"Picture of the {words.lower()}")}
+    by_part = {
+        "pour": {"pdf": ("Pour", "Pour sheet (PDF): start here"), "html": ("Pour", "Pour sheet (web page)")},
+        "drawings": {ending: ("Draw", f"All drawings ({kind})")},
+        "assembly": {"html": (made[0], "All parts, to turn (web page)"), "step": (made[0], f"All parts, {kind}")},
+    }
+    record = re.fullmatch(r"record(?:-(\d+))?\.json", name)
+    known = CHECKED.get(name) if record is None else f"Record of the cast pad {record[1] or ''}".rstrip()
+    return by_part.get(part, usual if tail else {}).get(ending, ("Check", known) if known else ("More", name))
 
 
 DROPPED = "measured/cast-pad"
@@ -241,15 +245,6 @@ class PadWithPresses:
     campaign: str = ""
     shape: str = ""
     thickness_mm: float | None = None
-
-
-@dataclass(frozen=True)
-class GaugeMark:
-    """Where the thickness of a cast pad is gauged, and what it may be. [mm]"""
-
-    name: str
-    low_mm: float
-    high_mm: float
 
 
 def pads(root: Path, state: State) -> list[PadWithPresses]:
@@ -289,12 +284,13 @@ def records(root: Path, pad: PadWithPresses) -> list[str]:
     return own
 
 
-def gauge_points(folder: Path) -> list[GaugeMark]:
+def gauge_points(folder: Path) -> Sequence[GaugePoint]:
     """Gauge points of a mould; empty where its specification cannot be read."""
-    points = read_json(folder / "spec.json").get("gauge_points", [])
-    with suppress(ValueError, KeyError, TypeError):
-        return [GaugeMark(str(one["name"]), float(one["low_mm"]), float(one["high_mm"])) for one in points]
-    return []
+    from dummydesign.mold.pour.record import read_points
+
+    with suppress(InputError):
+        return read_points(folder)
+    return ()
 
 
 def presses_text(presses: Sequence[object]) -> str:
@@ -317,8 +313,17 @@ def _of_campaign(root: Path, folder: str) -> list[PadWithPresses]:
     punch, lowpass = _punch(data.get("punch"), folder), _lowpass(data.get("sensor"))
     pads = []
     for (shape, thickness), presses in by_pad.items():
-        label = f"{folder}: {shape}, {thickness:g} mm, {presses_text(presses)}"
-        pads.append(PadWithPresses(label, tuple(presses), punch, lowpass, folder, shape, thickness))
+        pads.append(
+            PadWithPresses(
+                f"{folder}: {shape}, {thickness:g} mm, {presses_text(presses)}",
+                tuple(presses),
+                punch,
+                lowpass,
+                folder,
+                shape,
+                thickness,
+            )
+        )
     return pads
 
 

@@ -15,8 +15,7 @@ from dummydesign.studio.file_transfer import numbered
 def tissues(root: Path) -> dict[str, str]:
     """Tissues of the project, then of the library; value for ``--tissue`` to words."""
     files = sorted(path for path in (root / "tissue").glob("*.toml") if not path.stem.endswith("-manifest"))
-    own = [path.relative_to(root).as_posix() for path in files]
-    return {name: name for name in own} | _of_library("materials/tissues")
+    return {f"tissue/{path.name}": f"tissue/{path.name}" for path in files} | _of_library("materials/tissues")
 
 
 def resins() -> dict[str, str]:
@@ -45,8 +44,10 @@ def aims(tissue: str) -> dict[str, str]:
 
 def traces(root: Path) -> dict[str, str]:
     """Imported presses, path to words."""
-    paths = sorted((root / "measured").glob("import-*/*.csv"))
-    return {path.relative_to(root).as_posix(): f"{path.parent.name}/{path.name}" for path in paths}
+    return {
+        path.relative_to(root).as_posix(): f"{path.parent.name}/{path.name}"
+        for path in sorted((root / "measured").glob("import-*/*.csv"))
+    }
 
 
 def folders(root: Path, room: str, holding: str) -> list[str]:
@@ -86,8 +87,8 @@ def offered(known: Mapping[str, str], value: str, words: str = "") -> dict[str, 
 
 def calibrations(root: Path) -> dict[str, str]:
     """Calibrations of the project, the newest first; value for ``--calibration`` to words."""
-    own = reversed(folders(root, "calibrations", "calibration.json"))
-    return {"": "none"} | {f"{one}/calibration.json": one for one in own}
+    folder_of = {f"{one}/calibration.json": one for one in folders(root, "calibrations", "calibration.json")}
+    return {"": "none"} | dict(reversed(folder_of.items()))
 
 
 def campaigns(root: Path) -> dict[str, str]:

@@ -60,8 +60,9 @@ class Slider:
         self, name: str, unit: str, low: float, high: float, step: float, value: float, moved: Callable[[], None]
     ) -> None:
         self.value, self._name, self._moved, self._written = value, name, moved, 0
-        self._box = ui.html("", sanitize=False).classes("slide")
-        self._beside = ui.label("").classes("beside")
+        with ui.element("div").classes("slider"):
+            self._box = ui.html("", sanitize=False).classes("slide")
+            self._beside = ui.label("").classes("beside")
         self._box.on("input", self._take, js_handler=SLIDE, throttle=THROTTLE_S)
         for event in ("change", "keydown"):
             self._box.on(event, self._take, js_handler=SLIDE)
@@ -193,8 +194,8 @@ def stamp_of(root: Path, state: State) -> tuple[tuple[str, int, int], ...]:
     for what, name in (("tissue", state.tissue), ("resin", state.resin)):
         with suppress(InputError):
             paths.append(find(f"materials/{what}s", what, absolute(root, name)).path)
-    stamps = [(path, path.stat()) for path in paths if path.is_file()]
-    return tuple((str(path), stat.st_mtime_ns, stat.st_size) for path, stat in stamps)
+    there = {str(path): path.stat() for path in paths if path.is_file()}
+    return tuple((path, stat.st_mtime_ns, stat.st_size) for path, stat in there.items())
 
 
 def first_pad(root: Path, state: State, kind: str) -> PadShape:

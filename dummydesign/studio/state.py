@@ -226,10 +226,12 @@ def address(path: str, **query: object) -> str:
     return "./" + quote(path.lstrip("/"), safe="/", errors="surrogateescape") + (f"?{given}" if given else "")
 
 
-def page_link(path: str, words: str, state: State | None = None, test: str = "", current: bool = False) -> str:
+def page_link(
+    path: str, words: str, state: State | None = None, test: str = "", current: bool = False, kind: str = ""
+) -> str:
     """Return HTML of a link to a page in a state, else in what is chosen on this page when the link is used."""
     marks = f' data-test="{escape(test)}"' if test else ""
-    marks += "" if state else " data-state"
+    marks += (f' class="{kind}"' if kind else "") + ("" if state else " data-state")
     marks += " aria-current=page" if current else ""
     query = f"?{escape(state.query())}" if state else ""
     return f'<a{marks} href="{address(path)}{query}">{escape(words)}</a>'

@@ -234,9 +234,85 @@ class NumberField(ui.input):
         return None
 
 
-def values_of(fields: Mapping[str, Any]) -> dict[str, Any]:
-    """Values of fields by name (InputError for a number that is not allowed)."""
-    return {name: field.number if isinstance(field, NumberField) else field.value for name, field in fields.items()}
+class Form:
+    """Fields by name, each with a name for tests."""
+
+    def __init__(self, test: str, kept: Mapping[str, str] | None = None) -> None:
+        self.fields: dict[str, Any] = {}
+        self._test, self._kept = test, kept or {}
+
+    def add(self, name: str, field: ui.element, test: str = "") -> None:
+        """Add a field; what is kept for it takes the place of its value."""
+        field.props["data-test"] = test or f"{self._test}-{name}"
+        if name in self._kept:
+            cast(ValueElement, field).set_value(self._kept[name])
+        self.fields[name] = field
+
+    def text(self, name: str, label: str, value: object = "", hint: str = "") -> None:
+        """Add a field for text."""
+        self.add(name, ui.input(label, value=str(value)).props(f'hint="{hint}"' if hint else ""))
+
+    def number(
+        self, name: str, label: str, value: float | None = None, low: float = 0.0, high: float = 1e6, hint: str = ""
+    ) -> None:
+        """Add a field for a number."""
+        self.add(name, NumberField(label, value, low, high, hint=hint))
+
+    def choice(self, name: str, label: str, known: Mapping[str, str], value: str) -> None:
+        """Add a field to choose from value to words."""
+        self.add(name, select(label, known, value))
+
+    def values(self) -> dict[str, Any]:
+        """Values by name; InputError for a number that is not allowed."""
+        return {name: one.number if isinstance(one, NumberField) else one.value for name, one in self.fields.items()}
+
+    def on_change(self, then: Callable[..., object]) -> None:
+        """Call a function whenever one of the fields gets another value."""
+        on_change(then, *self.fields.values())
+
+    def filled(self, **needed: str) -> dict[str, Any]:
+        """Values by name; InputError where one that is needed is empty."""
+        values = self.values()
+        for name, words in needed.items():
+            if values[name] is None or not str(values[name]).strip():
+                raise InputError(f"{words} is empty", "missing", name)
+        return values
+
+    def kept(self) -> dict[str, str]:
+        """What is typed, for the address."""
+        return {name: str(one.value or "") for name, one in self.fields.items()}
+
+
+def fields() -> ui.element:
+    """Add a place for fields, beside each other where there is room."""
+    return ui.element("div").classes("fields")
+
+
+def fold(words: str, test: str = "", fill: Callable[[], object] | None = None, opened: bool = False) -> ui.expansion:
+    """Add a part that is folded; ``fill`` fills it each time it is opened."""
+    panel = ui.expansion(words, value=opened)
+    panel.props.update({"data-test": test} if test else {})
+
+    def turned() -> None:
+        with fresh(panel):
+            if panel.value and fill:
+                fill()
+
+    if fill:
+        panel.on_value_change(turned)
+    return panel
+
+
+def tabs(names: Mapping[str, str], first: str, turned: Callable[[str], object]) -> dict[str, ui.element]:
+    """Add tabs, name to words, and return the place of each."""
+    with ui.tabs(on_change=lambda event: turned(event.value)).props("no-caps align=left") as row:
+        made = {name: ui.tab(name, words).props(f'data-test="tab-{name}"') for name, words in names.items()}
+    with (
+        ui.tab_panels(row, value=made.get(first, made[next(iter(made))]), animated=False)
+        .props("keep-alive")
+        .style("width:100%")
+    ):
+        return {name: ui.tab_panel(name) for name in names}
 
 
 def select(label: str, known: Mapping[str, str], value: str, test: str = "") -> ui.select:
@@ -319,8 +395,8 @@ def command_line(words: Sequence[str]) -> None:
     text = shown(words)
     with ui.element("div").classes("command"):
         html(f'<code tabindex="0" title="{escape(text)}">{escape(text)}</code>')
-        copy = ui.button("Copy", on_click=lambda: ui.clipboard.write(text), color=None)
-        copy.props('flat dense aria-label="copy the command"')
+        copy = ui.button(icon="content_copy", on_click=lambda: ui.clipboard.write(text), color=None)
+        copy.props('flat dense size=sm aria-label="copy the command"')
 
 
 def facts(rows: Sequence[tuple[str, str]]) -> None:
@@ -348,12 +424,30 @@ def warnings(answer: Mapping[str, Any]) -> None:
         )
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[object]], words: bool = False, under: str = "") -> None:
-    """Show a table that scrolls by itself; ``under`` is the line that it is folded under."""
+def table(
+    head: Sequence[str],
+    rows: Sequence[Sequence[object]],
+    words: bool = False,
+    under: str = "",
+    symbols: Sequence[str] = (),
+) -> None:
+    """Show a table that scrolls by itself; ``under`` is the line that it is folded under.
+
+    ``symbols`` are what the first cells of the rows say under the pointer.
+    """
     text = report_page.Table(head, rows).html()
+    for row, symbol in zip(rows, symbols):
+        cell = f"<td>{escape(str(row[0]))}</td>"
+        named = f'<td><abbr class="term" tabindex="0" data-term="{escape(symbol)}">{escape(str(row[0]))}</abbr></td>'
+        text = text.replace(cell, named, 1)
     text = re.sub(r"(<th[^>]*>)([^<&]+)(</th>)", lambda match: match[1] + marked(match[2]) + match[3], text)
     text = f'<div class="words">{text}</div>' if words else text
     html(f"<details><summary>{escape(under)}</summary>{text}</details>" if under else text)
+
+
+def go(path: str, words: str, state: State | None = None, test: str = "") -> None:
+    """Show a link to a page as a button: what comes next."""
+    html(f'<p class="next">{page_link(path, words, state, test, kind="go")}</p>')
 
 
 def file_links(rows: Sequence[tuple[str, str]]) -> None:

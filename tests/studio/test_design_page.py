@@ -6,7 +6,7 @@ import pytest
 
 from dummydesign.project.folder import make_project
 from dummydesign.studio import jobs
-from tests.support.studio import browser, choose, running
+from tests.support.studio import browser, choose, running, unfold
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -94,6 +94,7 @@ def test_a_refused_pad_leaves_no_drawing_of_another_one(page, studio):
 def test_another_tissue_hides_the_search_for_this_one_and_a_reload_keeps_what_is_chosen(page, studio, searched):
     opened(page, studio, "?tissue=forefinger")
     page.wait_for_selector(f"{by('found-suggest')} {by('mould')}")
+    unfold(page, "question")
     choose(page, "tissue", "palm (built-in)")
     page.wait_for_selector(SETTLED)
     page.wait_for_function("document.querySelector('small.label').textContent.includes('palm')")

@@ -246,11 +246,15 @@ def test_of_two_commands_that_made_the_same_the_later_one_counts(tmp_path):
     assert last == [False, True, True, True]
 
 
-def test_the_time_left_is_learned_from_earlier_runs_and_never_grows(tmp_path):
-    assert jobs.usual_s(tmp_path, "suggest") is None
-    for number in range(1, 4):
-        lab.job(tmp_path, number, "suggest", ["suggest"], {"a": 1}, 0)
-    assert jobs.usual_s(tmp_path, "suggest") == 3.0
+def test_the_time_left_is_learned_from_earlier_runs_on_this_machine_and_never_grows(tmp_path, monkeypatch):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / "home"))
+    assert jobs.usual_s("suggest") is None
+    for seconds in (900.0, 40.0, 2.0, 3.0, 4.0, 5.0):
+        runner.remember("suggest", seconds)
+    runner.remember("mould", 70.0)
+    assert jobs.usual_s("suggest") == 4.0 and jobs.usual_s("mould") == 70.0
+    runner.times_file().write_text("[", encoding="utf-8")
+    assert jobs.usual_s("suggest") is None
     job = jobs.Job(
         tmp_path, "suggest", (("suggest",),), "running", 0.0, 12.0, "step 8 of about 10: crowned pads, about 67 s left"
     )
@@ -260,6 +264,9 @@ def test_the_time_left_is_learned_from_earlier_runs_and_never_grows(tmp_path):
     assert jobs.progress_line(replace(job, progress="step 2 of 5: STEP files"), 240.0) == (
         "step 2 of 5: STEP files – 12 s, about 4 min left"
     )
+    lines = [jobs.progress_line(replace(job, seconds=float(at)), 40.0) for at in range(60)]
+    left = [float(line.partition("about ")[2].partition(" ")[0] or 0) for line in lines]
+    assert left == sorted(left, reverse=True) and left[0] == 40.0
 
 
 def test_old_commands_of_a_step_go_when_the_next_one_begins(tmp_path):

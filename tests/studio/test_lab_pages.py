@@ -9,7 +9,7 @@ import pytest
 
 from dummydesign.studio import trash as bin
 from tests.support import lab_project as lab
-from tests.support.studio import choose, opened
+from tests.support.studio import choose, opened, unfold
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -246,16 +246,20 @@ def test_a_campaign_is_renamed_and_keeps_its_calibration(page, studio):
 
 def test_a_cast_pad_is_compared_by_its_presses_and_its_record_is_kept(page, studio):
     root = studio[1]
-    points = [{"name": name, "low_mm": 5.82, "high_mm": 6.18, "nominal_mm": 6.0} for name in ("middle", "corner1")]
-    from json import dumps
-
-    (root / "moulds" / "mould_t6" / "spec.json").write_text(dumps({"gauge_points": points}), encoding="utf-8")
+    lab.gauged(root / "moulds" / "mould_t6", 6.0)
     opened(page, studio, "cast?thickness_mm=6&shape=slab&ratio=15")
-    page.wait_for_selector(by("run-compare"))
+    page.wait_for_selector(by("gauge-map"))
+    assert page.locator(f"{by('gauge-map')} circle").count() == 2
     page.locator(f"input{by('gauge-middle')}").fill("6.02")
     page.locator(f"input{by('gauge-corner1')}").fill("5.97")
     page.locator(f"input{by('record-mass')}").fill("112")
     page.wait_for_selector("code >> text=middle=6.02,corner1=5.97")
+    assert page.locator(f"{by('gauge-map')} g.kept").count() == 2
+    page.locator(f"input{by('gauge-corner1')}").fill("5.5")
+    page.wait_for_selector(f"{by('gauge-map')} g.missed >> text=2")
+    page.locator(by("tab-compare")).click()
+    page.wait_for_selector(by("run-compare"))
+    unfold(page, "more-presses")
     press = next((root / "campaigns" / "first").glob("t06*f06*.csv"))
     drop(page, "cast", sent("mine.csv", press.read_bytes()), sent("odd.csv", "no numbers"))
     page.wait_for_selector(f"{by('drop-cast-said')} [data-kind=refused] >> text=odd.csv")
@@ -282,11 +286,13 @@ transient_factor = { value = 2.0, low = 2.0, high = 2.0, kind = "assumed", sourc
 
 def test_presses_of_a_pad_are_put_on_people_by_a_drive_and_limits_of_ones_own(page, studio):
     root = studio[1]
-    opened(page, studio, "cast?thickness_mm=6&shape=slab&ratio=15")
-    page.wait_for_selector(by("run-on-person"))
-    page.wait_for_selector("code >> text=on-person")
+    opened(page, studio, "cast?thickness_mm=6&shape=slab&ratio=15&cast_tab=compare")
+    page.wait_for_selector(by("run-compare"))
     choose(page, "pad", "campaigns/first: slab, 6 mm, 4 presses")
+    page.locator(by("tab-people")).click()
+    page.wait_for_selector("code >> text=on-person")
     choose(page, "drive", "mass: a free body")
+    unfold(page, "own-limits")
     assert not page.locator(f"input{by('drive-stiffness')}").is_visible()
     page.wait_for_selector("text=mass in kg is empty")
     page.locator(f"input{by('drive-mass')}").fill("4")

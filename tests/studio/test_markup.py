@@ -19,7 +19,6 @@ OURS = {
     "table_html",
     "whole_glossary",
     "style",
-    "_ended",
     "strftime",
     "plots_js",
     "replace",

@@ -11,7 +11,7 @@ from dummydesign.core.user_library import find
 from dummydesign.project.folder import change_project, read_project
 from dummydesign.studio import jobs
 from tests.support import lab_project as lab
-from tests.support.studio import choose, opened
+from tests.support.studio import choose, opened, unfold
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -86,6 +86,7 @@ def test_a_failure_is_said_for_the_tissue_it_was_for_alone(page, studio):
     lab.job(studio[1], 1, "suggest", words, {}, 2, "the disk is full")
     opened(page, studio, "design?tissue=forefinger")
     page.wait_for_selector(".work .problem >> text=the disk is full")
+    unfold(page, "question")
     choose(page, "tissue", "palm (built-in)")
     gone(page, ".work .problem")
 
@@ -94,12 +95,14 @@ def test_a_design_is_renamed_deleted_and_brought_back_on_the_design_page(page, s
     root = studio[1]
     opened(page, studio, "design?design=designs/good")
     page.wait_for_selector(SETTLED)
+    unfold(page, "earlier")
     page.locator(f"{by('rename')}[data-name=good]").click()
     page.locator(f"input{by('new-name')}").fill(ODD)
     page.locator(by("save-name")).click()
     page.wait_for_function("decodeURIComponent(location.search.replaceAll('+', ' ')).includes('日本')")
     page.wait_for_selector(SETTLED)
     assert (root / "designs" / ODD / "manifest.json").is_file() and page.locator(".body .problem").count() == 0
+    unfold(page, "earlier")
     label = page.locator("small.label").inner_text()
     page.locator(by("designs")).locator(by("delete")).last.click()
     page.wait_for_function("!location.search.includes('design=')")
@@ -120,6 +123,7 @@ def test_a_comparison_that_another_one_has_replaced_is_not_shown(page, studio):
         lab.manifest(root, "designs/compared", "compare-designs", {"folders": folders})
         (root / "designs" / "compared" / "report.html").write_text(str(folders), encoding="utf-8")
     opened(page, studio, "design?design=designs/good")
+    unfold(page, "earlier")
     page.wait_for_selector(f"{by('found-compare-designs')} iframe")
     choose(page, "to-compare", "designs/good")
     page.keyboard.press("Escape")
@@ -200,6 +204,7 @@ def test_none_as_calibration_survives_a_reload_where_the_project_names_one(page,
     change_project(read_project(studio[1]), calibration=file)
     opened(page, studio, "design?tissue=forefinger&shape=slab&thickness_mm=6")
     page.wait_for_selector(f"{REFUSED}, {SETTLED}")
+    unfold(page, "question")
     choose(page, "calibration", "none")
     page.wait_for_selector(SETTLED)
     page.reload()

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
 
 from dummydesign.loop.calibration_file import write_calibration
@@ -71,13 +69,13 @@ def test_a_mould_is_shown_once_when_its_page_is_opened_again(page, studio):
 
 def test_a_record_is_shown_for_its_own_readings_alone_and_typed_ones_outlive_a_reload(page, studio):
     root = studio[1]
-    points = [{"name": "middle", "low_mm": 5.9, "high_mm": 6.1}]
-    (root / "moulds" / "mould_t6" / "spec.json").write_text(json.dumps({"gauge_points": points}), encoding="utf-8")
-    words = ["mold", "record", "moulds/mould_t6", "--thickness", "middle=6.02", "--mass", "112"]
-    limit = {"what": "thickness", "value": 6.02, "unit": "mm", "low": 5.9, "high": 6.1, "missed": False}
+    lab.gauged(root / "moulds" / "mould_t6", 6.0)
+    words = ["mold", "record", "moulds/mould_t6", "--thickness", "middle=6.02,corner1=6", "--mass", "112"]
+    limit = {"what": "thickness", "value": 6.02, "unit": "mm", "low": 5.82, "high": 6.18, "missed": False}
     lab.job(root, 1, "record", words, {"accepted": True, "missed": [], "limits": [limit]}, 0)
     gauge, mass, shown = f"input{by('gauge-middle')}", f"input{by('record-mass')}", f"{by('found-record')} .green"
     opened(page, studio, "cast?tissue=forefinger&shape=slab&thickness_mm=6&ratio=15")
+    page.locator(f"input{by('gauge-corner1')}").fill("6")
     page.locator(gauge).fill("6,02")
     page.locator(mass).fill("112")
     page.wait_for_selector(shown)
@@ -124,17 +122,23 @@ def test_a_typed_number_counts_once_it_is_typed_to_its_end_and_is_never_cut_in_s
 MAIN = {
     "": ("newest", "next", "steps"),
     "measured": ("run-import",),
-    "tissue": ("use",),
+    "tissue": ("use", "tissue-shown"),
     "design": ("verdict", "run-suggest", "plots"),
     "mould": ("red", "run-mould"),
-    "cast": ("run-compare",),
+    "cast": ("gauge-map", "run-record"),
+    "cast?cast_tab=compare": ("run-compare",),
+    "cast?cast_tab=people": ("run-on-person",),
+    "campaign?campaign=campaigns/first": ("state", "learn"),
     "learn": ("run-loop",),
     "resin": ("run-ring",),
 }
 
 
 @pytest.mark.parametrize(("width", "height", "screens"), [(1280, 800, 1), (390, 844, 2)])
-def test_the_answer_and_the_next_button_of_a_page_are_in_sight(page, studio, width, height, screens):
+def test_the_answer_and_the_next_button_of_a_page_are_in_sight_and_no_page_is_long(
+    page, studio, width, height, screens
+):
+    lab.gauged(studio[1] / "moulds" / "mould_t6", 6.0)
     page.set_viewport_size({"width": width, "height": height})
     for path, wanted in MAIN.items():
         opened(page, studio, path)
@@ -142,10 +146,24 @@ def test_the_answer_and_the_next_button_of_a_page_are_in_sight(page, studio, wid
             page.wait_for_selector(by(test))
             page.wait_for_timeout(300)
             box = page.locator(by(test)).first.bounding_box()
-            end = box["y"] + (40 if test == "plots" else box["height"])
+            end = box["y"] + (40 if test in ("plots", "tissue-shown") else box["height"])
             assert box["y"] >= 0 and end <= screens * height, (path, test, box)
         wide = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
         assert wide <= 0, path
+        long = page.evaluate("document.documentElement.scrollHeight")
+        assert long <= 3 * height * (1 if width > 800 else 2), (path, long)
+
+
+def test_axe_finds_no_fault_on_any_page_nor_in_any_tab(page, studio):
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="pip install axe-playwright-python").Axe()
+    lab.gauged(studio[1] / "moulds" / "mould_t6", 6.0)
+    for path in MAIN:
+        opened(page, studio, path)
+        page.wait_for_selector(by(MAIN[path][0]))
+        page.wait_for_timeout(1500)
+        faults = axe.run(page).response["violations"]
+        told = [(one["id"], one["nodes"][0]["html"][:200]) for one in faults]
+        assert told == [], (path, told)
 
 
 def test_a_drop_of_many_files_keeps_the_button_in_sight_and_a_page_is_refused(page, studio):
@@ -209,6 +227,7 @@ def test_numbers_that_must_not_be_used_stand_under_a_red_light(page, studio):
         "subjects": [1],
     }
     lab.job(studio[1], 1, "on-person", words, {"presses": [one], "warnings": [], "drive": "position"}, 0)
-    opened(page, studio, "cast?tissue=forefinger&shape=layered:4,0.6&thickness_mm=9&ratio=15")
+    opened(page, studio, "cast?tissue=forefinger&shape=layered:4,0.6&thickness_mm=9&ratio=15&cast_tab=compare")
     choose(page, "pad", "files dropped here: 1 press")
+    page.locator(by("tab-people")).click()
     page.wait_for_selector(f"{by('people')}.red >> text=Do not use these numbers")

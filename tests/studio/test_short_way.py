@@ -12,7 +12,7 @@ from tests.support.studio import browser, running
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
-MOST_CLICKS = 10
+MOST_CLICKS = 8
 
 
 def test_from_an_empty_folder_to_the_files_of_a_mould(tmp_path):

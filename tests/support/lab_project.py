@@ -68,6 +68,25 @@ def mould(root: Path, name: str, thickness: float, shape: str = "slab") -> None:
     (folder / "checks.json").write_text(json.dumps(checks), encoding="utf-8")
 
 
+def gauged(folder: Path, thickness: float) -> None:
+    """Gauge points in the specification of a mould."""
+    places = {"middle": (0.0, 0.0), "corner1": (70.0, 55.0)}
+    points = [
+        {
+            "name": name,
+            "x_mm": x,
+            "y_mm": y,
+            "nominal_mm": thickness,
+            "low_mm": 0.97 * thickness,
+            "high_mm": 1.03 * thickness,
+            "gel_mm": thickness,
+            "pressed": True,
+        }
+        for name, (x, y) in places.items()
+    ]
+    (folder / "spec.json").write_text(json.dumps({"gauge_points": points}), encoding="utf-8")
+
+
 def plan(root: Path, name: str, pads: tuple[float, ...] = (6.0, 15.0), pressed: bool = True) -> Path:
     """A campaign of 8 presses, planned as ``campaign new`` plans it."""
     folder = root / "campaigns" / name

@@ -141,6 +141,11 @@ def opened(page, studio, path):
     page.wait_for_selector("h1")
 
 
+def unfold(page, test):
+    """Open a folded part."""
+    page.locator(f"{test_id(test)} > .q-expansion-item__container > .q-item").click()
+
+
 def choose(page, test, name):
     """Choose what a field offers."""
     page.locator(test_id(test)).click()

@@ -69,13 +69,13 @@ class BringIn:
                 "base": "bonded",
                 "contact": "bonded",
             }
-            with ui.element("div").classes("fields"):
-                resins = {"": "unknown", **select_options.resins()}
-                self.fields: dict[str, Any] = {"resin": widgets.select("Resin of the pads", resins, state.resin)}
+            self.form = widgets.Form("bring")
+            with widgets.fields():
+                self.form.choice("resin", "Resin of the pads", {"": "unknown", **select_options.resins()}, state.resin)
                 for key, label in FIELDS.items():
-                    self.fields[key] = ui.input(label, value=start.get(key, "")).props(f'data-test="bring-{key}"')
+                    self.form.text(key, label, start.get(key, ""))
             self.work = JobPanel(root, "fromfiles", "Make the campaign", self.words, self.done, self.belongs)
-            widgets.on_change(self.work.renew, *self.fields.values())
+            self.form.on_change(self.work.renew)
         self.empty = widgets.button("Remove these files", self.remove, "bring-remove")
         self.show()
 
@@ -110,7 +110,7 @@ class BringIn:
 
     def words(self) -> list[str]:
         """The campaign as a command."""
-        given = {key: field.value for key, field in self.fields.items()}
+        given = self.form.values()
         if given["young"]:
             given["resin"] = given["ratio"] = None
         return incoming.words(self.root, self.name.value or "", jobs.options(given))
@@ -146,24 +146,19 @@ class BringIn:
 
 
 def show_campaigns(project: Project, state: State, query: Mapping[str, str]) -> None:
-    """Build the page."""
+    """Build the page: the campaign that is chosen, then the two ways to a further one."""
     root = project.root
-    html("<p>What to press of the pads that were cast, in random order. The model is then compared with it.</p>")
     undo_bar(root)
     known = select_options.campaigns(root)
-    with ui.expansion("Plan a new campaign", value=not known).props('data-test="plan-new"'):
-        PlanForm(root, state)
-    with ui.expansion("Bring in a campaign that was pressed earlier").props('data-test="bring-in"'):
-        BringIn(root, state)
-    html("<h2>The presses</h2>")
-    if not known:
-        html("<p>No campaign yet.</p>")
-        return
-    chosen = widgets.select("Campaign", known, state.campaign, "campaign")
-    chosen.on_value_change(lambda: open_page("/campaign", state.changed(campaign=chosen.value)))
+    if known:
+        chosen = widgets.select("Campaign", known, state.campaign, "campaign")
+        chosen.on_value_change(lambda: open_page("/campaign", state.changed(campaign=chosen.value)))
     if (root / state.campaign / "campaign.toml").is_file():
-        manage(root, state.campaign, "plan", lambda old, new: open_page("/campaign", state.changed(campaign=new)))
         CampaignPresses(root, state)
+    with widgets.fold("Plan a new campaign", "plan-new", opened=not known):
+        PlanForm(root, state)
+    with widgets.fold("Bring in a campaign that was pressed earlier", "bring-in"):
+        BringIn(root, state)
 
 
 class CampaignPresses:
@@ -173,6 +168,21 @@ class CampaignPresses:
         self.root, self.state, self.campaign = root, state, state.campaign
         self.folder = self.root / self.campaign
         self.wanted, self.at_work = 0, False
+        self.status_area = widgets.area("state")
+        DropList(
+            self.take,
+            self.renew,
+            "Drop the presses (CSV). A file with a planned name takes its place; the "
+            "earlier one goes to the bin. Any other file is assigned to a press below.",
+        )
+        self.undone, self.held = widgets.area(), widgets.area()
+        self.holder = widgets.area()
+        self.values = widgets.fold(
+            "Values of the presses: order, age, temperature, rest",
+            "values",
+            lambda: TrialTable(self.folder, self.renew),
+        )
+        self.change = widgets.area()
         links = [
             ("the sheet to press from", f"{self.campaign}/{name}")
             for name in ("sheet.html", "sheet.csv")
@@ -180,23 +190,12 @@ class CampaignPresses:
         ]
         widgets.file_links([*links, ("campaign.toml", f"{self.campaign}/campaign.toml")])
         widgets.zip_link(self.campaign)
-        DropList(
-            self.take,
-            self.renew,
-            "Drop the presses (CSV). A file with a planned name takes its place; the "
-            "earlier one goes to the bin. Any other file is assigned to a press below.",
-        )
-        self.undone, self.held, self.status_area = widgets.area(), widgets.area(), widgets.area("state")
-        self.holder = widgets.area()
-        with ui.expansion("Values of the presses: order, age, temperature, rest") as expansion:
-            self.values = widgets.area()
-        expansion.props('data-test="values"').on_value_change(self.show_values)
-        self.change = widgets.area()
+        manage(root, self.campaign, "plan", lambda old, new: open_page("/campaign", state.changed(campaign=new)))
         self.show_held()
         status = check_campaign(self.folder)
         self.show(status)
         if not status.pressed and incoming.plan_of(root, self.campaign):
-            with self.change, ui.expansion("Change this plan: nothing was pressed yet").props('data-test="replan"'):
+            with self.change, widgets.fold("Change this plan: nothing was pressed yet", "replan"):
                 PlanForm(root, state, self.campaign)
 
     def take(self, name: str, content: bytes) -> str:
@@ -244,16 +243,11 @@ class CampaignPresses:
             bar.run(self.show_held)
 
         with ui.element("div").classes("fields").props('data-test="held"'):
-            planned = incoming.presses_for(self.root, self.campaign, name)
-            pressed = ui.select(planned, label=f"{name} is the press").props('data-test="assign-to"')
+            pressed = ui.select(
+                incoming.presses_for(self.root, self.campaign, name), label=f"{name} is the press"
+            ).props('data-test="assign-to"')
             widgets.button("Assign", assign, "assign", f"assign {name}", main=True)
             widgets.button("Move to the bin", discard, "discard", f"move {name} to the bin")
-
-    def show_values(self) -> None:
-        """The table of values, once it is opened."""
-        if not self.values.default_slot.children:
-            with widgets.problems_in(self.values), self.values:
-                TrialTable(self.folder, self.renew)
 
     def renew(self) -> None:
         """Check the campaign anew, once for all that changed in the meantime."""
@@ -289,20 +283,18 @@ class CampaignPresses:
 
 
 def _show_status(status: CampaignStatus, chosen: State) -> None:
-    """How far a campaign is, in words."""
+    """How far a campaign is, in words, and what comes next."""
     done, left = len(status.pressed), len(status.missing)
     html(f'<p role="status"><b>{done} of {done + left} presses are there</b></p>')
     if left:
         html(f"<p>To press: {escape(', '.join(status.missing[:6]))}{' …' * (left > 6)}</p>")
     if status.wrong:
         widgets.table(["file", "looks wrong"], [[one["file"], one["message"]] for one in status.wrong], words=True)
-    for one in status.warnings:
-        html(f'<p class="note">{escape(one["message"])}</p>')
-    if done:
-        link = page_link("/cast", "Check a cast pad", chosen, "cast")
-        html(f'<p class="note">{link}: its presses against the tissue.</p>')
     if status.ready:
-        html(f'<p class="note">All is there: {page_link("/learn", "learn from it", chosen, "learn")}.</p>')
+        widgets.go("/learn", "Learn from it", chosen, "learn")
+    if done:
+        html(f"<p>{page_link('/cast', 'Check a cast pad', chosen, 'cast')}: its presses against the tissue.</p>")
+    widgets.warnings({"warnings": status.warnings})
 
 
 HEADS = {
@@ -449,36 +441,43 @@ class PlanForm:
         known = {
             one.folder: f"{one.folder.partition('/')[2]}: {one.label}" for one in reversed(project_index.moulds(root))
         }
-        self.fields: dict[str, Any] = {}
-
-        def add(key: str, label: str) -> None:
-            self.fields[key] = ui.input(label, value=str(given[key]))
-
-        with ui.element("div").classes("fields"):
+        self.form = form = widgets.Form("replan" if replaced else "plan")
+        with widgets.fields():
             if not replaced:
-                self.name = ui.input("Name", value=select_options.free_name(root, "campaigns", "first"))
-                self.name.props('data-test="plan-name"').on_value_change(self.renew)
-            sources = {one: one for one in ((MOULDED, TYPED) if known else (TYPED,))}
-            self.source = widgets.select("Pads are those of", sources, MOULDED if usual else TYPED, f"{name}-source")
+                self.name = ui.input("Name", value=select_options.free_name(root, "campaigns", "first")).props(
+                    'data-test="plan-name"'
+                )
+                self.name.on_value_change(self.renew)
+            self.source = widgets.select(
+                "Pads are those of",
+                {one: one for one in ((MOULDED, TYPED) if known else (TYPED,))},
+                MOULDED if usual else TYPED,
+                f"{name}-source",
+            )
         self.moulds = widgets.select_several("Moulds", known, usual, f"{name}-moulds")
-        self.typed = ui.element("div").classes("fields")
-        with self.typed:
-            add("pads", "Pads, thickness [mm]")
-            add("shape", "Shape with its lengths")
-            add("pad", "Outline, length x width [mm]")
-            self.fields["resin"] = widgets.select("Resin", select_options.resins(), given["resin"])
-            self.fields["ratio"] = widgets.NumberField("Ratio", given["ratio"])
-        with ui.element("div").classes("fields"):
-            add("speeds", "Speeds [mm/s]")
-            add("forces", "Steady forces [N]")
-            self.fields["repeats"] = widgets.NumberField("Repeats", given["repeats"], 1, 9)
-            add("ages", "Age of the pads on each day [days]")
-            self.fields["hold"] = widgets.NumberField("Hold [s]", given["hold"], 1, 600)
-        for key in ("pads", "shape", "speeds", "forces", "repeats", "ages"):
-            self.fields[key].props(f'data-test="{"re" if replaced else ""}plan-{key}"')
-        label = "Change the plan" if replaced else "Plan it"
-        self.work = JobPanel(root, name, label, self.words, self.show, self.belongs, needs="trials")
-        widgets.on_change(self.renew, self.source, self.moulds, *self.fields.values())
+        with widgets.fields() as self.typed:
+            form.text("pads", "Pads, thickness [mm]", given["pads"])
+            form.text("shape", "Shape with its lengths", given["shape"])
+            form.text("pad", "Outline, length x width [mm]", given["pad"])
+            form.choice("resin", "Resin", select_options.resins(), given["resin"])
+            form.number("ratio", "Ratio", given["ratio"])
+        with widgets.fields():
+            form.text("speeds", "Speeds [mm/s]", given["speeds"])
+            form.text("forces", "Steady forces [N]", given["forces"])
+            form.number("repeats", "Repeats", given["repeats"], 1, 9)
+            form.text("ages", "Age of the pads on each day [days]", given["ages"])
+            form.number("hold", "Hold [s]", given["hold"], 1, 600)
+        self.work = JobPanel(
+            root,
+            name,
+            "Change the plan" if replaced else "Plan it",
+            self.words,
+            self.show,
+            self.belongs,
+            needs="trials",
+        )
+        form.on_change(self.renew)
+        widgets.on_change(self.renew, self.source, self.moulds)
         self.renew()
 
     def renew(self) -> None:
@@ -490,17 +489,18 @@ class PlanForm:
 
     def words(self) -> list[str]:
         """The plan as a command."""
-        given = widgets.values_of(self.fields)
-        for key in ("repeats", "ratio"):
-            if given[key] is None:
-                raise InputError(f"{key} is empty", "missing", key)
+        given = self.form.filled(repeats="repeats", ratio="ratio")
         moulds = list(self.moulds.value or []) if self.source.value == MOULDED else []
         if self.source.value == MOULDED and not moulds:
             raise InputError("choose the moulds whose pads are pressed", "missing", "moulds")
         given |= {"moulds": moulds, "punch": self.punch, "repeats": int(given["repeats"])}
         folder = self.replaced or f"campaigns/{file_transfer.plain_name((self.name.value or '').strip())}"
-        typed = incoming.plan_options(given) | {"replace": bool(self.replaced)}
-        return ["campaign", "new", folder, *jobs.options(typed)]
+        return [
+            "campaign",
+            "new",
+            folder,
+            *jobs.options(incoming.plan_options(given) | {"replace": bool(self.replaced)}),
+        ]
 
     def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job made the plan that is chosen, and it is still there."""

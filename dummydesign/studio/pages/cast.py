@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
@@ -15,7 +15,6 @@ from dummydesign.core.files import read_json
 from dummydesign.core.parsing import QuantitySpec
 from dummydesign.person.drives import DRIVES, read_drive
 from dummydesign.project.folder import Project
-from dummydesign.project.status import things_in
 from dummydesign.report import on_person_facts as people
 from dummydesign.studio import file_transfer, project_index, select_options, widgets
 from dummydesign.studio.file_actions import DropList
@@ -25,57 +24,62 @@ from dummydesign.studio.project_index import PadWithPresses
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.widgets import NumberField, html
 
+if TYPE_CHECKING:
+    from dummydesign.mold.pour.acceptance import GaugePoint
+
+TABS = {"record": "1 Record what was cast", "compare": "2 Compare with the tissue", "people": "3 On people"}
+
 
 def show_cast_pad(project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page."""
-    html("<p>Is the cast pad right? First its thickness and mass, then its presses against the tissue.</p>")
-    html("<h2>What was cast</h2>")
-    cast = widgets.area()
-    html("<h2>Its presses against the tissue</h2>")
     kept = widgets.Kept(state, **{name: text for name, text in query.items() if name.startswith(TYPED)})
-    comparison = PressComparison(project.root, kept)
-    with cast:
+    places = widgets.tabs(
+        TABS,
+        kept.own.get(TAB, "record" if project_index.moulds(project.root) else "compare"),
+        lambda name: kept.keep(**{TAB: name}),
+    )
+    comparison = PressComparison(project.root, kept, places["compare"], places["people"])
+    with places["record"]:
         record_form(project.root, kept, comparison.find_pads)
 
 
 class PressComparison:
     """Presses of one pad, the tissue, the calibration, and what the comparison says."""
 
-    def __init__(self, root: Path, kept: widgets.Kept) -> None:
+    def __init__(self, root: Path, kept: widgets.Kept, place: ui.element, people_place: ui.element) -> None:
         self.root, self.kept = root, kept
         self.state = state = kept.state
         self.pads: list[PadWithPresses] = []
-        DropList(
-            lambda name, content: f"{project_index.keep_press(self.root, name, content)} was added.",
-            lambda: self.find_pads(dropped=True),
-            "Drop presses of the pad: CSV with time_s, displacement_mm, "
-            "force_N. Bring files in another form in under Measured first.",
-            "cast",
-        )
-        self.pad = ui.select({}, label="Pad").props('data-test="pad"')
-        self.files = widgets.select_several("Its presses", {}, [], "presses")
-        with ui.element("div").classes("fields"):
-            self.tissue = widgets.select("Tissue", select_options.tissues(self.root), state.tissue, "tissue")
-            self.record = widgets.select("Record of the cast pad", {"": "none"}, "", "record")
-        self.work = JobPanel(root, "compare", "Compare with the tissue", self.words, self.show, needs="verdict")
-        self.model = widgets.area()
-        with self.model:
-            html("<h2>By the calibration</h2>")
-            known = select_options.calibrations(root)
-            self.calibration = widgets.select("Calibration", known, state.calibration, "calibration").style(
-                "width:auto"
-            )
-            self.replay = JobPanel(
-                root,
-                "replay",
-                "Predict its presses and compare",
-                self.replay_words,
-                self.show_replay,
-                self.replay_belongs,
-                needs="trials",
-            )
-        self.people = PeopleOfPad(self)
-        self._list_earlier()
+        with place:
+            self.pad = widgets.select("Pad", {}, "", "pad")
+            with widgets.fields():
+                self.tissue = widgets.select("Tissue", select_options.tissues(self.root), state.tissue, "tissue")
+                self.record = widgets.select("Record of the cast pad", {"": "none"}, "", "record")
+            self.files = widgets.select_several("Its presses", {}, [], "presses")
+            self.work = JobPanel(root, "compare", "Compare with the tissue", self.words, self.show, needs="verdict")
+            with widgets.fold("Presses from elsewhere", "more-presses", opened=not project_index.pads(root, state)):
+                DropList(
+                    lambda name, content: f"{project_index.keep_press(self.root, name, content)} was added.",
+                    lambda: self.find_pads(dropped=True),
+                    "CSV with time_s, displacement_mm, force_N. Bring files in another form in under Measured first.",
+                    "cast",
+                )
+            self.model = widgets.fold("By the calibration: what the model says of these presses", "model")
+            with self.model:
+                self.calibration = widgets.select(
+                    "Calibration", select_options.calibrations(root), state.calibration, "calibration"
+                )
+                self.replay = JobPanel(
+                    root,
+                    "replay",
+                    "Predict its presses and compare",
+                    self.replay_words,
+                    self.show_replay,
+                    self.replay_belongs,
+                    needs="trials",
+                )
+        with people_place:
+            self.people = PeopleOfPad(self)
         self.find_pads()
         self.pad.on_value_change(self.new_pad)
         widgets.on_change(self.renew_lines, self.files, self.record)
@@ -89,8 +93,7 @@ class PressComparison:
         first = project_index.nearest(self.pads, self.state)
         if dropped:
             first, before = next(one for one in self.pads if one.files[0].startswith(project_index.DROPPED)), None
-        kept = before if before in named else first.label if first else None
-        self.pad.set_options(named, value=kept)
+        self.pad.set_options(named, value=before if before in named else first.label if first else None)
         self.pad.set_enabled(bool(named))
         self.new_pad()
 
@@ -112,9 +115,12 @@ class PressComparison:
         self.files.set_options(names, value=list(names))
         self.files.set_enabled(bool(names))
         records = project_index.records(self.root, pad) if pad else []
-        kept = self.record.value if self.record.value in records else ""
-        self.record.set_options({"": "none"} | {one: one for one in records}, value=kept)
+        self.record.set_options(
+            {"": "none"} | {one: one for one in records},
+            value=self.record.value if self.record.value in records else "",
+        )
         self.model.set_visibility(bool(pad and pad.campaign))
+        self.people.tell_pad(f"Presses of {pad.label}, against {self.tissue.value}." if pad else "No presses yet.")
         self.renew_lines()
 
     def renew(self) -> None:
@@ -211,16 +217,6 @@ class PressComparison:
         widgets.warnings(answer)
         widgets.show_report(self.root, files, "report of the comparison")
 
-    def _list_earlier(self) -> None:
-        """Comparisons and presses on people in the folder, also those made on the terminal."""
-        earlier = [one for one in things_in(self.root, "designs") if one.command in ("compare", "on-person")]
-        if earlier:
-            html("<h2>Earlier in this project</h2>")
-        for one in reversed(earlier):
-            html(f"<p>{escape(select_options.file_line(one))}</p>")
-            if (self.root / one.folder / "report.html").is_file():
-                widgets.file_links([(f"report of {one.folder}", f"{one.folder}/report.html")])
-
 
 def show_verdict(verdict: Mapping[str, Any]) -> None:
     """The verdict of an answer."""
@@ -241,44 +237,48 @@ def correction(verdict: Mapping[str, Any]) -> str:
 
 TYPED = "cast_"
 """Beginning of the names under which the address keeps what was typed of a cast pad."""
+TAB, MOULD = f"{TYPED}tab", f"{TYPED}mould"
+OTHERS = {
+    "mass": ("Mass, trimmed [g]", "of the pad"),
+    "modulus": ("Witness modulus [kPa]", "of the puck; optional"),
+    "level": ("Level [deg]", "when filled; optional"),
+    "bubbles": ("Bubbles", "over 1 mm; optional"),
+}
 
 
 def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> None:
-    """Fields for what was really cast, and the verdict of the record."""
+    """Fields for what was really cast, a map of where it is gauged, and the verdict of the record."""
     moulds = [one for one in reversed(project_index.moulds(root)) if project_index.gauge_points(root / one.folder)]
     if not moulds:
         html(f'<p class="note">No mould in this project yet: {page_link("/mould", "make one")}.</p>')
         return
     known = {one.folder: f"{one.folder}: {one.label}" for one in moulds}
     first = next((one for one in moulds if one.is_of(kept.state)), moulds[0]).folder
-    before = kept.own.get(f"{TYPED}mould", "")
+    before = kept.own.get(MOULD, "")
+    typed = {name.removeprefix(TYPED): text for name, text in kept.own.items()}
     chosen = widgets.select("Mould it was cast in", known, before if before in known else first, "record-mould")
-    fields: dict[str, Any] = {}
-    points = ui.element("div").classes("fields")
-
-    def add(name: str, label: str, test: str, hint: str) -> None:
-        field = NumberField(label, test=test, hint=hint)
-        field.set_value(kept.own.get(f"{TYPED}{name}", ""))
-        fields[name] = field
-
-    with ui.element("div").classes("fields"):
-        add("mass", "Mass, trimmed [g]", "record-mass", "of the pad")
-        add("modulus", "Witness modulus [kPa]", "record-modulus", "of the puck; optional")
-        add("level", "Level [deg]", "record-level", "when filled; optional")
-        add("bubbles", "Bubbles", "record-bubbles", "over 1 mm; optional")
-        fields["note"] = ui.input("Note", value=kept.own.get(f"{TYPED}note", "")).props('hint="optional"')
-    others = dict(fields)
+    others, gauged = widgets.Form("record", typed), widgets.Form("gauge", typed)
+    with ui.element("div").classes("pair"):
+        with ui.element("div"):
+            map_of, button = html(""), ui.element("div")
+        with ui.element("div"):
+            points = widgets.fields()
+            with widgets.fields():
+                for name, (label, hint) in OTHERS.items():
+                    others.number(name, label, hint=hint)
+                others.text("note", "Note", hint="optional")
 
     def words() -> list[str]:
-        values = widgets.values_of(fields)
-        gauged = {name: value for name, value in values.items() if name not in others}
-        if empty := [name for name, value in gauged.items() if value is None]:
-            raise InputError(f"thickness at {', '.join(empty)} is empty", "missing", "thickness")
-        if values["mass"] is None:
-            raise InputError("the mass of the trimmed pad is empty", "missing", "mass")
-        readings = ",".join(f"{name}={value:g}" for name, value in gauged.items())
-        given = {"thickness": readings} | {name: values[name] for name in others}
-        return ["mold", "record", chosen.value, *options(given)]
+        thickness = gauged.filled(**{name: f"thickness at {name}" for name in gauged.fields})
+        return [
+            "mold",
+            "record",
+            chosen.value,
+            *options(
+                {"thickness": ",".join(f"{name}={value:g}" for name, value in thickness.items())}
+                | others.filled(mass="the mass of the trimmed pad")
+            ),
+        ]
 
     def show(job: Job) -> None:
         show_record(job.answer)
@@ -289,35 +289,64 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
             _records(root, chosen.value)
 
     def renew() -> None:
-        kept.keep(
-            **{f"{TYPED}{name}": field.value or "" for name, field in fields.items()}, **{f"{TYPED}mould": chosen.value}
-        )
+        kept.keep(**{f"{TYPED}{name}": text for name, text in (gauged.kept() | others.kept()).items()})
+        kept.keep(**{MOULD: chosen.value})
+        draw_map()
         work.renew()
 
-    work = JobPanel(
-        root, "record", "Keep this record", words, show, ended=lambda job, mine: list_records(), needs="limits"
-    )
-    records = widgets.area()
+    def draw_map() -> None:
+        mould = next(one for one in moulds if one.folder == chosen.value)
+        map_of.set_content(
+            gauge_map(project_index.gauge_points(root / chosen.value), mould.length_mm, mould.width_mm, gauged.kept())
+        )
+
+    found, records = widgets.area(), widgets.area()
+    with button:
+        work = JobPanel(
+            root,
+            "record",
+            "Keep this record",
+            words,
+            show,
+            ended=lambda job, mine: list_records(),
+            needs="limits",
+            found=found,
+        )
 
     def new_mould() -> None:
-        for name in fields.keys() - others.keys():
-            del fields[name]
+        gauged.fields.clear()
         with widgets.fresh(points):
-            for one in project_index.gauge_points(root / chosen.value):
-                add(
-                    one.name,
-                    f"Thickness, {one.name} [mm]",
-                    f"gauge-{one.name}",
-                    f"{one.low_mm:.2f} to {one.high_mm:.2f} mm",
+            for number, one in enumerate(project_index.gauge_points(root / chosen.value), 1):
+                gauged.number(
+                    one.name, f"{number} Thickness, {one.name} [mm]", hint=f"{one.low_mm:.2f} to {one.high_mm:.2f} mm"
                 )
-                fields[one.name].on_value_change(renew)
+                gauged.fields[one.name].on_value_change(renew)
+        draw_map()
         list_records()
         work.renew()
 
     new_mould()
     for follow in (new_mould, renew):
         chosen.on_value_change(follow)
-    widgets.on_change(renew, *others.values())
+    others.on_change(renew)
+
+
+def gauge_map(marks: Sequence[GaugePoint], length_mm: float, width_mm: float, typed: Mapping[str, str]) -> str:
+    """The pad from above with its gauge points, numbered; green within the limits, red outside, empty before."""
+    dots = ""
+    for number, one in enumerate(marks, 1):
+        with suppress(InputError):
+            value = widgets.number_of(typed.get(one.name, ""), one.name)
+            kind = "" if value is None else "kept" if one.low_mm <= value <= one.high_mm else "missed"
+            dots += f'<g class="{kind}" transform="translate({one.x_mm:g},{-one.y_mm:g})"><circle r="5"/>'
+            dots += f'<text text-anchor="middle" dy="2.4">{number}</text></g>'
+    box = f'x="{-length_mm / 2:g}" y="{-width_mm / 2:g}" width="{length_mm:g}" height="{width_mm:g}"'
+    view = f"{-length_mm / 2 - 2:g} {-width_mm / 2 - 2:g} {length_mm + 4:g} {width_mm + 4:g}"
+    return (
+        f'<figure class="gauge" data-test="gauge-map"><svg viewBox="{view}" role="img" aria-label="the pad from above '
+        f'with its {len(marks)} gauge points"><rect {box} rx="2"/>{dots}</svg><figcaption>Where to gauge, seen on the '
+        f"tested face; {length_mm:g} x {width_mm:g} mm</figcaption></figure>"
+    )
 
 
 def _records(root: Path, folder: str) -> None:
@@ -365,12 +394,8 @@ class PeopleOfPad:
 
     def __init__(self, comparison: PressComparison) -> None:
         self.root, self.comparison = comparison.root, comparison
-        html("<h2>The same presses on people</h2>")
-        html(
-            "<p>What the robot would have done to people with the press it made on the pad. The result depends on "
-            "what moves the robot.</p>"
-        )
-        with ui.element("div").classes("fields"):
+        self.pad = html("")
+        with widgets.fields():
             known = {name: f"{name}: {SHORT[name]}" if name in SHORT else name for name in DRIVES}
             self.drive = widgets.select("What moves the robot", known, "position", "drive")
             self.numbers: dict[str, NumberField] = {}
@@ -379,12 +404,6 @@ class PeopleOfPad:
                 label = f"{name[0].upper()}{name[1:]}" + (f" [{purpose.unit}]" if purpose.unit else "")
                 self.numbers[purpose.quantity] = NumberField(label, usual, test=f"drive-{name}")
             self.limits = widgets.select("Your limits", self._known_limits(), "", "limits")
-        DropList(
-            self._keep_limits,
-            self._find_limits,
-            "Drop your limits of force and pressure with their source: a TOML file as 'suggest --limits' takes it.",
-            "limits",
-        )
         self.work = JobPanel(
             self.root,
             "on-person",
@@ -393,9 +412,15 @@ class PeopleOfPad:
             lambda job: show_people(self.root, job.answer),
             needs="presses",
         )
+        with widgets.fold("Limits of your own: force and pressure with their source", "own-limits"):
+            DropList(self._keep_limits, self._find_limits, "A TOML file as 'suggest --limits' takes it.", "limits")
         self.drive.on_value_change(self._new_drive)
         widgets.on_change(self.work.renew, self.limits, *self.numbers.values())
         self._new_drive()
+
+    def tell_pad(self, words: str) -> None:
+        """Say whose presses are put on people."""
+        self.pad.set_content(f"<p>{escape(words)} Choose others under Compare.</p>")
 
     def words(self) -> list[str]:
         """The command of what is chosen."""
@@ -426,8 +451,7 @@ class PeopleOfPad:
         self.work.renew()
 
     def _known_limits(self) -> dict[str, str]:
-        paths = sorted((self.root / LIMITS).glob("*.toml"))
-        return {"": "none"} | {path.relative_to(self.root).as_posix(): path.stem for path in paths}
+        return {"": "none"} | {f"{LIMITS}/{one.name}": one.stem for one in sorted((self.root / LIMITS).glob("*.toml"))}
 
     def _find_limits(self) -> None:
         known = self._known_limits()

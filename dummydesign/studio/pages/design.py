@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from nicegui import run, ui
@@ -43,14 +44,6 @@ class PadView:
     presses: Sequence[Sequence[object]]
 
 
-@dataclass(frozen=True)
-class Refusal:
-    """Why there is no pad of a state, and whether finite elements can solve it."""
-
-    problem: str
-    solvable: bool = False
-
-
 class DesignPage:
     """The page: one state, from which every control and every panel is drawn."""
 
@@ -60,37 +53,42 @@ class DesignPage:
         self.busy = self.setting = False
         self.lengths: dict[str, Slider] = {}
         self.kind_of_lengths: tuple[str, float] = ("", 0.0)
-        self.verdict = widgets.area("verdict", live=True).classes("sticky")
-        self.search = search.Search(project, lambda: self.state, self.take)
-        with ui.element("div").classes("two"):
+        with ui.element("div").classes("two instrument"):
+            choices = ui.element("div").classes("choices")
             with ui.element("div"):
-                self._controls()
-            with ui.element("div"):
+                self.verdict = widgets.area("verdict", live=True).classes("sticky")
+                found = widgets.area()
                 self.plots = html("").props('data-test="plots"').style("width:100%")
-                self.numbers = widgets.area("numbers")
-                self.solid = widgets.area("solid")
                 self.solved = search.SolvedPad(self.root, lambda: self.state, self._say)
-        html("<h2>This pad by the command line</h2>")
-        self.same = widgets.area("same")
-        html("<h2>Designs of this project</h2>")
-        search.DesignList(self.root, lambda: self.state)
+                self.numbers = widgets.area("numbers")
+                with widgets.fold("The pad as a solid, to turn"):
+                    self.solid = widgets.area("solid")
+                with widgets.fold("This pad by the command line"):
+                    self.same = widgets.area("same")
+                with widgets.fold("Designs of this project", "earlier"):
+                    search.DesignList(self.root, lambda: self.state)
+            with choices:
+                self.search = search.Search(project, lambda: self.state, self.take, found)
+                self._controls()
         self.stamp: object = None
         self.take(state)
         ui.timer(WATCH_S, self.watch)
 
     def _controls(self) -> None:
         """Build the controls, empty of what the state says."""
-        self.fields = {
-            name: ui.select({}, label=name.capitalize()).props(f'data-test="{name}"')
-            for name in ("tissue", "aim", "resin", "calibration")
-        }
-        self.punch = ui.input("Punch").props('data-test="punch"')
         kinds = {name: words for name, words in select_options.shapes().items() if name != "auto"}
-        self.kind = ui.select(kinds, label="Shape").props('data-test="kind"')
+        self.kind = widgets.select("Shape", kinds, self.state.kind, "kind")
         self.thickness = Slider("Thickness", "mm", 3.0, 30.0, 0.1, self.state.thickness_mm, self.moved)
         self.ratio = Slider("Ratio", "", self.state.ratio, self.state.ratio, 0.05, self.state.ratio, self.moved)
         self.length_box = ui.element("div").style("width:100%")
-        self.shape = ui.input("Shape with its lengths").props('data-test="shape"')
+        self.question = widgets.fold("", "question", opened=bool(self.state.missing))
+        with self.question:
+            self.fields = {
+                name: widgets.select(name.capitalize(), {}, "", name)
+                for name in ("tissue", "aim", "resin", "calibration")
+            }
+            self.punch = ui.input("Punch").props('data-test="punch"')
+            self.shape = ui.input("Shape with its lengths").props('data-test="shape"')
         for typed in (self.punch, self.shape):
             typed.style("width:100%")
         for name, field in self.fields.items():
@@ -172,6 +170,8 @@ class DesignPage:
         for name, offered in known.items():
             value = getattr(state, name)
             self.fields[name].set_options(select_options.offered(offered, value, f"{value} (missing)"), value=value)
+        asked = (state.tissue, state.aim, state.resin, Path(state.calibration).parent.name, state.punch)
+        self.question.set_text(f"Judged against {', '.join(name for name in asked if name)}")
         self.kind.set_value(state.kind)
         self.punch.set_value(state.punch)
         self.shape.set_value(state.shape)
@@ -247,57 +247,61 @@ class DesignPage:
         if number == self.wanted and view is not None:
             await self.settle(state, view, number)
 
-    def view_of(self, state: State) -> PadView | Refusal:
+    def view_of(self, state: State) -> PadView | InputError:
         """Press the pad of a state and draw it, apart from the page."""
         from dummydesign.design.suggestion import condition_rows
 
         try:
             evaluator, shape = sliders.evaluator_of(self.root, state), read_shape(state.shape)
             pad = evaluator.evaluate(shape, state.thickness_mm, state.ratio)
-        except NotTabulated as problem:
-            return Refusal(str(problem), solvable=not state.calibration)
         except InputError as problem:
-            return Refusal(str(problem))
+            return problem
         except Exception as problem:
-            return Refusal(f"this pad cannot be evaluated ({type(problem).__name__}: {problem})")
+            return InputError(f"this pad cannot be evaluated ({type(problem).__name__}: {problem})")
         inputs, targets = evaluator.problem, evaluator.problem.targets
-        section = figures.section(shape, state.thickness_mm, inputs.punch)
-        large = plots_html([figures.steady(inputs.tissue, targets, pad), section])
-        small = plots_html(figures.presses(targets, pad), small=True)
-        rows = search.press_rows(condition_rows(pad.candidate, targets, shape))
-        return PadView(evaluator, shape, pad, large + small, rows)
+        large = plots_html(
+            [figures.steady(inputs.tissue, targets, pad), figures.section(shape, state.thickness_mm, inputs.punch)]
+        )
+        presses = plots_html(figures.presses(targets, pad), small=True)
+        small = f'<div class="row-of-plots" tabindex="0" role="group" aria-label="the presses">{presses}</div>'
+        return PadView(
+            evaluator, shape, pad, large + small, search.press_rows(condition_rows(pad.candidate, targets, shape))
+        )
 
-    def draw(self, state: State, view: PadView | Refusal) -> None:
+    def solvable(self, view: InputError) -> bool:
+        """Whether finite elements can solve a pad that no table holds."""
+        return isinstance(view, NotTabulated) and not self.state.calibration
+
+    def draw(self, state: State, view: PadView | InputError) -> None:
         """Draw a pad, or why there is none: what belongs to another pad goes."""
         for area in (self.numbers, self.solid, self.same):
             area.clear()
         self.solved.hide()
-        if isinstance(view, Refusal):
+        if isinstance(view, InputError):
             self.plots.set_content("")
-            self._say(state, "amber" if view.solvable else "red", view.problem, "refused")
+            self._say(state, "amber" if self.solvable(view) else "red", str(view), "refused")
             return
         self.plots.set_content(view.plots)
         self._say(state, view.pad.verdict.light, view.pad.verdict.text, "")
-        resin = view.evaluator.problem.resin
-        young = 1e3 * float(resin.young_MPa(state.ratio))
+        young = 1e3 * float(view.evaluator.problem.resin.young_MPa(state.ratio))
         with self.numbers:
             if (calibrated := view.evaluator.problem.calibrated) is not None:
                 widgets.warnings({"warnings": calibrated.warnings})
             widgets.table(search.PRESS_HEAD, view.presses, under=f"the {len(view.presses)} presses in numbers")
             self.ratio.say(f"modulus {young:.3g} kPa")
 
-    async def settle(self, state: State, view: PadView | Refusal, number: int) -> None:
+    async def settle(self, state: State, view: PadView | InputError, number: int) -> None:
         """After the last move: castings in the verdict, solid, command line, address, ends of the lengths."""
         keep_state(state)
         if (state.kind, state.thickness_mm) != self.kind_of_lengths:
             self._set_lengths()
         with self.same:
             widgets.command_lines(lambda: [self.pad_words()])
-        if isinstance(view, Refusal):
+        if isinstance(view, InputError):
             with self.numbers:
                 if state.kind != "slab":
                     widgets.button("Use lengths that fit", lambda: self.choose_kind(state.kind), "fit-lengths")
-            if view.solvable:
+            if self.solvable(view):
                 self.solved.offer()
             return
         verdict = await run.io_bound(self._verdict, state, view)
@@ -306,8 +310,9 @@ class DesignPage:
         self._say(state, *verdict[:2], "settled", verdict[2])
         with self.solid:
             size = f"{state.thickness_mm:g}"
-            title = f"solid of {state.shape}, {size} mm"
-            widgets.shown_file("/solid/pad", title, "shown solid", shape=state.shape, thickness=size)
+            widgets.shown_file(
+                "/solid/pad", f"solid of {state.shape}, {size} mm", "shown solid", shape=state.shape, thickness=size
+            )
 
     def _verdict(self, state: State, view: PadView) -> tuple[str, str, str]:
         """Light, sentence and source: the design of this pad where there is one, else an estimate by the table."""

@@ -73,8 +73,11 @@ class Learning:
         """The loop as a command."""
         if not self.campaign.value:
             raise InputError("choose a campaign", "missing", "campaign")
-        out = f"calibrations/loop-{self.campaign.value.partition('/')[2]}"
-        return ["loop", self.campaign.value, *options({"prior": self.prior.value, "out": out})]
+        return [
+            "loop",
+            self.campaign.value,
+            *options({"prior": self.prior.value, "out": f"calibrations/loop-{self.campaign.value.partition('/')[2]}"}),
+        ]
 
     def next_words(self) -> list[str]:
         """The loop with a plan of what to press next, as a command."""
@@ -135,23 +138,20 @@ class Learning:
         _curves(self.root, folder)
 
     def _again(self, calibration: str) -> None:
-        again = self.chosen().changed(calibration=calibration)
-        html(f'<p class="note next">{page_link("/design", "Design again with what was learned", again, "again")}</p>')
+        learned = self.chosen().changed(calibration=calibration)
+        widgets.go("/design", "Design again with what was learned", learned, "again")
 
     def _outdated(self, folder: str) -> None:
-        known = project_index.calibrations(self.root, self.campaign.value)
-        if any(one.folder == folder and one.outdated(self.root) for one in known):
-            html(
-                '<p class="problem" role="alert" data-test="outdated">The campaign changed after this was learned. '
-                "Learn again.</p>"
-            )
+        for one in project_index.calibrations(self.root, self.campaign.value):
+            if one.folder == folder and one.outdated(self.root):
+                with widgets.area("outdated"):
+                    widgets.tell_problem("The campaign changed after this was learned. Learn again.")
 
     def list_calibrations(self) -> None:
         """Calibrations of this campaign in the folder, also those made on the terminal."""
         known = list(reversed(project_index.calibrations(self.root, self.campaign.value or "")))
         job = self.work.shown
         shown = Path(job.answer["calibration_file"]).parent.as_posix() if job else ""
-        newest = next((one for one in known if one.folder != shown), None)
         with widgets.fresh(self.others):
             if known:
                 html("<h2>Calibrations of this campaign</h2>")
@@ -164,11 +164,8 @@ class Learning:
                 self._outdated(one.folder)
                 html(f"<p>{escape(one.text)}</p>")
                 self._again(one.file)
-                if one is newest:
+                with widgets.fold("Measured and predicted force", opened=not shown and one is known[0]):
                     _curves(self.root, one.folder)
-                else:
-                    widgets.zip_link(one.folder)
-                    widgets.file_links([("the whole report", f"{one.folder}/report.html")])
 
     def _moved(self, old: str, new: str) -> None:
         """A calibration was renamed, deleted or brought back."""

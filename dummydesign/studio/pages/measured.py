@@ -46,20 +46,17 @@ class MeasuredPage:
         self._let_go: set[str] = set()
         wanted, last = query.get("files"), jobs.latest(self._root, "import")
         chosen = wanted.split(SEPARATOR) if wanted else [Path(name).name for name in _sources(last)] if last else []
-        html(
-            "<p>Files of your test machine: text with columns of time, displacement and force, or .xlsx. They are "
-            f"copied into <code>measured/</code>, up to {LARGEST_BYTES // 2**20} MB each.</p>"
-        )
         for name in chosen:
             if wanted and name not in self._names():
                 widgets.tell_problem(f"'{name}' is not in measured/ (any more). Choose another file, or bring it back.")
         self._bar = undo_bar(self._root)
+        words = (
+            "Files of your test machine: text with columns of time, displacement and force, or .xlsx; "
+            f"up to {LARGEST_BYTES // 2**20} MB each."
+        )
+        html(f"<p>{words}</p>")
         self._drop = DropList(self._take, lambda: None, test="measured")
         self._chosen = widgets.select_several("Files to read", {}, [], "files")
-        with ui.expansion("What the file leaves open (only when asked)"), ui.element("div").classes("fields"):
-            self._fields = {name: ui.input(words).props(f'data-test="open-{name}"') for name, words in OPEN.items()}
-        self._change = ui.expansion("Rename, replace or delete files").props('data-test="change-files"')
-        self._change.on_value_change(self._list_files)
         self._work = JobPanel(
             self._root,
             "import",
@@ -70,8 +67,14 @@ class MeasuredPage:
             lambda job, mine: self._list_imports(),
             needs="files",
         )
+        self._open = widgets.Form("open")
+        with widgets.fold("What the file leaves open (only when asked)"), widgets.fields():
+            for name, text in OPEN.items():
+                self._open.text(name, text)
+        self._change = widgets.fold("Rename, replace or delete files", "change-files", self._list_files)
         self._choose(chosen)
-        widgets.on_change(self._renew, self._chosen, *self._fields.values())
+        self._open.on_change(self._renew)
+        widgets.on_change(self._renew, self._chosen)
         self._imports = widgets.area("imports")
         self._list_imports()
         link = page_link("/resin", "find its modulus", test="resin")
@@ -132,8 +135,11 @@ class MeasuredPage:
             raise InputError("Choose a file to read.", "missing", "file")
         names = list(self._chosen.value)
         stem = names[0].rpartition(".")[0] if len(names) == 1 else "all"
-        given = {name: field.value for name, field in self._fields.items()} | {"out": f"measured/import-{stem}"}
-        return ["import", *(f"measured/{name}" for name in names), *jobs.options(given)]
+        return [
+            "import",
+            *(f"measured/{name}" for name in names),
+            *jobs.options(self._open.values() | {"out": f"measured/import-{stem}"}),
+        ]
 
     def _belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job read the chosen files, and its presses are still there."""
@@ -143,8 +149,6 @@ class MeasuredPage:
     def _list_files(self) -> None:
         names = self._names() if self._change.value else []
         with widgets.fresh(self._change):
-            if self._change.value and not names:
-                html("<p>No files yet.</p>")
             for name in names:
                 with ui.element("div").classes("thing"):
                     html(f"<span>{escape(name)}</span>")
@@ -169,37 +173,39 @@ class MeasuredPage:
             if folders:
                 html("<h2>Presses that were read</h2>")
             for path in folders:
-                one = ui.expansion(f"{path.name}: {presses_text(list(path.glob('*.csv')))}")
-                one.props('data-test="import"')
-                one.on_value_change(partial(self._open_import, one, path))
+                widgets.fold(
+                    f"{path.name}: {presses_text(list(path.glob('*.csv')))}", "import", partial(self._open_import, path)
+                )
 
-    def _open_import(self, panel: ui.expansion, path: Path) -> None:
-        panel.clear()
-        if not panel.value:
-            return
+    def _open_import(self, path: Path) -> None:
         inner = f"measured/{path.name}"
-        with panel:
-            manage(self._root, inner, "import", lambda old, new: self._list_imports())
-            if (path / "preview.html").is_file():
-                with widgets.area():
-                    widgets.shown_file(f"/files/{inner}/preview.html", f"presses of {path.name}")
+        manage(self._root, inner, "import", lambda old, new: self._list_imports())
+        if (path / "preview.html").is_file():
+            widgets.shown_file(f"/files/{inner}/preview.html", f"presses of {path.name}")
 
     def _show(self, job: jobs.Job) -> None:
         answer = job.answer
-        html(f"<p><b>{escape(', '.join(Path(one['source']).name for one in answer['files']))}</b></p>")
+        files, doubts = answer["files"], len(answer.get("warnings", []))
         widgets.tell_changes(self._root, f"{_out(job)}/manifest.json", "Read the files again.")
-        widgets.warnings(answer)
-        if answer.get("preview") and (self._root / answer["preview"]).is_file():
-            widgets.shown_file(f"/files/{answer['preview']}", "preview of the presses")
+        traces = [(Path(one["source"]).name, trace) for one in files for trace in one["traces"]]
+        names = ", ".join(Path(one["source"]).name for one in files)
+        html(f"<p><b>{escape(presses_text(traces))}</b> read from {escape(names)}</p>")
+        widgets.go("/tissue", "Fit a tissue to these presses", test="to-tissue")
+        if doubts:
+            widgets.fold(f"{doubts} doubt{'s' * (doubts > 1)}", "doubts", lambda: widgets.warnings(answer))
         keys = ("file", "samples", "velocity_mm_s", "hold_s", "depth_mm", "peak_force_N", "steady_force_N")
         head = ["press", "samples", "mm/s", "hold s", "depth mm", "peak N", "steady N"]
-        for one in answer["files"]:
-            html(f"<h2>{escape(Path(one['source']).name)}</h2>")
-            widgets.table(head, [[trace[key] for key in keys] for trace in one["traces"]])
-            rows = [[made["what"], str(made["value"]), made["why"]] for made in one["decisions"]]
-            under = f"how {len(rows)} things were decided, and why"
-            widgets.table(["decided", "value", "because"], rows, words=True, under=under)
-        html(f'<p class="note">Next: {page_link("/tissue", "fit a tissue to these presses")}</p>')
+        widgets.table(head, [[trace[key] for key in keys] for _, trace in traces])
+        made = [(Path(one["source"]).name, each) for one in files for each in one["decisions"]]
+        rows = [[name, one["what"], str(one["value"]), one["why"]] for name, one in made]
+        widgets.table(
+            ["file", "decided", "value", "because"],
+            rows,
+            words=True,
+            under=f"how {len(rows)} things were decided, and why",
+        )
+        if answer.get("preview") and (self._root / answer["preview"]).is_file():
+            widgets.shown_file(f"/files/{answer['preview']}", "preview of the presses")
 
 
 def _sources(job: jobs.Job) -> list[str]:

@@ -35,18 +35,15 @@ class MouldPage:
         mine = [one for one in project_index.moulds(self.root) if one.is_of(state)]
         length_mm, width_mm = (mine[-1].length_mm, mine[-1].width_mm) if mine else OUTLINE_MM
         preset = mine[-1].preset if mine and mine[-1].preset in project_index.PRESETS else "open"
-        with ui.element("div").classes("fields"):
-            self.fields: dict[str, Any] = {
-                "thickness": widgets.NumberField("Thickness [mm]", state.thickness_mm, *THICKNESS_MM, "thickness"),
-                "length": widgets.NumberField("Length [mm]", length_mm, *OUTLINES_MM),
-                "width": widgets.NumberField("Width [mm]", width_mm, *OUTLINES_MM),
-                "shape": ui.input("Shape", value=state.shape),
-                "ratio": widgets.NumberField("Ratio", state.ratio),
-                "resin": widgets.select("Resin", select_options.resins(), state.resin),
-                "preset": widgets.select(
-                    "Kind of mould", {name: name for name in project_index.PRESETS}, preset, "preset"
-                ),
-            }
+        self.form = form = widgets.Form("mould")
+        with widgets.fields():
+            form.add("thickness", widgets.NumberField("Thickness [mm]", state.thickness_mm, *THICKNESS_MM), "thickness")
+            form.number("length", "Length [mm]", length_mm, *OUTLINES_MM)
+            form.number("width", "Width [mm]", width_mm, *OUTLINES_MM)
+            form.text("shape", "Shape", state.shape)
+            form.number("ratio", "Ratio", state.ratio)
+            form.choice("resin", "Resin", select_options.resins(), state.resin)
+            form.choice("preset", "Kind of mould", {name: name for name in project_index.PRESETS}, preset)
         self.kind = html("")
         self.work = JobPanel(
             self.root,
@@ -59,16 +56,13 @@ class MouldPage:
             needs="pour",
         )
         self.others = widgets.area()
-        widgets.on_change(self.renew, *self.fields.values())
+        form.on_change(self.renew)
         self.show_pad()
 
     def words(self) -> list[str]:
         """The mould as a command."""
-        values = widgets.values_of(self.fields)
+        values = self.form.filled(thickness="thickness", length="length", width="width", ratio="ratio")
         given = {name: values[name] for name in OPTIONS}
-        for name in ("thickness", "length", "width", "ratio"):
-            if given[name] is None:
-                raise InputError(f"{name} is empty", "missing", name)
         usual = {"length": OUTLINE_MM[0], "width": OUTLINE_MM[1], "shape": "slab"}
         kind = (given["shape"] or "slab").partition(":")[0]
         folder = f"moulds/mould_{'' if kind == 'slab' else f'{kind}_'}t{given['thickness']:g}"
@@ -77,11 +71,11 @@ class MouldPage:
 
     def chosen(self) -> State:
         """The state with the pad of the fields."""
-        shape, resin = (self.fields[name].value for name in ("shape", "resin"))
+        shape, resin = (self.form.fields[name].value for name in ("shape", "resin"))
         now = self.state.changed(shape=(shape or "slab").strip(), resin=resin)
         for name, field in (("thickness_mm", "thickness"), ("ratio", "ratio")):
             with suppress(InputError):
-                now = now.changed(**{name: self.fields[field].number or getattr(now, name)})
+                now = now.changed(**{name: self.form.fields[field].number or getattr(now, name)})
         return now
 
     def belongs(self, job: Job, words: list[str]) -> bool:
@@ -99,7 +93,7 @@ class MouldPage:
         now = self.chosen()
         with widgets.fresh(self.source):
             _source(self.root, now)
-        self.kind.set_content(f'<p class="note">{escape(project_index.PRESETS[self.fields["preset"].value])}</p>')
+        self.kind.set_content(f'<p class="note">{escape(project_index.PRESETS[self.form.fields["preset"].value])}</p>')
         self.work.renew()
         self.list_moulds()
 
@@ -112,10 +106,10 @@ class MouldPage:
         poured.append((f"{batch['pour_g']:.1f} g", "of the mix, into the mould"))
         silicone = answer["pour"]["silicone_mass_g"]
         widgets.facts([*poured, *([(f"{silicone:.0f} g", "silicone for the mould")] if silicone else [])])
-        widgets.warnings(answer)
         if folder:
             html(f"<h2>{escape(folder)}</h2>")
             self._files(folder)
+        widgets.warnings(answer)
         html(
             f'<p class="note">Next: cast the pads, then {page_link("/cast", "check a cast pad")} or '
             f"{page_link('/campaign', 'plan what to press')}.</p>"
@@ -127,7 +121,7 @@ class MouldPage:
         _checks(self.root / folder)
         if red := verdict_of(self.root, self.chosen()):
             html(f'<p class="problem" data-test="do-not-cast">Do not cast. {escape(red)}</p>')
-            with ui.expansion("Files of this mould, for the record").props('data-test="files-for-the-record"'):
+            with widgets.fold("Files of this mould, for the record", "files-for-the-record"):
                 _links(self.root, folder)
         else:
             _links(self.root, folder)
@@ -197,7 +191,7 @@ def _links(root: Path, folder: str) -> None:
         made_of = groups.pop("Print or machine", []) + groups.pop("Draw", [])
         if made_of:
             html(_part_table(made_of, folder))
-    with ui.expansion("Further files").props('data-test="further-files"'):
+    with widgets.fold("Further files", "further-files"):
         for group, rows in groups.items():
             html(f"<h3>{escape(group)}</h3>")
             widgets.file_links([(words, f"{folder}/{name}") for words, name in rows])
@@ -210,10 +204,10 @@ def _part_table(rows: Sequence[tuple[str, str]], folder: str) -> str:
         part, _, kind = words.removeprefix("Drawing of the ").removeprefix("Picture of the ").partition(", ")
         part, kind = part.capitalize(), kind or name.rpartition(".")[2].upper()
         by_part.setdefault(part, []).append((kind, f"{folder}/{name}"))
-    lines = ""
-    for part, files in by_part.items():
-        links = " ".join(widgets.file_link(*one) for one in files)
-        lines += f"<tr><th scope=row>{escape(part)}</th><td>{links}</td></tr>"
+    lines = "".join(
+        f"<tr><th scope=row>{escape(part)}</th><td>{' '.join(widgets.file_link(*one) for one in files)}</td></tr>"
+        for part, files in by_part.items()
+    )
     return f'<table class="files" data-test="parts"><tbody>{lines}</tbody></table>'
 
 

@@ -14,7 +14,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.design.scoring.verdict import LEVELS, LIGHTS
 from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.project.folder import Project, make_project
+from dummydesign.project.folder import Project, make_example, make_project
 from dummydesign.project.status import STANDARD_RESIN, ProjectStatus, pads_of, status_of
 from dummydesign.studio import figures, jobs, project_index, select_options, widgets
 from dummydesign.studio.file_actions import deleted_files
@@ -37,20 +37,21 @@ def make_new(root: Path) -> None:
         "<p>A project folder keeps everything about one dummy: what was measured, the tissue, designs, moulds, "
         "campaigns and what was learned. The files in it are all there is; this page keeps nothing.</p>"
     )
-    with ui.element("div").classes("fields"):
-        name = ui.input("Name", value=root.name).props('data-test="name"')
-        tissue = widgets.select("Tissue", {"": "decide later", **select_options.tissues(root)}, "", "tissue")
-        resin = widgets.select("Resin", select_options.resins(), STANDARD_RESIN)
+    form = widgets.Form("new")
+    with widgets.fields():
+        form.add("name", ui.input("Name", value=root.name), "name")
+        form.add("tissue", widgets.select("Tissue", {"": "decide later", **select_options.tissues(root)}, ""), "tissue")
+        form.choice("resin", "Resin", select_options.resins(), STANDARD_RESIN)
     line = widgets.area()
 
     def given() -> dict[str, str | None]:
-        return {"name": name.value or None, "tissue": tissue.value or None, "resin": resin.value or None}
+        return {name: text or None for name, text in form.kept().items()}
 
     def renew() -> None:
         with widgets.fresh(line):
             widgets.command_line(["init", ".", *jobs.options(given())])
 
-    widgets.on_change(renew, name, tissue, resin)
+    form.on_change(renew)
     renew()
     problem = ui.element("div")
 
@@ -59,7 +60,15 @@ def make_new(root: Path) -> None:
             make_project(root, **given())
             ui.navigate.to(address("/"))
 
-    widgets.button("Make the project", make, "make", main=True)
+    def example() -> None:
+        with widgets.problems_in(problem):
+            make_example(root)
+            ui.navigate.to(address("/"))
+
+    with ui.element("div").classes("links"):
+        widgets.button("Make the project", make, "make", main=True)
+        widgets.button("Open an example instead", example, "example")
+    html("<p>The example has presses of a forefinger and a pressed campaign, both simulated.</p>")
 
 
 def show_status(project: Project, state: State, query: Mapping[str, str]) -> None:
@@ -79,25 +88,29 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
             _show_newest(project.root, status, state)
     for problem in status.problems:
         widgets.tell_problem(problem)
-    links, cards, reports = links_of(project.root, status, state), "", []
+    links, cards = links_of(project.root, status, state), ""
     for room, (path, words) in ROOMS.items():
         lines = [links.get(one.folder) or escape(select_options.file_line(one)) for one in reversed(status.files[room])]
         more = f"<details><summary>{len(lines) - 8} more</summary><ul>{_list(lines[8:])}</ul></details>"
         listed = f"<ul>{_list(lines[:8])}</ul>{more if lines[8:] else ''}" if lines else "<p>none yet</p>"
         cards += f"<div><h2>{page_link(path, words)}</h2>{listed}</div>"
     html(f'<div class="cards">{cards}</div>')
-    for one in (*status.files["designs"], *status.files["calibrations"]):
-        if (project.root / one.folder / "report.html").is_file():
-            reports.append((f"{one.folder.partition('/')[2]}: report", f"{one.folder}/report.html"))
+    reports = [
+        (f"{one.folder.partition('/')[2]}: report", f"{one.folder}/report.html")
+        for one in (*status.files["designs"], *status.files["calibrations"])
+        if (project.root / one.folder / "report.html").is_file()
+    ]
     if reports:
         html("<h2>Reports</h2>")
         widgets.file_links(reports)
-    with ui.expansion("Deleted").props('data-test="bin"'):
+    with widgets.fold("Deleted", "bin"):
         deleted_files(project.root)
-    with ui.expansion("What was run"):
-        rows = ""
-        for job in reversed(jobs.all_jobs(project.root)[-12:]):
-            rows += f"<li>{_ended(job)}, {job.seconds:.0f} s: <code>{escape(job.begun)}</code></li>"
+    with widgets.fold("What was run"):
+        rows = "".join(
+            f"<li>{escape('answer not acceptable' if job.state == 'failed' and job.answer else job.state)}, "
+            f"{job.seconds:.0f} s: <code>{escape(job.begun)}</code></li>"
+            for job in reversed(jobs.all_jobs(project.root)[-12:])
+        )
         html(f"<ul>{rows}</ul>" if rows else "<p>nothing yet</p>")
 
 
@@ -139,8 +152,12 @@ def _show_newest(root: Path, status: ProjectStatus, state: State) -> None:
     if not designs:
         return
     newest, summary = state.changed(**design_state(root, designs[-1].folder)), designs[-1].summary or {}
-    light = LIGHTS.get(str(summary.get("verdict")), "amber")
-    widgets.tell_verdict(light, str(summary.get("text", "")), label=newest.label, test="newest")
+    widgets.tell_verdict(
+        LIGHTS.get(str(summary.get("verdict")), "amber"),
+        str(summary.get("text", "")),
+        label=newest.label,
+        test="newest",
+    )
     with suppress(InputError):
         plot = figures.section(read_shape(newest.shape), newest.thickness_mm, read_punch(newest.punch))
         html(f'<div class="plots">{plot.html()}</div>')
@@ -172,7 +189,3 @@ def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:
         for folder, (path, of) in states.items()
         if folder in known
     }
-
-
-def _ended(job: jobs.Job) -> str:
-    return "answer not acceptable" if job.state == "failed" and job.answer else job.state

@@ -7,8 +7,6 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from nicegui import ui
-
 from dummydesign.core.errors import InputError
 from dummydesign.core.user_library import entries
 from dummydesign.project.folder import Project, change_project, project_of
@@ -34,7 +32,7 @@ class PuckPage:
             "<p>Press a puck of the batch slowly between two plates, by a third of its height or more. "
             "Its modulus makes a resin of the batch.</p>"
         )
-        with ui.expansion("Print the ring of a puck", value=not known).props('data-test="ring"'):
+        with widgets.fold("Print the ring of a puck", "ring", opened=not known):
             JobPanel(project.root, "ring", "Make the ring", self._ring_words, _show_ring, needs="files")
         if not known:
             html(f'<p class="note">No presses yet: {page_link("/measured", "bring in the file of a puck")} first.</p>')
@@ -45,19 +43,20 @@ class PuckPage:
         bases = {"": "default: the batch itself, else polyurethane-nagoya", **select_options.resins()}
         base = start.get("base", "")
         name = start.get("name") or select_options.free_library_name("resin", "my-batch")
-        with ui.element("div").classes("fields"):
-            self._fields: dict[str, Any] = {
-                "puck": widgets.select(
-                    "Press of the puck", select_options.offered(known, first, f"{first} (missing)"), first
-                ),
-                "diameter": widgets.NumberField("Diameter [mm]", _number(start.get("diameter")), *SIZES_MM),
-                "height": widgets.NumberField("Height [mm]", _number(start.get("height")), *SIZES_MM),
-                "mixed": widgets.NumberField("Mixing ratio", _number(start.get("mixed")) or state.ratio),
-                "name": ui.input("Name of the batch", value=name),
-                "base": widgets.select("Resin whose law is updated", bases, base if base in bases else ""),
-            }
-        for name, field in self._fields.items():
-            field.props(f'data-test="{"puck" if name == "puck" else f"puck-{name}"}"')
+        self._form = form = widgets.Form(
+            "puck", {name: start[name] for name in ("diameter", "height", "mixed") if name in start}
+        )
+        with widgets.fields():
+            form.add(
+                "puck",
+                widgets.select("Press of the puck", select_options.offered(known, first, f"{first} (missing)"), first),
+                "puck",
+            )
+            form.number("diameter", "Diameter [mm]", None, *SIZES_MM)
+            form.number("height", "Height [mm]", None, *SIZES_MM)
+            form.number("mixed", "Mixing ratio", state.ratio)
+            form.text("name", "Name of the batch", name)
+            form.choice("base", "Resin whose law is updated", bases, base if base in bases else "")
         self._work = JobPanel(
             project.root,
             "puck",
@@ -67,12 +66,12 @@ class PuckPage:
             ended=lambda job, mine: self._list(),
             needs="young_kPa",
         )
-        widgets.on_change(self._renew, *self._fields.values())
+        form.on_change(self._renew)
         self._own = widgets.area()
         self._list()
 
     def _renew(self) -> None:
-        keep_state(self._state, **{name: field.value or "" for name, field in self._fields.items()})
+        keep_state(self._state, **self._form.kept())
         self._work.renew()
 
     def _ring_words(self) -> list[str]:
@@ -81,13 +80,13 @@ class PuckPage:
         return ["mold", *jobs.options(given)]
 
     def _words(self) -> list[str]:
-        given = widgets.values_of(self._fields)
-        for name, words in (("diameter", "diameter"), ("height", "height"), ("mixed", "ratio")):
-            if given[name] is None:
-                raise InputError(f"Enter the {words} of the puck.", "missing", words)
-        name = (given["name"] or "").strip()
-        if not name:
-            raise InputError("Give the batch a name.", "missing", "name")
+        given = self._form.filled(
+            diameter="The diameter of the puck",
+            height="The height of the puck",
+            mixed="The ratio of the puck",
+            name="The name of the batch",
+        )
+        name = given["name"].strip()
         select_options.check_name("resin", name)
         typed = {
             "diameter": given["diameter"],
@@ -184,10 +183,3 @@ def _last(root: Path) -> dict[str, str]:
     given = dict(zip(job.words[3::2], job.words[4::2]))
     names = {"--diameter": "diameter", "--height": "height", "--ratio": "mixed", "--name": "name", "--resin": "base"}
     return {"puck": job.words[2]} | {name: given[word] for word, name in names.items() if word in given}
-
-
-def _number(text: str | None) -> float | None:
-    try:
-        return widgets.number_of(text or "", "")
-    except InputError:
-        return None

@@ -82,12 +82,15 @@ def _folder(job: jobs.Job) -> str:
 class Search:
     """The panel of the search, with what belongs to the question of the page."""
 
-    def __init__(self, project: Project, state: Callable[[], State], take: Callable[[State], None]) -> None:
+    def __init__(
+        self, project: Project, state: Callable[[], State], take: Callable[[State], None], found: ui.element
+    ) -> None:
         self.root, self.state, self.take = project.root, state, take
         known = select_options.shapes()
         wish = dict(project.asked).get("shape", "auto").partition(":")[0]
-        with ui.element("div").classes("two"):
-            self.kinds = widgets.select("Shapes to search", known, wish if wish in known else "auto", "searched")
+        place = ui.element("div").style("width:100%")
+        self.kinds = widgets.select("Shapes to search", known, wish if wish in known else "auto", "searched")
+        with place:
             self.work = JobPanel(
                 self.root,
                 "suggest",
@@ -98,6 +101,7 @@ class Search:
                 self.ended,
                 lambda: sliders.stamp_of(self.root, self.state()),
                 "recommendation",
+                found=found,
             )
         self.kinds.on_value_change(self.work.renew)
 
@@ -105,8 +109,9 @@ class Search:
         """The search as a command."""
         state = self.state()
         stem = state.tissue.rpartition("/")[2].removesuffix(".toml")
-        given = {**state.question, "shape": self.kinds.value}
-        return jobs.suggest(given, f"suggest-{stem}{'-calibrated' if state.calibration else ''}")
+        return jobs.suggest(
+            {**state.question, "shape": self.kinds.value}, f"suggest-{stem}{'-calibrated' if state.calibration else ''}"
+        )
 
     def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a search was for what is chosen."""
@@ -120,39 +125,31 @@ class Search:
             self.take(state_of_answer(self.state(), job.answer, _folder(job)))
 
     def show(self, job: jobs.Job) -> None:
-        """What a search found: the pad and its mould; folded why this one, the other kinds, the presses."""
+        """What a search found: its mould is next; folded why this one, the other kinds, the presses, warnings."""
         answer = job.answer
         widgets.tell_changes(self.root, f"{_folder(job)}/{MANIFEST}", "Search again.")
         best, light = answer["recommendation"], answer["verdict"]["light"]
-        mixed = (best.get("batch") or best["recipe"])["components"]
-        widgets.facts(
-            [
-                (f"{best['thickness_mm']:g} mm", best["shape"]),
-                (f"{best['ratio']:g}", best["ratio_meaning"]),
-                *((f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in mixed),
-            ]
-        )
         designed = state_of_answer(self.state(), answer, _folder(job))
-        red = "This pad is not representative: do not cast it. " if light == "red" else ""
-        html(f'<p class="note next">{red}{page_link("/mould", "Make its mould", designed, "mould")}</p>')
-        widgets.button("Put the sliders at this pad", lambda: self.take(designed))
-        widgets.warnings(answer)
-        if answer.get("files", {}).get("report"):
-            widgets.file_links([("the whole report", answer["files"]["report"])])
+        with ui.element("div").classes("links"):
+            widgets.go("/mould", "Make its mould", designed, "mould")
+            widgets.button("Put the sliders at the best pad", lambda: self.take(designed))
+        if light == "red":
+            widgets.tell_problem("This pad is not representative: do not cast it.")
 
         def tell_why() -> None:
-            with widgets.fresh(why):
-                if why.value:
-                    self._compare_kinds(answer)
-                    widgets.table(PRESS_HEAD, press_rows(best["conditions"]))
+            widgets.warnings(answer)
+            if answer.get("files", {}).get("report"):
+                widgets.file_links([("the whole report", answer["files"]["report"])])
+            self._compare_kinds(answer)
+            widgets.table(PRESS_HEAD, press_rows(best["conditions"]))
 
-        why = ui.expansion("Why this pad, the other kinds, the presses").props('data-test="why"')
-        why.on_value_change(tell_why)
+        words = f"Why {best['shape'].partition(':')[0]}, {best['thickness_mm']:g} mm: the other kinds, the presses"
+        notes = len(answer.get("warnings", []))
+        widgets.fold(words + (f", {notes} warnings" if notes else ""), "why", tell_why)
 
     def _compare_kinds(self, answer: dict[str, Any]) -> None:
         """The best pad of each kind, and why this one; the verdicts of the others come a moment later."""
-        sentences = "".join(f"<p>{widgets.marked(one)}</p>" for one in figures.kind_sentences(answer))
-        html(sentences)
+        html("".join(f"<p>{widgets.marked(one)}</p>" for one in figures.kind_sentences(answer)))
         rows, state = figures.kind_rows(answer), self.state()
         if len(rows) < 2:
             return
@@ -177,7 +174,6 @@ class DesignList:
 
     def __init__(self, root: Path, state: Callable[[], State]) -> None:
         self.root, self.state = root, state
-        self.seen: list[str] | None = None
         self.stamps: list[tuple[Path, int]] | None = None
         self.box = widgets.area("designs")
         self.chosen = widgets.select_several("Designs to compare", {}, [], "to-compare")
@@ -202,10 +198,6 @@ class DesignList:
             return
         self.stamps = stamps
         designs = [one for one in things_in(root, "designs") if is_design(one) and design_state(root, one.folder)]
-        names = [f"{one.folder} {one.date}" for one in designs]
-        if names == self.seen:
-            return
-        self.seen = names
         with widgets.fresh(self.box):
             if not designs:
                 html("<p>none yet</p>")

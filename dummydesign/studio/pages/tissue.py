@@ -15,11 +15,12 @@ from nicegui import ui
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project, change_project, project_of
 from dummydesign.report.plot import plots_html
-from dummydesign.studio import figures, file_transfer, jobs, select_options, widgets
+from dummydesign.studio import figures, file_transfer, jobs, project_index, select_options, widgets
 from dummydesign.studio.file_actions import manage, undo_bar
 from dummydesign.studio.job_panel import JobPanel, Steps
 from dummydesign.studio.state import State, absolute, page_link
 from dummydesign.studio.widgets import html, keep_state, open_page
+from dummydesign.tissue.model.parameters import arm_names, parameter_words
 
 OWN = ("presses", "name", "touched", "people", "group")
 """Choices of this page in the address."""
@@ -32,20 +33,20 @@ class TissuePage:
         self.root, self.query = project.root, query
         self._project, self._state = project, state
         self._own = {name: query[name] for name in OWN if name in query}
-        html("<p>The tissue that the dummy imitates. Its band is the range of the subjects that were measured.</p>")
-        self._chosen = ui.select({}, label="Tissue").props('data-test="tissue"')
         undo_bar(self.root)
-        widgets.button("Use it for this project", lambda: self.use(self.tissue), "use", main=True)
-        self._problem, self._shown = widgets.area(), widgets.area()
+        with widgets.fields():
+            self._chosen = widgets.select("Tissue that the dummy imitates", {}, "", "tissue")
+            with ui.element("div"):
+                widgets.button("Use it for this project", lambda: self.use(self.tissue), "use", main=True)
+        self._problem, self._shown = widgets.area(), widgets.area("tissue-shown")
         self._renew()
         self._chosen.on_value_change(self._choose_shown)
-        html("<h2>Fit a tissue to your own presses</h2>")
         if not select_options.traces(self.root):
-            html(f'<p class="note">No presses yet: {page_link("/measured", "bring in files")} first.</p>')
+            html(f'<p class="note">Your own tissue: {page_link("/measured", "bring in files")} of presses first.</p>')
             return
-        fit_panel(self)
-        html("<h2>Several people in one tissue</h2>")
-        with ui.expansion("Assign presses to people", value="people" in query).props('data-test="people"'):
+        with widgets.fold("Fit a tissue to your own presses", "fit", opened=True):
+            fit_panel(self)
+        with widgets.fold("Several people in one tissue: assign presses to them", "people", opened="people" in query):
             _People(self)
 
     @property
@@ -81,8 +82,9 @@ class TissuePage:
                 _tell_missing(tissue)
             return
         after = self._state if tissue == self.tissue else self._state.changed(tissue=tissue, aim="average")
-        aim = None if after.aim == "average" else after.aim
-        change_project(project_of(self.root) or self._project, tissue=tissue, aim=aim)
+        change_project(
+            project_of(self.root) or self._project, tissue=tissue, aim=None if after.aim == "average" else after.aim
+        )
         open_page("/design", after)
 
     def use_button(self, tissue: str) -> None:
@@ -115,7 +117,6 @@ def _show_tissue(root: Path, name: str) -> None:
     from dummydesign.design.scoring.targets import make_targets
     from dummydesign.tissue import load_tissue
 
-    widgets.command_line(["tissues", "show", name])
     if name.endswith(".toml") and not (root / name).is_file():
         _tell_missing(name)
         return
@@ -126,16 +127,16 @@ def _show_tissue(root: Path, name: str) -> None:
         widgets.tell_problem(str(problem))
         return
     subjects = f"{len(tissue.subjects)} subject{'s' * (len(tissue.subjects) != 1)}"
-    html(f"<p><b>{escape(name)}</b>: {escape(tissue.title)}, {escape(subjects)}, law {escape(tissue.law)}</p>")
-    rows = parameter_rows(tissue.to_dict()["bands"], lambda one: one["kind"])
     with ui.element("div").classes("pair"):
         html(plot.html())
-        widgets.table(["parameter", "mean", "lowest", "highest", "kind"], rows)
+        with ui.element("div"):
+            html(f"<p><b>{escape(name)}</b>: {escape(tissue.title)}, {escape(subjects)}, law {escape(tissue.law)}</p>")
+            parameter_table(("mean", "lowest", "highest", "kind"), tissue.to_dict()["bands"], lambda one: one["kind"])
+            widgets.command_line(["tissues", "show", name])
     report = f"{name.removesuffix('.toml')}-report.html"
     if name.endswith(".toml") and (root / report).is_file():
         widgets.file_links([("report of the fit", report)])
-    for note in tissue.notes:
-        html(f"<p>{escape(note)}</p>")
+    html("".join(f'<p class="source">{escape(note)}</p>' for note in tissue.notes))
 
 
 SEPARATOR = "\n"
@@ -178,7 +179,15 @@ def fit_panel(page: TissuePage) -> None:
             page.choose(_tissue_of(job))
 
     work = JobPanel(
-        root, "fit", "Fit the tissue", words, lambda job: _show(page, job), belongs, ended, needs="parameters"
+        root,
+        "fit",
+        "Fit the tissue",
+        words,
+        lambda job: _show(page, job),
+        belongs,
+        ended,
+        needs="parameters",
+        main=False,
     )
 
     def renew() -> None:
@@ -218,8 +227,9 @@ def _show(page: TissuePage, job: jobs.Job) -> None:
     page.use_button(tissue)
     widgets.warnings(answer)
     show_curves(root, answer)
-    rows = parameter_rows(answer["parameters"], lambda one: "at bound" if one["at_bound"] else "")
-    widgets.table(["parameter", "value", "95 % low", "95 % high", ""], rows)
+    parameter_table(
+        ("value", "95 % low", "95 % high", ""), answer["parameters"], lambda one: "at bound" if one["at_bound"] else ""
+    )
 
 
 def show_curves(root: Path, answer: Mapping[str, Any]) -> None:
@@ -234,13 +244,18 @@ def show_curves(root: Path, answer: Mapping[str, Any]) -> None:
         widgets.file_links([("report of the fit, with its residuals", report)])
 
 
-def parameter_rows(parameters: Mapping[str, Any], note_of: Callable[[Mapping[str, Any]], object]) -> list[list[object]]:
-    """Rows of a table of a tissue's parameters with a note each, dampers by speed."""
-    rows = []
+def parameter_table(
+    head: Sequence[str], parameters: Mapping[str, Any], note_of: Callable[[Mapping[str, Any]], object]
+) -> None:
+    """Show a tissue's parameters in words, with a note each; their symbols under the pointer."""
+    rows, symbols, arms = [], [], arm_names(parameters)
     for label, entry in parameters.items():
-        by_label = {label: entry} if "value" in entry else {f"{label} at {v} mm/s": one for v, one in entry.items()}
-        rows += [[key, one["value"], one["low"], one["high"], note_of(one)] for key, one in by_label.items()]
-    return rows
+        for speed, one in {"": entry}.items() if "value" in entry else entry.items():
+            words, unit = parameter_words(label, arms) or project_index.name_and_unit(label)
+            rows.append([f"{words} at {speed} mm/s" if speed else words, unit, one["value"], one["low"], one["high"]])
+            rows[-1].append(note_of(one))
+            symbols.append(label)
+    widgets.table(["of the law", "", *head], rows, symbols=symbols)
 
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
@@ -282,6 +297,7 @@ class _People:
             needs="name",
             first=self._fits,
             check=self._check,
+            main=False,
         )
         widgets.on_change(self._renew, *self._fields.values(), self._name, self._elements, self._lowpass, self._replace)
 
@@ -340,8 +356,14 @@ class _People:
         if query.get("people"):
             rows = (line.partition("\t") for line in query["people"].split("\n"))
             return {path: person for path, _, person in rows}, query.get("group", "")
-        every = reversed(jobs.all_jobs(self._root, "people"))
-        last = next((job for job in every if job.words[:3] == ("tissues", "add", self._page.tissue)), None)
+        last = next(
+            (
+                job
+                for job in reversed(jobs.all_jobs(self._root, "people"))
+                if job.words[:3] == ("tissues", "add", self._page.tissue)
+            ),
+            None,
+        )
         if last is None:
             return {}, select_options.free_library_name("tissue", "people")
         persons: dict[str, str] = {}
@@ -366,14 +388,10 @@ class _People:
         widgets.warnings(answer)
         for fit in fits:
             widgets.tell_changes(self._root, fit["files"].get("manifest", ""), "Fit all again.")
-            panel = ui.expansion(f"{Path(fit['files']['tissue']).stem}: measured and fitted force")
-            panel.on_value_change(partial(self._open, panel, fit))
-
-    def _open(self, panel: ui.expansion, fit: Mapping[str, Any]) -> None:
-        panel.clear()
-        if panel.value:
-            with panel, widgets.area():
-                show_curves(self._root, fit)
+            widgets.fold(
+                f"{Path(fit['files']['tissue']).stem}: measured and fitted force",
+                fill=partial(show_curves, self._root, fit),
+            )
 
     def _ended(self, job: jobs.Job, mine: bool) -> None:
         if mine and job.state == "done":

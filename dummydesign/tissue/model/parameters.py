@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -101,3 +102,23 @@ class Parameters:
 def speed_key(velocity_mm_s: float) -> str:
     """Write a speed as the key used in JSON and files: ``"10"``, ``"250"``, ``"2.5"``."""
     return f"{velocity_mm_s:g}"
+
+
+ARM = re.compile(r"(gamma|c)([2-9])_")
+SPEEDS_OF_ARMS = {1: ("",), 2: ("slow ", "fast "), 3: ("slow ", "middle ", "fast ")}
+
+
+def arm_names(labels: Iterable[str]) -> dict[str, str]:
+    """Arms of a law by their number, in words; arm 2 is the slow one."""
+    arms = sorted({match[2] for label in labels if (match := ARM.match(label))})
+    return dict(zip(arms, SPEEDS_OF_ARMS.get(len(arms), tuple(f"{arm}. " for arm in arms))))
+
+
+def parameter_words(label: str, arms: Mapping[str, str]) -> tuple[str, str] | None:
+    """A parameter of the law in words, and its unit; None for another law's."""
+    if label.startswith("gamma1_"):
+        return "steady stiffness", "N/mm³"
+    if match := ARM.match(label):
+        what, unit = ("stiffness", "N/mm³") if match[1] == "gamma" else ("damper", "N s/mm")
+        return f"{arms[match[2]]}arm, {what}", unit
+    return None

@@ -105,7 +105,18 @@ def test_records_are_those_of_the_moulds_of_the_pad(project):
 def test_gauge_points_are_those_of_the_mould_by_name(project):
     folder = project.root / "moulds" / "a"
     folder.mkdir(parents=True)
-    points = [{"name": "tip", "low_mm": 4.37, "high_mm": 4.64, "nominal_mm": 4.5}]
+    points = [
+        {
+            "name": "tip",
+            "x_mm": 0.0,
+            "y_mm": 0.0,
+            "nominal_mm": 4.5,
+            "low_mm": 4.37,
+            "high_mm": 4.64,
+            "gel_mm": 4.5,
+            "pressed": True,
+        }
+    ]
     (folder / "spec.json").write_text(json.dumps({"gauge_points": points}), encoding="utf-8")
     assert [(one.name, one.low_mm, one.high_mm) for one in pressed_pads.gauge_points(folder)] == [("tip", 4.37, 4.64)]
-    assert pressed_pads.gauge_points(project.root) == []
+    assert list(pressed_pads.gauge_points(project.root)) == []

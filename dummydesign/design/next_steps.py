@@ -149,33 +149,21 @@ def paths_of(answer: Suggestion) -> list[PadPath]:
     if kept:
         printing = 0.0
     # the pad's mould is printed while the puck cures, and is the same for every batch
-    first = PadPath(
-        "puck first",
-        None if printing is None else ring.printing_h + printing,
-        None if printing is None else max(ring.printing_h + wait + PRESSING_H, printing) + wait,
-        {
-            **grams,
-            "filament": ring.filament_g + (0.0 if kept else pad.filament_g or 0.0),
-            "resin": grams["resin"] + ring.resin_g,
-        },
-        after,
-        f"puck first, {ring.printing_h:.1f} h of printing, {ring.resin_g:.0f} g, {_days(ring.printing_h + wait)}: "
-        f"{100.0 * after:.0f} % usable",
-    )
-    hours = "" if not printing else f"{printing:.0f} h, "
-    at_once = PadPath(
-        "pad at once",
-        printing,
-        None if printing is None else printing + wait,
-        {**grams, "filament": 0.0 if kept else pad.filament_g or 0.0},
-        poured,
-        f"pad at once, {hours}{grams['resin']:.0f} g, {_days((printing or 0.0) + wait)}: {100.0 * poured:.0f} %",
-    )
-    return [first, at_once]
+    known_h = max(ring.printing_h + wait + PRESSING_H, printing or 0.0)
+    filament = 0.0 if kept else pad.filament_g or 0.0
+    both = {**grams, "filament": ring.filament_g + filament, "resin": grams["resin"] + ring.resin_g}
+    printed = None if printing is None else ring.printing_h + printing
+    return [
+        _path("puck first", printed, known_h + wait, both, after),
+        _path("pad at once", printing, (printing or 0.0) + wait, {**grams, "filament": filament}, poured),
+    ]
 
 
-def _days(hours: float) -> str:
-    return f"{np.ceil(hours / 24.0):.0f} days"
+def _path(name: str, printing_h: float | None, calendar_h: float, grams: dict[str, float], usable: float) -> PadPath:
+    """A way with its words; printing that is not known is in neither hours nor days."""
+    hours, days = f"{printing_h:.2g} h printing, " if printing_h else "", int(np.ceil(calendar_h / 24.0))
+    text = f"{name}, {hours}{grams['resin']:.0f} g, {days} day{'s' * (days > 1)}: {100.0 * usable:.0f} % usable"
+    return PadPath(name, printing_h, None if printing_h is None else calendar_h, grams, usable, text)
 
 
 def _mould(answer: Suggestion) -> MouldCost:

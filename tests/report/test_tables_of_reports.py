@@ -176,23 +176,18 @@ def test_the_contact_of_a_press_is_its_last_sample_above_the_pad():
     assert import_preview._contact_time(begun) == 0.0
 
 
-def ends_of(band):
-    """Where a band stands on the axis: what follows its name."""
-    return list(vars(band).values())[1]
-
-
 def test_the_figure_of_a_contact_ends_at_fifteen_hundredths_of_the_force():
     press = imported()
-    band, line, zero = import_preview._toe(0, SimpleNamespace(name="a"), press).layers
+    band, line, zero = import_preview._toe(0, SimpleNamespace(name="a"), press).series
     assert line.y.max() == pytest.approx(0.15 * 12.0, abs=0.06) and line.x.min() >= -1.5 * 0.3 - 0.01
-    np.testing.assert_allclose(ends_of(band), [-0.02, 0.03])
+    np.testing.assert_allclose(band.x, [-0.02, 0.03])
     assert zero.x.tolist() == [0.0]
 
 
 def test_a_recording_has_its_holds_and_contacts_at_the_time_of_the_file():
     plot = import_preview._recording(0, SimpleNamespace(name="a", presses=[imported()]))
-    hold, line, touch = plot.layers
-    np.testing.assert_allclose(ends_of(hold), [20.3, 25.0])
+    hold, line, touch = plot.series
+    np.testing.assert_allclose(hold.x, [20.3, 25.0])
     assert line.x[0] == 20.0 and touch.x[0] == pytest.approx(20.1, abs=2e-3) and "1 press," in plot.alt
 
 

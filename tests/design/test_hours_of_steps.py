@@ -1,0 +1,74 @@
+"""Hours and grams of the steps after an answer, and of both ways to a pad."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from dummydesign.design import next_steps as module
+from dummydesign.mold.puck import plan
+
+WAIT, RING, MOULD = 24.0, 1.5, 8.0
+
+
+@pytest.fixture(autouse=True)
+def _known_hours(monkeypatch):
+    made = SimpleNamespace(printing_h=MOULD, silicone_g=200.0, resin_g=60.0, filament_g=90.0)
+    ring = SimpleNamespace(printing_h=RING, filament_g=12.0, resin_g=30.0)
+    monkeypatch.setattr(module, "_mould", lambda answer: made)
+    monkeypatch.setattr(module, "_curing_h", lambda answer: WAIT)
+    monkeypatch.setattr(module, "_search_again", lambda inputs, batch: "dummydesign suggest")
+    monkeypatch.setattr(plan, "ring_cost", lambda *given, **named: ring)
+
+
+def answer(level, group="", mould=None):
+    share = SimpleNamespace(stands_for=0.25, usable=0.5)
+    return SimpleNamespace(
+        verdict=SimpleNamespace(level=level),
+        measure_first=SimpleNamespace(group=group, text="measure", protocol="so", command="measure it"),
+        best=SimpleNamespace(ratio=15.25),
+        resin=SimpleNamespace(name="r"),
+        targets=SimpleNamespace(strict=False),
+        shares=SimpleNamespace(as_poured=share, after_puck=SimpleNamespace(stands_for=0.5, usable=0.375)),
+        request=SimpleNamespace(resin="r", mould=mould),
+    )
+
+
+INPUTS = {"tissue": "palm", "resin": "r", "condition": "bonded"}
+
+
+def test_a_settled_pad_is_cast_and_pressed_in_half_an_hour():
+    cast, press = module.next_steps(answer("representative"), INPUTS)
+    assert cast.hours == MOULD + WAIT and cast.cost == {"silicone": 200.0, "resin": 60.0}
+    assert press.hours == 0.5 and press.command == "dummydesign compare PRESS.csv... --tissue palm"
+
+
+def test_a_pad_that_is_not_settled_has_a_puck_first_with_its_curing_and_its_presses():
+    for one in (answer("not_settled"), answer("representative", "modulus"), answer("representative", "relaxation")):
+        steps = module.next_steps(one, INPUTS)
+        assert [step.hours for step in steps] == [RING, WAIT + 0.5, None, None]
+        assert steps[0].cost == {"filament": 12.0} and steps[1].cost == {"resin": 30.0}
+    assert len(module.next_steps(answer("representative", "tissue"), INPUTS)) == 3
+
+
+def test_the_mould_is_printed_while_the_puck_cures():
+    puck, at_once = module.paths_of(answer("not_settled"))
+    assert puck.printing_h == RING + MOULD and puck.calendar_h == RING + WAIT + 0.5 + WAIT
+    assert puck.grams == {"silicone": 200.0, "filament": 102.0, "resin": 90.0} and puck.usable == 0.875
+    assert at_once.usable == 0.75 and at_once.printing_h == MOULD and at_once.calendar_h == MOULD + WAIT
+    # the words have the same hours, grams and days
+    assert puck.text == "puck first, 9.5 h printing, 90 g, 3 days: 88 % usable"
+    assert at_once.text == "pad at once, 8 h printing, 60 g, 2 days: 75 % usable"
+    # of a mould that is kept nothing is printed but the ring
+    puck, at_once = module.paths_of(answer("not_settled", mould="moulds/a"))
+    assert puck.printing_h == RING and puck.grams["silicone"] == 0.0 and puck.grams["filament"] == 12.0
+
+
+def test_printing_that_is_not_known_is_left_out_of_hours_and_days(monkeypatch):
+    made = SimpleNamespace(printing_h=None, silicone_g=200.0, resin_g=60.0, filament_g=None)
+    monkeypatch.setattr(module, "_mould", lambda answer: made)
+    puck, at_once = module.paths_of(answer("not_settled"))
+    assert [one.printing_h for one in (puck, at_once)] == [one.calendar_h for one in (puck, at_once)] == [None, None]
+    assert puck.text == "puck first, 90 g, 3 days: 88 % usable"
+    assert at_once.text == "pad at once, 60 g, 1 day: 75 % usable"

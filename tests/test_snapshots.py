@@ -7,7 +7,19 @@ import re
 import pytest
 
 from dummydesign.cli.text import LINES, WIDTH
-from tests.support.snapshots import CASES, DETAILS, FOLDER, answers, differs
+from tests.support.snapshots import CASES, DETAILS, FOLDER, LONG, answers, differs
+
+
+class Answers(dict):
+    """Whole answers; the long ones are made when the first of them is asked for."""
+
+    def __init__(self, folder):
+        super().__init__(answers(folder, [name for name in CASES if name not in LONG]))
+        self.folder = folder
+
+    def __missing__(self, name):
+        self.update(answers(self.folder, LONG))
+        return self[name]
 
 
 @pytest.fixture(scope="module")
@@ -15,15 +27,19 @@ def found(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("DUMMYDESIGN_HOME", str(tmp_path_factory.mktemp("home")))
         patch.setenv("COLUMNS", "80")
-        return dict(answers(tmp_path_factory.mktemp("work").resolve()))
+        yield Answers(tmp_path_factory.mktemp("work").resolve())
 
 
-@pytest.mark.parametrize("name", CASES)
+def each(names):
+    return [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in names]
+
+
+@pytest.mark.parametrize("name", each(CASES))
 def test_an_answer_is_as_it_was(name, found):
     assert differs((FOLDER / f"{name}.txt").read_text(encoding="utf-8"), found[name]) == ""
 
 
-@pytest.mark.parametrize("name", [name for name in CASES if "help" not in name and not name.endswith("details")])
+@pytest.mark.parametrize("name", each(name for name in CASES if "help" not in name and not name.endswith("details")))
 def test_an_answer_fits_one_screen(name, found):
     lines = found[name].partition(DETAILS)[0].splitlines()[1:-1]
     assert len([line for line in lines if not line.startswith("error: ")]) <= LINES

@@ -160,6 +160,7 @@ def test_predict_writes_its_curve_and_follows_a_motion_file(tmp_path, capsys):
     assert "motion.csv:3: displacement_mm = 'x' is not a number" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_predict_takes_friction_profiles_and_plates(tmp_path, capsys):
     profile = tmp_path / "ball.csv"
     profile.write_text("r_mm,z_mm\n" + "\n".join(f"{r},{r * r / 40.0}" for r in range(9)) + "\n")

@@ -102,6 +102,7 @@ def test_a_tissue_and_a_pad_stiffer_by_the_same_factor_at_forces_that_are_too_ha
     assert scores[0] == pytest.approx(scores[1], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_one_force_and_one_speed_are_a_test():
     asked = Request(FINGER, force_N=(8.0,), velocity_mm_s=(50.0,), shape="slab", verify=False)
     answer = design(read_problem(asked, LayerLaw()))

@@ -33,6 +33,7 @@ def results(campaigns):
     return make
 
 
+@pytest.mark.slow
 def test_without_an_effect_the_verdict_is_none_and_the_base_is_at_the_noise(results):
     result = results("none", 401)
     assert result.verdict == "none" and result.effects == ()
@@ -114,6 +115,7 @@ def test_the_report_is_one_page_with_a_figure_a_condition_and_loads_nothing(resu
         assert part in page
 
 
+@pytest.mark.slow
 def test_the_report_opens_in_a_browser_without_errors_and_asks_nothing_of_the_outside(results, tmp_path):
     write_loop_report(tmp_path, results("temperature", 402))
     (tmp_path / "visit").mkdir()

@@ -131,6 +131,7 @@ def test_a_kernel_that_waits_for_a_busy_machine_is_not_stopped(monkeypatch, tmp_
         client.make_mold(mould_spec(5), tmp_path, processor_s=1.0)
 
 
+@pytest.mark.slow
 def test_the_worker_takes_its_limit_from_the_question(tmp_path):
     code = (
         "import sys, resource; from dummydesign.mold import child_main;"

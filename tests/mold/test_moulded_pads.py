@@ -141,6 +141,7 @@ def test_a_folder_without_a_mould_and_a_changed_one_are_refused_by_name(mould, c
     assert "hash" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_project_with_moulds_hints_at_them_and_keeps_its_default(mould, capsys, monkeypatch):
     assert cli.run(["init", "hand"]) == 0
     mould("hand/moulds/mould_t8")

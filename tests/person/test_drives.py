@@ -232,6 +232,7 @@ def ending(run):
     return sampled(held, 10_000.0)
 
 
+@pytest.mark.slow
 def test_an_infinitely_stiff_arm_is_position():
     run, _ = pressed(100.0)
     press, people = read_press(sampled(run)), People.of(TISSUE.parameter_sets, 100.0)

@@ -19,6 +19,8 @@ from dummydesign.report.vector_sheet import PT_MM, Path, Text, VectorSheet, shor
 from tests.support.pdf_paths import contents, pages_mm
 from tests.support.studio import browser
 
+pytestmark = pytest.mark.slow
+
 CROWN = "crowned:radius=21.2,height=2,foot=9.4"
 
 

@@ -78,6 +78,7 @@ def test_a_page_that_does_either_is_found_out(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["suggest", "whatif"])
+@pytest.mark.slow
 def test_nothing_is_wider_than_a_phone_and_figures_fill_it(made, name, tmp_path):
     measure = (
         "document.title = JSON.stringify({width: innerWidth, page: document.scrollingElement.scrollWidth,"

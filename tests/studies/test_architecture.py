@@ -9,6 +9,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from xml.etree import ElementTree
 
+import pytest
+
 from studies.architecture import ROOMS, House, circles, draw, imported, module_imports, read_house, room_of, upward
 
 PACKAGE = Path(__file__).parents[2] / "dummydesign"
@@ -17,6 +19,7 @@ IMPORT = re.compile(r"^\s*(?:from|import) (dummydesign[\w.]*)(?: import (\([^)]*
 QUOTED = re.compile(r"[\"'](dummydesign\.[\w.]+)[\"']")
 
 
+@pytest.mark.slow
 def test_no_room_takes_from_a_layer_above_it():
     house = read_house(PACKAGE)
     assert sum(house.imports.values()) > 300
@@ -39,6 +42,7 @@ def test_a_file_has_at_most_600_lines_and_a_folder_20_modules():
     assert {name: count for name, count in folders.items() if count > FULL and not name.endswith("effects")} == {}
 
 
+@pytest.mark.slow
 def test_no_module_imports_itself_by_way_of_others():
     """Imports inside functions count; those for types alone do not."""
     graph = module_imports(PACKAGE)

@@ -14,6 +14,8 @@ from dummydesign.cli.commands.compare_designs import COLUMNS
 from dummydesign.cli.entry import run
 from dummydesign.report.page import figure_values
 
+pytestmark = pytest.mark.slow
+
 ASKED = {
     "thin": ("forefinger", {"thickness_mm": (5, 6), "ratio": (15, 15.5)}),
     "thick": ("forefinger", {"thickness_mm": (8, 9), "ratio": (15, 15.5)}),

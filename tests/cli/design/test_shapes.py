@@ -12,6 +12,8 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.report.page import figure_values
 from tests.support.command_answer import answer
 
+pytestmark = pytest.mark.slow
+
 QUICK = ["--no-cad", "--no-verify"]
 
 

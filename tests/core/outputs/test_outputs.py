@@ -261,6 +261,7 @@ def test_a_command_that_is_ended_inside_exec_has_its_status(tmp_path):
     assert subprocess.run([sys.executable, "-m", "ended"], env=environment, timeout=60).returncode == 130
 
 
+@pytest.mark.slow
 def test_a_command_that_is_ended_leaves_nothing(tmp_path):
     command = [sys.executable, "-m", "dummydesign", "suggest", "--tissue", "palm", "--no-cad", "--out", "o"]
     environment = {**os.environ, "PYTHONPATH": ROOT, "DUMMYDESIGN_CACHE": "off"}

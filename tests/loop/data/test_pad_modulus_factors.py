@@ -128,6 +128,7 @@ def test_what_the_records_told_and_what_is_left_add_up_to_the_pads_own_factor(ca
     assert unknown.explained is None and unknown.recorded == 0 and unknown.size_percent == pytest.approx(3.0)
 
 
+@pytest.mark.slow
 def test_records_of_pads_that_differ_leave_less_to_the_pads_than_none(tmp_path):
     """Pads of 5 % scatter with exact readings: what is left of the level is the force law's."""
     rows = [

@@ -16,6 +16,8 @@ from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec
 from dummydesign.measurement.campaign_plan import PlanSettings, make_plan
 from dummydesign.resin import load_resin
 
+pytestmark = pytest.mark.slow
+
 RESIN = ["--resin", "polyurethane-nagoya", "--ratio", "15.4"]
 CROWN = "crowned:radius=21.2,height=2,foot=9.4"
 ONE_DAY = ["--repeats", "1", "--ages", "7", "--no-power"]

@@ -106,6 +106,7 @@ def test_flat_and_other_curves_fail_the_profile_check():
         assert failed([check_shape.face_profile(Parts(spec, layout(spec), solid))])
 
 
+@pytest.mark.slow
 def test_carrier_opens_four_vents_over_the_gel_and_four_screw_holes_beside_it(boned):
     carrier, plan = boned.solid("carrier"), boned.plan
     mid = (plan.land_mm + carrier.BoundingBox().zmax) / 2

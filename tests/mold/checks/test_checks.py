@@ -60,6 +60,7 @@ def _measures(made, mould, pad):
     }
 
 
+@pytest.mark.slow
 def test_good_cavity_reads_its_draft_and_nothing_else(open_parts):
     found = _measures(open_parts, open_parts.solid("mould"), open_parts.solid("pad"))
     assert found["draft"] == pytest.approx(2.0, abs=1e-6)
@@ -117,6 +118,7 @@ def test_lid_turned_round_collides(lidded_parts):
     assert demould.common_volume_mm3(turned, mould) > 100.0
 
 
+@pytest.mark.slow
 def test_lid_with_symmetric_keys_fails_the_one_way_check(lidded_parts):
     from dummydesign.mold.cad.casting_box import ball
 
@@ -143,6 +145,7 @@ def test_wrong_compensation_is_seen(open_parts):
     assert any("compensation" in text for text in failed(check.check_volumes(wrong)))
 
 
+@pytest.mark.slow
 def test_missing_label_on_the_master_is_seen(open_parts):
     from dummydesign.mold.cad.build import Parts
 

@@ -46,6 +46,7 @@ def _shuffled(text: str, seed: int) -> str:
     return head + "DATA;\n" + "\n".join(lines).replace(",", ",\n  ") + "\nENDSEC;\nEND-ISO-10303-21;\n"
 
 
+@pytest.mark.slow
 def test_canonical_step_forgets_order_numbering_and_line_breaks(pad_step):
     first = canonical_step(pad_step, *HEADER)
     for seed in range(3):

@@ -144,6 +144,7 @@ def test_a_silicone_mould_of_a_puck_does_not_accept_by_modulus_either():
         assert any("modulus" in name for name in names) == has
 
 
+@pytest.mark.slow
 def test_half_and_puck_are_exact_solids_that_close():
     from dummydesign.mold.puck.build_files import half_solid, puck_solid
 

@@ -151,6 +151,7 @@ def test_half_of_a_quarter_under_a_square_with_a_fillet_carries_half():
     assert forces[1] == pytest.approx(0.5 * forces[0], rel=1e-7)
 
 
+@pytest.mark.slow
 def test_tangents_that_are_used_again_save_a_fifth_of_them_and_change_no_force(monkeypatch):
     """Where points come to touch, uses that hardly help are undone."""
     side = np.sqrt(75.0 * 60.0) / 20.0

@@ -58,6 +58,7 @@ def test_cells_of_half_the_size_do_not_move_the_force_once_the_contact_is_at_the
     assert usual == pytest.approx(fine, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_the_contact_on_a_thick_crown_grows_as_that_of_hertz():
     depths = np.array([0.05, 0.1, 0.2])
     # Known to the spacing of the points, a third of a cell: 0.055 mm with 48 cells.
@@ -66,6 +67,7 @@ def test_the_contact_on_a_thick_crown_grows_as_that_of_hertz():
     assert touch.depth_mm == pytest.approx(depths) and not touch.reaches_edge.any()
 
 
+@pytest.mark.slow
 def test_sticking_changes_little_while_the_contact_is_small_and_stiffens_a_wide_one():
     shares = []
     for c in (0.2, 1.2):
@@ -135,6 +137,7 @@ def test_a_flat_topped_pad_is_its_ratio_times_the_sharp_slab():
     assert 1.1 < boned.force_N[0] / slab.force_N[0] < 1.25
 
 
+@pytest.mark.slow
 def test_force_scales_with_the_modulus_and_with_the_square_of_all_lengths():
     crown = Crowned(10.0, 2.5, 6.6)
     one = solve_shaped_pad(Pad(5.0, 0.03, 7.9, geometry=crown), [1.0], cells=8)

@@ -14,6 +14,8 @@ from dummydesign.pad.axisymmetric.shaped_problem import LEAST_DEPTH, Climb, Path
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import ForcePath, VisitedState, force_between
 
+pytestmark = pytest.mark.slow
+
 CELLS = 6
 
 

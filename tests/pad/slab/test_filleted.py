@@ -77,6 +77,7 @@ def curve():
     return solve_under_fillet(Pad(10.0, 0.025, 7.9, edge_radius_mm=0.5), [0.4, 1.0, 2.0, 3.0, 4.0, 5.0])
 
 
+@pytest.mark.slow
 def test_the_force_at_a_depth_is_the_same_whatever_other_depths_are_asked_for(curve):
     alone = solve_under_fillet(Pad(10.0, 0.025, 7.9, edge_radius_mm=0.5), [2.0])
     odd = solve_under_fillet(Pad(10.0, 0.025, 7.9, edge_radius_mm=0.5), [0.137, 0.811, 2.0, 2.93])

@@ -201,6 +201,7 @@ def test_the_punch_pushes_as_hard_as_the_base_pushes_back(deep):
     assert path.force[-1] == pytest.approx(-states[-1].internal_force[problem.driven].sum(), rel=1e-7)
 
 
+@pytest.mark.slow
 def test_the_field_under_a_square_is_the_same_on_both_sides_of_its_diagonal(deep):
     problem, _, states = deep
     nodes, force = problem.solid.mesh.nodes, states[-1].internal_force.reshape(-1, 3)

@@ -186,6 +186,7 @@ def test_a_continued_curve_of_a_puck_lies_where_the_solved_one_does():
     assert np.median(missed) < 0.005 and np.percentile(missed, 90.0) < 0.03
 
 
+@pytest.mark.slow
 def test_force_on_a_puck_meets_no_step():
     """Paths through proportion, alpha, friction and compression, over the nodes of each."""
     rng = np.random.default_rng(37)

@@ -56,6 +56,7 @@ def test_the_quick_force_is_too_low_at_the_peak_and_right_at_the_end_of_the_hold
     assert solved.solver["newton_iterations"] > 0
 
 
+@pytest.mark.slow
 def test_the_interval_of_the_solved_force_is_narrower(quick, solved):
     width = [found.force_high_N - found.force_low_N for found in (quick, solved)]
     peak = int(np.argmax(quick.force_N))

@@ -114,6 +114,7 @@ def test_a_mistyped_ratio_is_put_right_as_if_it_had_not_been_typed(curve, held, 
     assert [point.ratio for point in load_resin("batch").points] == [15.2, 15.0]
 
 
+@pytest.mark.slow
 def test_show_says_where_each_point_came_from(curve, tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
     assert run(command(curve)) == 0

@@ -86,6 +86,7 @@ def test_points_one_after_the_other_are_points_together(polyurethane):
     assert in_turn.to_dict()["modulus"] == at_once.to_dict()["modulus"]
 
 
+@pytest.mark.slow
 def test_points_that_fall_where_the_law_grows_are_said(polyurethane):
     resin = update_resin(polyurethane, [point(15.0, 50.0, 0.03), point(16.0, 35.0, 0.03)], "u")
     assert any("must grow" in text for text in resin.contradictions)
@@ -94,6 +95,7 @@ def test_points_that_fall_where_the_law_grows_are_said(polyurethane):
     assert log_width(resin, 15.5) > 3 * 2 * HALF_WIDTH * 0.03 / np.sqrt(2)
 
 
+@pytest.mark.slow
 def test_two_different_values_at_one_ratio_are_said(polyurethane):
     resin = update_resin(polyurethane, [point(15.0, 22.0, 0.02), point(15.0, 30.0, 0.02)], "u")
     assert any("differ by more" in text for text in resin.contradictions)

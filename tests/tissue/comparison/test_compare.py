@@ -131,6 +131,7 @@ def test_a_sudden_stop_of_a_slow_press_is_the_default(palm):
     assert braking_of(reduce_trace(sparse), 10.0) == pytest.approx(30_000.0)
 
 
+@pytest.mark.slow
 def test_people_are_pressed_with_the_stop_of_the_press(palm):
     subject = palm.parameter_sets[2]
     shares = {}

@@ -114,6 +114,7 @@ def test_the_verdict_is_what_the_forces_say_directly(people, by_hand):
     assert near <= 0.03 * count
 
 
+@pytest.mark.slow
 def test_a_press_that_was_made_is_given_back(people):
     person = PEOPLE[0]
     band = people.force_range(12.0, 250.0)

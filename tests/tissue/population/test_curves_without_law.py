@@ -46,6 +46,7 @@ def law_table(path, tissue, forces=(5.0, 7.0, 10.0, 15.0), speeds=(10.0, 250.0),
 
 
 @pytest.mark.parametrize("name", ["forefinger", "palm"])
+@pytest.mark.slow
 def test_curves_of_people_who_follow_the_law_give_the_verdict_that_the_law_gives(tmp_path, name):
     law = load_tissue(name)
     add_curves("same", str(law_table(tmp_path / "c.csv", law)), "none", "5")

@@ -226,8 +226,9 @@ def _prediction(fit: CampaignFit, planned: Presses) -> tuple[NDArray, NDArray]:
 def _without_friction(fit: CampaignFit) -> CampaignFit:
     """A model as it is between lubricated plates."""
     vector = fit.vector.copy()
-    if "plate_friction" in fit.problem.entries:
-        vector[fit.problem.entries["plate_friction"]] = 0.0
+    for effect in fit.problem.effects:
+        if effect.lubricated:
+            vector[fit.problem.entries[effect.name]] = 0.0
     return replace(fit, vector=vector)
 
 

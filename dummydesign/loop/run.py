@@ -261,10 +261,10 @@ def _of_pucks(
         )
         rivals = tuple((0.0, one.fit) for one in among.found[1:])
         chosen = Selection(after, accepted, answer.selection.screened, list(ranking), rivals)
-        seen, told = diagnose(after.fit), len(among.found) == 1
+        seen, alone = diagnose(after.fit), len(among.found) == 1
         cannot_tell = f"{listed([named(name) for name in among.names], 'or')}: these presses cannot tell"
-        left = replace(remainder(plain, after, seen), reasons=() if told else (cannot_tell,))
-        verdict = "effect" if told else "ambiguous"
+        left = replace(remainder(plain, after, seen), reasons=() if alone else (cannot_tell,))
+        verdict = "effect" if alone else "ambiguous"
         return base, EffectModel(chosen, after, accepted, None, verdict, left, seen, "", among)
     return base, answer
 

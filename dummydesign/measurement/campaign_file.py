@@ -147,7 +147,7 @@ READ_AS_KEYS = ("thickness_mm", "velocity_mm_s", *OWN_KEYS, "confirmed")
 
 
 def read_otherwise(top: TomlTable, tables: list[TomlTable]) -> tuple[list[TomlTable], list[dict[str, str]]]:
-    """The trials as the tables ``[[read_as]]`` read them, and a warning that says so of each table."""
+    """The trials as the tables ``[[read_as]]`` read them, and a warning for each table."""
     by_file = {str(table.data.get("file")): table for table in tables}
     given = top.tables("read_as") if "read_as" in top.data else []
     warnings = []

@@ -20,6 +20,7 @@ from dummydesign.loop.model.forward_model import BASE, Active, BaseParameters, L
 from dummydesign.loop.next_measurement import (
     BACK_MM_S,
     HOLD_S,
+    LUBRICATED,
     next_measurement,
     options,
     planned_presses,
@@ -193,14 +194,18 @@ def test_options_are_the_campaigns_pads_at_all_speeds_and_three_depths_with_circ
     presses = clean_fit().problem.presses
     chosen = options(presses, pucks.LAW)
     plain = [one for one in chosen if not one.circumstance]
-    assert {one.thickness_mm for one in plain} == {8.0, 12.0}
+    # 8 and 12 mm were pressed; of half as high again and six tenths the plates' table holds the higher puck
+    assert {one.thickness_mm: one.known for one in plain} == {8.0: True, 12.0: True, 18.0: False}
     assert {one.velocity_mm_s for one in plain} == {2.0, 4.7, 190.0}
-    assert len(plain) == 2 * 3 * 3 and all(one.known and one.rest_s == 3600.0 for one in plain)
+    assert len(plain) == 3 * 3 * 3 and all(one.rest_s == 3600.0 for one in plain)
     shares = sorted({one.depth_share for one in plain})
     assert shares[0] == 0.1 and shares[1] == planning.DEEP and 0.4 < shares[2] < 0.48
     warm, old = presses.history.temperature_C.mean(), presses.history.age_days.max()
     assert all(one.temperature_C == pytest.approx(warm) and one.age_days == old for one in plain)
     others = [one for one in chosen if one.circumstance]
+    (lubricated,) = [one for one in others if one.circumstance == LUBRICATED]
+    assert lubricated.known and lubricated.thickness_mm == 8.0 and lubricated.velocity_mm_s == 2.0
+    others.remove(lubricated)
     assert {one.thickness_mm for one in others} == {8.0, 12.0} and len(others) == 6
     assert {one.velocity_mm_s for one in others} == {190.0}
     assert sorted(one.rest_s for one in others) == [10.0, 10.0] + [3600.0] * 4
@@ -209,7 +214,7 @@ def test_options_are_the_campaigns_pads_at_all_speeds_and_three_depths_with_circ
     silent = replace(
         presses, history=replace(presses.history, temperature_C=np.full(16, np.nan), age_days=np.full(16, np.nan))
     )
-    assert len(options(silent, pucks.LAW)) == 18 + 2
+    assert len(options(silent, pucks.LAW)) == 27 + 1 + 2
 
 
 def test_new_slabs_are_thinner_between_and_thicker_as_far_as_the_table_reaches():
@@ -292,11 +297,10 @@ def test_a_plan_repeats_every_press_and_expects_the_force_near_the_end_of_its_ho
     presses = found.problem.presses
     result = SimpleNamespace(after=SimpleNamespace(fit=found), next=None, presses=presses)
     plan = planning.plan_of(result, 2)
-    assert len(plan) == 8 and [one.sequence for one in plan] == list(range(1, 9))
-    assert {(one.option.thickness_mm, one.option.velocity_mm_s) for one in plan} == {
-        (h, v) for h in (8.0, 12.0) for v in (2.0, 190.0)
-    }
-    assert all(one.option.depth_share == planning.DEEP for one in plan) and len({one.file for one in plan}) == 8
+    # a height that was not pressed yet, slow and fast, twice each
+    assert [one.sequence for one in plan] == [1, 2, 3, 4]
+    assert {(one.option.thickness_mm, one.option.velocity_mm_s) for one in plan} == {(18.0, 2.0), (18.0, 190.0)}
+    assert all(one.option.depth_share == planning.DEEP for one in plan) and len({one.file for one in plan}) == 4
     base = found.base
     for one in plan:
         h = one.option.thickness_mm

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import sys
 
@@ -44,6 +45,7 @@ def test_a_fault_of_a_users_bone_keeps_its_quantity_and_one_of_a_mould_does_not(
 
 
 def test_question_and_answer_are_files(able, monkeypatch, tmp_path):
+    monkeypatch.setattr(sys, "stdin", io.StringIO())
     seen, limits, left = {}, [], []
     monkeypatch.setattr(child_main, "_made", lambda asked: seen.update(asked) or {"volume_mm3": 3.5})
     monkeypatch.setattr(child_main, "limit_processor_time", limits.append)
@@ -58,6 +60,7 @@ def test_question_and_answer_are_files(able, monkeypatch, tmp_path):
 
 
 def test_an_answer_that_is_no_number_is_no_answer(able, monkeypatch, tmp_path):
+    monkeypatch.setattr(sys, "stdin", io.StringIO())
     monkeypatch.setattr(child_main, "_made", lambda asked: {"volume_mm3": float("nan")})
     monkeypatch.setattr(child_main.gc, "disable", lambda: None)
     (tmp_path / "q.json").write_text("{}", encoding="utf-8")

@@ -21,7 +21,7 @@ SHIFT_MM, ZERO_N, WIDTH = 0.02, 1.0, 1.0
 UNDECLARED_HZ = 50.0
 """Cut-off about which a sensor without a declared filter is judged: below the sampling of usual robots."""
 STEP = 1.25
-"""Factor of the cut-off by whose change of the force a press is asked for its own."""
+"""Factor of the cut-off by whose change of the force the cut-off of one press is fitted."""
 RUNG_S, LATE_S = 0.06, 0.3
 """Time after the stop from which a filter no longer shows, and until which it is looked for. [s]"""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,8 +57,7 @@ def limit_of(law: SetupLaw, trials: Sequence[Trial], thickness_mm: NDArray) -> N
     """Depth to which the law of each trial's pad holds, shape (T,). [mm]"""
     if isinstance(law, CampaignForceLaw):
         return law.limit_of(trials)
-    assert isinstance(law, SlabLaw | PuckLaw)
-    return law.limit(thickness_mm)
+    return cast(SlabLaw | PuckLaw, law).limit(thickness_mm)
 
 
 def within_reach(

@@ -146,6 +146,10 @@ class Effect:
     """One of :data:`HOOKS`."""
     belongs_to: str = ""
     """``pad`` (material, batch, history: goes into a design), ``rig`` (robot, punch, plates, glue) or ``sensor``."""
+    by_convention: bool = False
+    """Whether it, alone or with another, may follow any function of depth: pucks of one shape never exclude it."""
+    lubricated: bool = False
+    """Whether lubricated plates take it away."""
     designed_for: str = ""
     """State that a design takes when the effect depends on one and is absent there; empty when it acts at all times."""
     needs: tuple[str, ...] = ()

@@ -36,7 +36,7 @@ LEAST_CUTOFF, CUTOFF_FLOOR, CUTOFF_KNOWN = 0.2, 0.04, 0.25
 MOST_CUTOFF = 1.6
 """Largest ln of the cut-off by which a sensor may be another: what asks for more is no filter."""
 SAME_REPEAT = 0.5
-"""Share of the change by which repeats must differ of which one is of another sensor."""
+"""Share of the change by which repeats must differ where one of them is of another sensor."""
 LEAST_OF_IT = 0.35
 """Share of a press's oddness up to which another label must bring it."""
 MISFIT = 4.0
@@ -305,7 +305,7 @@ def doubt_warnings(doubts: tuple[Doubt, ...], used: Presses) -> list[dict[str, s
     known = {trial.file for trial in used.trials}
     out = []
     for one in doubts:
-        use = "used all the same" if known & set(one.files) else "left out"
+        use = "used" if known & set(one.files) else "left out"
         it = "it is" if len(one.files) == 1 else "they are"
         out.append({"code": "doubtful_label", "message": f"{one.text}; {it} {use}"})
     return out

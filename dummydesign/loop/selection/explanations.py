@@ -28,13 +28,11 @@ FAMILY = 0.9
 SOME = 0.5
 """Share of what a function of depth explains that an effect must explain. Laws are conventions: of drawn materials
 that only stiffen plate friction explains up to 0.87, of drawn friction strain stiffening 0.57 to 0.75."""
-TOLD = 10.0
+EXCLUDED = 10.0
 """Evidence by which an explanation of pucks of several shapes must be behind the best to be excluded, or the share
 ``IMITATED`` of all evidence where that is more."""
 ENOUGH = 1.0
 """Squares a bin, in units of the noise, up to which a function of depth leaves nothing."""
-NEVER_EXCLUDED = ("strain_stiffening", "plate_friction")
-"""A material's law is one of many forms, and with another it may follow any function of depth, beside any friction."""
 
 
 @dataclass(frozen=True)
@@ -150,9 +148,9 @@ def explain(context: CampaignFit, available: tuple[Effect, ...], single: bool) -
         return None
     found = sorted((one for one in found if not at_bound(one.fit)), key=lambda one: -one.gain)
     if single:
-        found = [one for one in found if one.gain > (0.0 if one.names[0] in NEVER_EXCLUDED else SOME * won)]
+        found = [one for one in found if one.gain > (0.0 if one.effects[0].effect.by_convention else SOME * won)]
         return Among(plain, tuple(found), differ, single) if len(found) > 1 else None
-    found = [one for one in found if one.gain > max(GAIN_FLOOR, found[0].gain - max(TOLD, IMITATED * won))]
+    found = [one for one in found if one.gain > max(GAIN_FLOOR, found[0].gain - max(EXCLUDED, IMITATED * won))]
     return Among(plain, tuple(found), differ, single) if found and found[0].fit.chi2 < enough else None
 
 

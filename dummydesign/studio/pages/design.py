@@ -257,7 +257,8 @@ class DesignPage:
         except InputError as problem:
             return problem
         except Exception as problem:
-            return InputError(f"this pad cannot be evaluated ({type(problem).__name__}: {problem})")
+            message = f"this pad cannot be evaluated ({type(problem).__name__}: {problem})"
+            return InputError(message, "unsupported", "pad", state.shape)
         inputs, targets = evaluator.problem, evaluator.problem.targets
         large = plots_html(
             [figures.steady(inputs.tissue, targets, pad), figures.section(shape, state.thickness_mm, inputs.punch)]

@@ -21,6 +21,7 @@ class StrainStiffening(Effect):
     name = "strain_stiffening"
     hook = "pad"
     belongs_to = "pad"
+    by_convention = True
     parameters = (
         Parameter("coefficient", "1", 0.0, -1.0, 20.0, 0.3),
         Parameter("exponent", "1", 2.0, 1.0, 6.0, 0.5, spread=2.0),

@@ -23,6 +23,7 @@ class PlateFriction(Effect):
     name = "plate_friction"
     hook = "pad"
     belongs_to = "rig"
+    by_convention = lubricated = True
     shapes = ("cylinder",)
     needs = ("frictionless_plates",)
     parameters = (Parameter("friction", "1", 0.0, 0.0, 2.0, 0.3),)

@@ -190,6 +190,7 @@ def test_a_mould_in_a_folder_that_another_one_took_is_not_shown(page, studio):
 def test_a_solid_fits_into_its_frame(page, studio, width):
     page.set_viewport_size({"width": width, "height": 900})
     opened(page, studio, "design?tissue=forefinger&shape=slab&thickness_mm=6&ratio=15")
+    page.get_by_text("The pad as a solid, to turn").click()
     page.locator("iframe.solid").scroll_into_view_if_needed()
     frame = page.frame_locator("iframe.solid").locator("canvas")
     frame.wait_for()

@@ -57,32 +57,9 @@ KINDS = (*COUNTS, "unnamed")
 REFUSED = "refused"
 """Kind of a campaign that the reader refuses: it counts in no rate and is listed."""
 ROUND = (
-    "two",
-    "one",
-    "none",
-    "unnamed",
-    "three",
-    "two",
-    "one",
-    "none",
-    "two",
-    "unnamed",
-    "one",
-    "none",
-    "two",
-    "three",
-    "one",
-    "none",
-    "unnamed",
-    "two",
-    "one",
-    "none",
-    "two",
-    "three",
-    "one",
-    "none",
-    "unnamed",
-)
+    "two one none unnamed three two one none two unnamed one none two "
+    "three one none unnamed two one none two three one none unnamed"
+).split()
 """Kinds of campaign in the order they are run, as 6 none : 6 one : 6 two : 3 three : 4 unnamed: wherever the study is
 stopped, what was run is a fair sample."""
 PADS, POSITION_MM, USUAL = (0.007, 0.01, 0.005), 0.004, 2.5

@@ -61,22 +61,22 @@ class Doubt(Serialised):
 
 
 @dataclass(frozen=True)
-class Expected:
+class TrialRegression:
     """What presses let expect of each other: coefficients with their covariance, and the scatter about them."""
 
     scale: float
     middle: NDArray
     covariance: NDArray
 
-    def z(self, values: NDArray, columns: NDArray) -> NDArray:
-        """Standard deviations by which values differ from what is expected of presses with these columns."""
+    def z(self, values: NDArray, columns: NDArray, error: NDArray | float = 0.0) -> NDArray:
+        """Standard deviations by which values with errors differ from what is expected of presses of these columns."""
         spread = np.einsum("ti,ij,tj->t", columns, self.covariance, columns)
-        return (values - columns @ self.middle) / np.sqrt(self.scale**2 + spread)
+        return (values - columns @ self.middle) / np.sqrt(self.scale**2 + error**2 + spread)
 
 
 def expect(
     values: NDArray, errors: NDArray, columns: NDArray, spreads: NDArray, floor: float, use: NDArray
-) -> tuple[Expected, NDArray]:
+) -> tuple[TrialRegression, NDArray]:
     """Regression on columns with normal priors and Student's t about it, of those values that are used; the scale is
     from the values themselves. Also the weights (T,)."""
     prior = np.diag(spreads**-2.0)
@@ -93,7 +93,7 @@ def expect(
         seen = np.median((np.abs(left) / np.sqrt(1.0 + (errors / scale) ** 2))[use])
         scale = max(floor, 0.7 * scale, 1.4826 * float(seen) / np.sqrt(free))
         weight = use * (STUDENT + 1.0) / (STUDENT + left**2 / (scale**2 + errors**2))
-    return Expected(scale, middle, covariance), strength
+    return TrialRegression(scale, middle, covariance), strength
 
 
 def odd(
@@ -232,7 +232,7 @@ def odd_gains(labels: Labels, use: NDArray) -> tuple[NDArray, NDArray]:
     return odd(labels.gain.value, labels.gain_errors, labels.columns, labels.spreads, GAIN_FLOOR, own)
 
 
-def expected_gains(labels: Labels, use: NDArray) -> tuple[Expected, NDArray]:
+def expected_gains(labels: Labels, use: NDArray) -> tuple[TrialRegression, NDArray]:
     """What the gains let expect of each other, and by which presses (T,)."""
     own = use & ~labels.between
     return expect(labels.gain.value, labels.gain_errors, labels.columns, labels.spreads, GAIN_FLOOR, own)[0], own
@@ -266,9 +266,7 @@ def as_pads(labels: Labels, use: NDArray) -> list[PadReading]:
         columns = labels.columns.copy()
         columns[:, 1], columns[:, 2] = share, share**2
         columns[:, shared:] = np.concatenate([np.tile(level, (len(share), 1)), share[:, None] * level], axis=1)
-        spread = np.einsum("ti,ij,tj->t", columns, near.covariance, columns)
-        difference = gain.value - columns @ near.middle
-        z = difference / np.sqrt(near.scale**2 + gain.error**2 + spread)
+        difference, z = gain.value - columns @ near.middle, near.z(gain.value, columns, gain.error)
         limit = limit_of(labels.fit.problem.law, (pad,), np.array([pad.thickness_mm]))
         out.append(PadReading(pad, difference, z, gain.left, presses.depth_mm <= BEYOND * float(np.min(limit))))
     return out

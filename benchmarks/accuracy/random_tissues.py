@@ -62,7 +62,7 @@ def study_one(number: int, seed: int) -> dict[str, Any]:
         designs = search_shapes("auto", problem.slab_law, space)[0]
         taken = taken_pad(problem, designs[0])
     except NoAnswerError:
-        designs = ()
+        designs = []
     limits, strict = space.targets.limits, ranges_of(space.targets).strict
     for design in designs:  # ranked: the first of a kind is its best
         outlook = design.outlook

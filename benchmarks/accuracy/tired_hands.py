@@ -14,7 +14,7 @@ import json
 import re
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -65,6 +65,11 @@ def write(folder: Path, mind: str, put: tuple[tuple[str, float], ...], seed: int
         independent_generator.write_campaign(folder, put, seed, cutoff_hz=50.0 * filter_share)
 
 
+def one_of(rng: np.random.Generator, rows: Sequence[dict[str, str]]) -> dict[str, str]:
+    """One of several trials, all alike."""
+    return rows[int(rng.integers(len(rows)))]
+
+
 def rows_of(folder: Path) -> list[dict[str, str]]:
     """The trials of a campaign file, values as they are written."""
     blocks = (folder / "campaign.toml").read_text().split("[[trial]]")[1:]
@@ -88,17 +93,17 @@ def spoil(folder: Path, fault: str, mind: str, put: tuple[tuple[str, float], ...
     of_day = [row for row in rows if row["age_days"] == day]
     done: dict[str, Any] = {}
     if fault == "pad":
-        row = rng.choice(rows)
+        row = one_of(rng, rows)
         done["to"] = str(rng.choice([pad for pad in pads if pad != row["thickness_mm"]]))
         row["thickness_mm"], wrong = done["to"], [row]
     elif fault == "exchanged":
         keys = ("thickness_mm", "velocity_mm_s", "target_force_N")
-        one = rng.choice(rows)
-        other = rng.choice([row for row in rows if [row[k] for k in keys] != [one[k] for k in keys]])
+        one = one_of(rng, rows)
+        other = one_of(rng, [row for row in rows if [row[k] for k in keys] != [one[k] for k in keys]])
         done["same"] = [key for key in keys if one[key] == other[key]]
         one["file"], other["file"], wrong = other["file"], one["file"], [one, other]
     elif fault in ("thickness", "whole_pad"):
-        row = rng.choice(rows)
+        row = one_of(rng, rows)
         off = float(np.exp(rng.choice([-1.0, 1.0]) * np.log1p(rng.uniform(*MISTYPED))))
         wrong = [row] if fault == "thickness" else [one for one in rows if one["thickness_mm"] == row["thickness_mm"]]
         typed = f"{float(row['thickness_mm']) * off:.1f}"
@@ -106,7 +111,7 @@ def spoil(folder: Path, fault: str, mind: str, put: tuple[tuple[str, float], ...
         for one in wrong:
             one["thickness_mm"] = typed
     elif fault == "speed":
-        row = rng.choice(rows)
+        row = one_of(rng, rows)
         done["off"] = float(rng.choice([0.5, 2.0]))
         row["velocity_mm_s"], wrong = f"{float(row['velocity_mm_s']) * done['off']:g}", [row]
     elif fault == "sensor":

@@ -1,6 +1,7 @@
-"""From a move of a slider to the new plots, by the clock in Chromium: ``python -m benchmarks.speed.slider_latency``.
+"""From a move of a slider to the drawn plot, by the clock in Chromium: ``python -m benchmarks.speed.slider_latency``.
 
-Each kind of pad is moved many times; the middle and the 95 % quantile are printed with the load of the machine.
+Each kind of pad is moved many times. Median and 95 % quantile are printed with the load of the machine: until the
+verdict of the new pad is there, until its curve is drawn in the large plot, and until all plots are drawn.
 """
 
 from __future__ import annotations
@@ -15,14 +16,27 @@ import numpy as np
 from dummydesign.project.folder import make_project
 from tests.support.studio import browser, running
 
-MOVE = """([name, value]) => new Promise((done) => {
-    const plots = document.querySelector('[data-test="plots"]'), start = performance.now();
-    const end = () => { watch.disconnect(); done((performance.now() - start) / 1e3); };
-    const watch = new MutationObserver(end);
-    setTimeout(end, 5000);
-    watch.observe(plots, {childList: true, subtree: true, characterData: true});
+MOVE = """([name, value, label]) => new Promise((done) => {
+    const start = performance.now(), times = [NaN, NaN, NaN];
+    const since = () => (performance.now() - start) / 1e3;
+    const box = document.querySelector('[data-test="plots"]'), verdict = document.querySelector('[data-test="verdict"]');
+    const lines = [...box.querySelectorAll('.trace')].filter((one) => one.__data__[0].trace.name === 'this pad')
+        .map((one) => one.querySelector('.js-line'));
+    const left = new Set(lines), mine = () => verdict.querySelector('small.label')?.textContent.includes(label);
+    const end = () => { clearTimeout(late); watch.disconnect(); done(times); };
+    const late = setTimeout(end, 5000);
+    const watch = new MutationObserver((all) => {
+        if (!mine()) return;
+        if (isNaN(times[0])) times[0] = since();
+        for (const one of all) left.delete(one.target);
+        if (!left.has(lines[0]) && isNaN(times[1])) times[1] = since();
+        if (!left.size) { times[2] = since(); requestAnimationFrame(end); }
+    });
+    watch.observe(verdict, {childList: true, subtree: true, characterData: true});
+    watch.observe(box, {childList: true, subtree: true, attributeFilter: ['d']});
     const slider = document.querySelector(`[data-test="slide-${name}"]`);
     slider.value = value; slider.dispatchEvent(new Event('input', {bubbles: true})); })"""
+STEPS = ("the verdict", "curve of the large plot", "curves of all plots")
 PADS = {
     "slab": "slab",
     "crowned": "crowned:20,2,9",
@@ -36,10 +50,13 @@ SETTLED = '[data-test="verdict"] .verdict[data-state="settled"]'
 def main(moves: int = 60, seed: int = 20261123) -> None:
     """Measure and print."""
     draw = np.random.default_rng(seed)
-    every: list[float] = []
+    every: list[list[float]] = []
     with tempfile.TemporaryDirectory() as base:
         make_project(Path(base) / "thumb", tissue="forefinger")
-        with running(Path(base) / "thumb", Path(base) / "home") as studio, browser() as opened:
+        with (
+            running(Path(base) / "thumb", Path(base) / "home") as studio,
+            browser(viewport={"width": 1280, "height": 800}) as opened,
+        ):
             page: Any = opened
             page.goto(studio.address)
             for kind, shape in PADS.items():
@@ -50,22 +67,24 @@ def main(moves: int = 60, seed: int = 20261123) -> None:
                 for _ in range(moves):
                     name, low, high = ("thickness", 7.0, 10.5) if draw.random() < 0.5 else ("ratio", 14.5, 18.0)
                     step = 0.1 if name == "thickness" else 0.05
-                    value = round(round(float(draw.uniform(low, high)) / step) * step, 2)
-                    if page.locator(f'[data-test="slide-{name}"]').input_value() == f"{value:g}":
+                    value = f"{round(round(float(draw.uniform(low, high)) / step) * step, 2):g}"
+                    if page.locator(f'[data-test="slide-{name}"]').input_value() == value:
                         continue
-                    taken.append(page.evaluate(MOVE, [name, value]))
+                    label = f" {value} mm, ratio" if name == "thickness" else f"ratio {value},"
+                    taken.append(page.evaluate(MOVE, [name, value, label]))
                     # every third move comes while the castings of the one before are counted
                     page.wait_for_timeout(int(draw.choice([30, 300, 700])))
                 every += taken
-                print(
-                    f"{kind:<8} {len(taken)} moves: {np.median(taken):.3f} s in the middle, 95 % within "
-                    f"{np.quantile(taken, 0.95):.3f} s, longest {max(taken):.3f} s",
-                    flush=True,
-                )
-    print(
-        f"all      {len(every)} moves: {np.median(every):.3f} s, 95 % within {np.quantile(every, 0.95):.3f} s; "
-        f"load {os.getloadavg()[0]:.1f}"
-    )
+                print(f"{kind:<8} {said(taken)}", flush=True)
+    print(f"all      {said(every)}; load {os.getloadavg()[0]:.1f}")
+
+
+def said(taken: list[list[float]]) -> str:
+    """Median and 95 % quantile of each step of some moves."""
+    found = (np.nanquantile(taken, share, axis=0) for share in (0.5, 0.95))
+    words = [f"{name} {middle:.3f} s, 95 % {most:.3f} s" for name, middle, most in zip(STEPS, *found)]
+    missed = int(np.isnan(taken).any(axis=1).sum())
+    return f"{len(taken)} moves: {'; '.join(words)}" + (f"; {missed} were not drawn" if missed else "")
 
 
 if __name__ == "__main__":

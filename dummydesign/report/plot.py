@@ -8,9 +8,9 @@ from __future__ import annotations
 import base64
 import json
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -20,8 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 
 COLUMNS = ("figure", "series", "x_name", "y_name", "x", "y", "low", "high")
 """Of the values of figures; the names of x and y carry their units."""
-MOST_POINTS = 400
-"""Of a series in a page; the CSV has all."""
+MOST_POINTS, FEW_POINTS = 400, 120
+"""Of a series in a page, and in a small figure; the CSV has all."""
 PX = (440.0, 310.0)
 """Width and height of a figure; only their ratio matters."""
 MARGINS_PX = (58.0, 14.0, 26.0, 48.0)
@@ -178,11 +178,21 @@ class Plot:
         if self.to_scale:
             y |= {"scaleanchor": "x", "constrain": "domain"}
         mode = "closest" if kinds & {"bars", "map"} else "x unified"
+        most = MOST_POINTS if self.size[0] >= PX[0] else FEW_POINTS
         layout = {"xaxis": x, "yaxis": y, "hovermode": mode}
         return {
-            "data": [trace for one in self.series if one.seen for trace in _traces(one, self.log_x, x_unit, y_unit)],
+            "data": [
+                trace for one in self.series if one.seen for trace in _traces(one, self.log_x, x_unit, y_unit, most)
+            ],
             "layout": layout,
         }
+
+    def change(self, before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
+        """What a page needs to draw ``now`` where :meth:`figure` was ``before``: traces by number, layout, words."""
+        pairs = enumerate(zip(before["data"], now["data"], strict=True))
+        new = {number: trace for number, (old, trace) in pairs if trace is not old}
+        layout = {} if now["layout"] == before["layout"] else {"layout": now["layout"]}
+        return {"name": self.name, "title": self.title, "alt": self.alt, "data": new, **layout}
 
     def legend(self) -> list[tuple[str, str]]:
         """Labels and their marks, as SVG."""
@@ -260,12 +270,12 @@ def plots_js() -> str:
     return Path(__file__).with_name("plots.js").read_text(encoding="utf-8")
 
 
-def thin(x: NDArray, log: bool, *others: NDArray) -> list[NDArray]:
-    """Keep at most :data:`MOST_POINTS` of many points, evenly along the axis, ends and extremes included."""
-    if len(x) <= MOST_POINTS:
+def thin(x: NDArray, log: bool, *others: NDArray, most: int = MOST_POINTS) -> list[NDArray]:
+    """Keep about so many of more points, evenly along the axis, ends and extremes included."""
+    if len(x) <= most:
         return [x, *others]
     position = np.log(np.maximum(x, 1e-12)) if log else x
-    cells = np.floor((position - position[0]) / max(position[-1] - position[0], 1e-300) * (MOST_POINTS - 1)).astype(int)
+    cells = np.floor((position - position[0]) / max(position[-1] - position[0], 1e-300) * (most - 1)).astype(int)
     kept = np.r_[True, np.diff(cells) > 0]
     kept[-1] = True
     for values in others:
@@ -299,12 +309,13 @@ def _bar_places(bars: Series) -> NDArray:
     return len(bars.names) - 0.5 - np.arange(len(bars.names))
 
 
-def _traces(one: Series, log_x: bool, x_unit: str, y_unit: str) -> list[dict[str, Any]]:
-    """A series as plotly.js draws it."""
+@lru_cache(maxsize=64)
+def _traces(one: Series, log_x: bool, x_unit: str, y_unit: str, most: int) -> list[dict[str, Any]]:
+    """A series as plotly.js draws it; the same object for the same series, so that what changed is seen."""
     colour = f"var(--{one.style})"
     trace: dict[str, Any] = {"name": one.label, "hovertemplate": f"%{{y:.4~g}}{y_unit}"}
     if one.kind == "band":
-        return _band(one, log_x, x_unit, y_unit)
+        return _band(one, log_x, x_unit, y_unit, most)
     if one.kind == "bars":
         base, end = _numbers(one.low), _numbers(one.high)
         words = f"%{{text}}: %{{base:.4~g}} to %{{customdata:.4~g}}{x_unit}<extra></extra>"
@@ -357,7 +368,7 @@ def _traces(one: Series, log_x: bool, x_unit: str, y_unit: str) -> list[dict[str
                 "line": {"color": colour},
             }
         ]
-    x, y = thin(one.x, log_x, one.y) if one.kind == "line" else (one.x, one.y)
+    x, y = thin(one.x, log_x, one.y, most=most) if one.kind == "line" else (one.x, one.y)
     trace |= {"x": _numbers(x), "y": _numbers(y)}
     if one.kind == "words":
         return [
@@ -376,11 +387,11 @@ def _traces(one: Series, log_x: bool, x_unit: str, y_unit: str) -> list[dict[str
     return [trace | {"mode": "lines", "line": {"color": colour, "dash": DASHES.get(one.style, "solid")}}]
 
 
-def _band(one: Series, log_x: bool, x_unit: str, y_unit: str) -> list[dict[str, Any]]:
+def _band(one: Series, log_x: bool, x_unit: str, y_unit: str, most: int) -> list[dict[str, Any]]:
     """Both ends of a band as curves with the area between them; the upper one says both."""
     at = one.y if one.sideways else one.x
     known = np.isfinite(at) & np.isfinite(one.low) & np.isfinite(one.high)
-    columns = thin(at[known], log_x and not one.sideways, one.low[known], one.high[known])
+    columns = thin(at[known], log_x and not one.sideways, one.low[known], one.high[known], most=most)
     places, low, high = map(_numbers, columns)
     own, across = ("y", "x") if one.sideways else ("x", "y")
     unit, where = (x_unit, f" at %{{y:.4~g}}{y_unit}") if one.sideways else (y_unit, "")

@@ -4,8 +4,9 @@
 (() => {
   if (window.plotsRead) return;
   window.plotsRead = true;
-  const PLOT = "div.plot[data-plot]", drawn = new Map(), waiting = new Set(), dark = matchMedia("(prefers-color-scheme:dark)");
-  let spoken = null, loading = null;
+  const PLOT = "div.plot[data-plot]", drawn = new Map(), waiting = new Set(), sight = new Set(), late = new Set();
+  const dark = matchMedia("(prefers-color-scheme:dark)"), NARROW_PX = 240, REST_MS = 150;
+  let spoken = null, loading = null, busy = false, resting = 0, colours = {};
 
   // plotly.js lies packed in the page, or at an address
   async function load() {
@@ -21,13 +22,18 @@
     (document.querySelector("main") || document.body).append(spoken);
   }
 
+  const of = (name) => colours[name] ??= getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
   function draw(div) {
-    const style = getComputedStyle(div), of = (name) => style.getPropertyValue(name).trim();
-    const { data, layout } = JSON.parse(div.dataset.plot.replace(/var\((--\w+)\)/g, (_, name) => of(name)));
+    div.spec ??= JSON.parse(div.dataset.plot);
+    const { data, layout } = JSON.parse(JSON.stringify(div.spec).replace(/var\((--\w+)\)/g, (_, name) => of(name)));
+    const narrow = div.clientWidth < NARROW_PX;
+    if (narrow) for (const one of [layout.xaxis, layout.yaxis]) delete one.title;
     const axis = { color: of("--soft"), gridcolor: of("--rule"), linecolor: of("--other"), showline: true, mirror: true,
       zeroline: false, zerolinecolor: of("--other"), automargin: true, hoverformat: ".4~g", title: { font: { color: of("--ink") }, standoff: 6 } };
     layout.template = { layout: { xaxis: axis, yaxis: axis, autosize: true, showlegend: false,
-      margin: { l: 58, r: 14, t: 26, b: 48 }, font: { size: 12, family: style.fontFamily, color: of("--soft") },
+      margin: narrow ? { l: 24, r: 6, t: 6, b: 20 } : { l: 58, r: 14, t: 26, b: 48 },
+      font: { size: narrow ? 10 : 12, family: getComputedStyle(div).fontFamily, color: of("--soft") },
       paper_bgcolor: of("--paper"), plot_bgcolor: of("--paper"), barmode: "overlay", hoverdistance: 12,
       dragmode: matchMedia("(pointer:coarse)").matches ? false : "zoom",
       modebar: { bgcolor: "transparent", color: of("--soft"), activecolor: of("--ink") },
@@ -45,33 +51,73 @@
     for (const button of div.querySelectorAll(".modebar-btn")) button.tabIndex = -1;  // the plot has keys for them
   }
 
+  // every other plot is a large one while there are any: what one looks at follows a slider first
   async function work() {
     await (loading ??= load());
-    for (const div of waiting) {
-      waiting.delete(div);
-      if (!div.isConnected) continue;
-      draw(div);
-      await new Promise((done) => setTimeout(done));  // a page answers between two plots
+    if (busy) return;
+    busy = true;
+    let large = false;
+    try {
+      while (waiting.size) {
+        const all = [...waiting];
+        large = !large && all.find((one) => !one.closest(".small"));
+        const div = large || all.find((one) => sight.has(one)) || all[0];
+        waiting.delete(div);
+        if (div.isConnected) draw(div);
+        await new Promise((done) => setTimeout(done));  // a page answers between two plots
+      }
+    } finally { busy = false; }
+  }
+  // to draw a plot takes plotly.js 20 ms: while a slider moves its curves alone are, along the axes that are there
+  function move(div, data) {
+    const { xaxis, yaxis } = div._fullLayout || {};
+    for (const node of xaxis ? div.querySelectorAll(".scatterlayer .trace") : []) {
+      const one = data[node.__data__[0].trace.index], path = node.querySelector(".js-line");
+      if (!one || !path) continue;
+      const points = one.x.map((x, k) => x === null || one.y[k] === null ? [] : [xaxis.d2p(x), yaxis.d2p(one.y[k])])
+        .filter((point) => point.length && point.every(Number.isFinite)).map((point) => point.map((px) => px.toFixed(1)).join());
+      path.setAttribute("d", points.length ? `M${points.join("L")}` : "M0,0");
     }
   }
+  const watch = new IntersectionObserver((all) => all.forEach(({ target, isIntersecting }) =>
+    sight[isIntersecting ? "add" : "delete"](target)));
+  // what changed of plots that are drawn: traces by their number, and the layout
+  window.changePlots = (changes) => {
+    for (const { name, data, layout, title, alt } of changes) {
+      const div = drawn.get(name);
+      if (!div) continue;
+      div.spec ??= JSON.parse(div.dataset.plot);
+      Object.assign(div.spec.data, data);
+      if (layout) div.spec.layout = layout;
+      div.setAttribute("aria-label", alt);
+      div.closest("figure").querySelector("strong").textContent = title;
+      move(div, data);
+      waiting.delete(div);
+      late.add(div);
+    }
+    clearTimeout(resting);
+    resting = setTimeout(() => { late.forEach((div) => waiting.add(div)); late.clear(); work(); }, REST_MS);
+  };
   function add(root) {
     for (let div of root.matches?.(PLOT) ? [root] : root.querySelectorAll?.(PLOT) || []) {
       const { name, plot } = div.dataset, before = drawn.get(name);
       if (before === div) continue;
       if (before && !before.isConnected) {
         before.dataset.plot = plot;
+        before.spec = null;
         before.setAttribute("aria-label", div.getAttribute("aria-label"));
         div.replaceWith(before);
         div = before;
       }
       drawn.set(name, div);
       waiting.add(div);
+      watch.observe(div);
     }
     if (waiting.size) work();
   }
   new MutationObserver((all) => all.forEach((one) => one.addedNodes.forEach(add))).observe(document, { childList: true, subtree: true });
   add(document);
-  dark.addEventListener("change", () => { drawn.forEach((div) => waiting.add(div)); work(); });
+  dark.addEventListener("change", () => { colours = {}; drawn.forEach((div) => waiting.add(div)); work(); });
 
   document.addEventListener("keydown", (event) => {
     const div = event.target;

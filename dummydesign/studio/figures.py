@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,90 +17,91 @@ from dummydesign.design.plot_data import force_grids
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.report.page import STYLES, figure_values, log_start
-from dummydesign.report.plot import Plot, Series, press_plot
+from dummydesign.report.plot import Plot, Series, keys_html, press_plot, steady_plot
 
 if TYPE_CHECKING:
     from dummydesign.design.pad_evaluator import EvaluatedPad, PadEvaluator
+    from dummydesign.design.problem import Problem
     from dummydesign.design.scoring.targets import Targets
     from dummydesign.geometry.pad_shape import PadShape
     from dummydesign.geometry.punch import Punch
-    from dummydesign.tissue.model.tissue import Tissue
 
 
-SMALL_PX = (300.0, 222.0)
+SMALL_PX, WIDE_PX = (300.0, 222.0), (600.0, 300.0)
 ABOVE_MM, TALL_MM = 0.4, 3.6
 """How far over the pad the punch is drawn, and how much of it. [mm]"""
 
 
-def steady(tissue: Tissue, targets: Targets, pad: EvaluatedPad | None = None) -> Plot:
+def steady(targets: Targets, pad: EvaluatedPad | None = None, people: Sequence[Series] = ()) -> Plot:
     """Steady force over depth: the subjects, the aim, and a pad where one is given."""
-    grids = force_grids(targets.protocol)
-    series: list[Series] = [
-        Series.band(
-            "subjects, extrapolated",
-            grids.extrapolated,
-            *targets.depth_range_mm(grids.extrapolated),
-            sideways=True,
-            style="extra",
-        ),
-        Series.band(
-            f"subjects of {tissue.name}", grids.measured, *targets.depth_range_mm(grids.measured), sideways=True
-        ),
-        Series.line(f"aim: {targets.aim}", targets.aim_depth_mm(grids.aim), grids.aim, "aim"),
-    ]
-    alt = f"Steady force over depth of the subjects of {tissue.name}"
+    grid = force_grids(targets.protocol).pad
+    extrapolated, band, aim = people or _people(targets)
+    series: list[Series] = [extrapolated, band, aim]
+    alt = f"Steady force over depth of the subjects of {targets.tissue.name}"
     if pad is not None:
-        depth = pad.candidate.steady_depth_mm(grids.pad)
-        series.append(Series.line("this pad", depth, grids.pad))
-        at = float(np.interp(10.0, grids.pad, depth)) if np.isfinite(depth).all() else float("nan")
+        depth = pad.candidate.steady_depth_mm(grid)
+        series.append(Series.line("this pad", depth, grid))
+        at = float(np.interp(10.0, grid, depth)) if np.isfinite(depth).all() else float("nan")
         alt += f"; the pad is {at:.2f} mm deep at 10 N" if np.isfinite(at) else "; the pad does not reach 10 N"
-    deepest = float(max(targets.depth_range_mm(grids.measured)[1].max(), targets.aim_depth_mm(grids.aim).max()))
-    return Plot(
-        "steady",
-        "Steady force over depth",
-        f"{alt}.",
-        "depth [mm]",
-        "steady force [N]",
-        "depth_mm",
-        "force_N",
-        tuple(series),
-        x_range=(0.0, 1.25 * deepest),
-        y_range=(0.0, 16.0),
+    deepest = float(max(band.high.max(), aim.x.max()))
+    return replace(steady_plot(f"{alt}.", series), x_range=(0.0, 1.25 * deepest), y_range=(0.0, 16.0))
+
+
+def _people(targets: Targets) -> tuple[Series, ...]:
+    """Steady force over depth of the subjects and of the aim."""
+    grids = force_grids(targets.protocol)
+    below, band = (targets.depth_range_mm(force_N) for force_N in (grids.extrapolated, grids.measured))
+    return (
+        Series.band("subjects, extrapolated", grids.extrapolated, *below, sideways=True, style="extra"),
+        Series.band("subjects", grids.measured, *band, sideways=True),
+        Series.line("aim", targets.aim_depth_mm(grids.aim), grids.aim, "aim"),
     )
 
 
-def _press(targets: Targets, pad: EvaluatedPad, column: int) -> Plot:
-    """Force over time of one press of the protocol: subjects, aim, pad."""
-    condition = targets.conditions[column]
-    band, press = condition.range, pad.candidate.evaluation.presses[column]
-    series: list[Series] = [
-        Series.band("subjects", band.time_s, band.low_N, band.high_N),
-        Series.line("aim", condition.aim.time_s, condition.aim.curves_N[0], "aim"),
+@lru_cache(maxsize=8)
+def _behind(problem: Problem) -> list[tuple[Series, ...]]:
+    """What stands behind the pads of a question in each plot, once: a page is then sent what changed."""
+    presses = [
+        (
+            Series.band("subjects", one.range.time_s, one.range.low_N, one.range.high_N),
+            Series.line("aim", one.aim.time_s, one.aim.curves_N[0], "aim"),
+        )
+        for one in problem.targets.conditions
     ]
-    reached = "out of the pad's reach"
-    if np.isfinite(press.depth_mm[0]):
-        series.append(Series.line("this pad", press.time_s[0], press.force_N[0]))
-        reached = f"peak {press.force_N[0].max():.1f} N"
-    start = 1e-2 if condition.velocity_mm_s < 50 else 1e-3
-    title = f"{condition.steady_force_N:g} N at {condition.velocity_mm_s:g} mm/s: {reached}"
-    return Plot(
-        f"press-{column}",
-        title,
-        f"Force over time, {title}.",
-        "time [s]",
-        "force [N]",
-        "time_s",
-        "force_N",
-        tuple(series),
-        log_x=True,
-        x_range=(start, float(band.time_s[-1])),
-        size=SMALL_PX,
+    return [_people(problem.targets), *presses]
+
+
+def pad_plots(problem: Problem, shape: PadShape, pad: EvaluatedPad) -> list[Plot]:
+    """Steady force of a pad, its cross-section, and force over time of every press of the protocol, small."""
+    people, *behind = _behind(problem)
+    plots = [
+        steady(problem.targets, pad, people),
+        section(shape, pad.candidate.thickness_mm, problem.punch),
+    ]
+    for number, (condition, series) in enumerate(zip(problem.targets.conditions, behind)):
+        press = pad.candidate.evaluation.presses[number]
+        own, reached = [], "out of reach"
+        if np.isfinite(press.depth_mm[0]):
+            own, reached = (
+                [Series.line("this pad", press.time_s[0], press.force_N[0])],
+                f"{press.force_N[0].max():.1f} N",
+            )
+        title = f"{condition.steady_force_N:g} N, {condition.velocity_mm_s:g} mm/s: {reached}"
+        ends = 1e-2 if condition.velocity_mm_s < 50 else 1e-3, float(condition.range.time_s[-1])
+        alt = f"Force over time of the press to {title} at the peak."
+        plots.append(replace(press_plot(f"press-{number}", title, alt, [*series, *own], ends), size=SMALL_PX))
+    return plots
+
+
+def pad_html(plots: Sequence[Plot]) -> str:
+    """The plots of a pad as HTML: one legend for force over depth and over time, the presses as a strip."""
+    first, across, *presses = plots
+    keys = dict.fromkeys(key for plot in (first, *presses) for key in plot.legend())
+    strip = "".join(plot.html(keyed=False) for plot in presses)
+    return (
+        f'{keys_html(keys)}<div class="plots large">{first.html(keyed=False)}{across.html()}</div>'
+        f'<div class="plots small strip" role="group" aria-label="force [N] over time [s] of the presses">{strip}</div>'
     )
-
-
-def presses(targets: Targets, pad: EvaluatedPad) -> list[Plot]:
-    """Force over time of every press of the protocol, small enough to stand in a grid."""
-    return [_press(targets, pad, column) for column in range(len(targets.conditions))]
 
 
 def measured_over_fitted(root: Path, answer: Mapping[str, Any]) -> list[Plot]:
@@ -179,6 +182,7 @@ def section(shape: PadShape, thickness_mm: float, punch: Punch) -> Plot:
         tuple(series),
         x_range=(-half, half),
         y_range=(0.0, thickness_mm + 5.0),
+        size=WIDE_PX,
     )
 
 

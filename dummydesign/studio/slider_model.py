@@ -62,7 +62,7 @@ class Slider:
         self.value, self._name, self._moved, self._written = value, name, moved, 0
         with ui.element("div").classes("slider"):
             self._box = ui.html("", sanitize=False).classes("slide")
-            self._beside = ui.label("").classes("beside")
+            self.beside = ui.label("").classes("beside")
         self._box.on("input", self._take, js_handler=SLIDE, throttle=THROTTLE_S)
         for event in ("change", "keydown"):
             self._box.on(event, self._take, js_handler=SLIDE)
@@ -89,10 +89,6 @@ class Slider:
             f'<input type="range" {ends} aria-label="{named}, slider" data-test="slide-{test}">'
             f'<small>{self.low:g} to {self.high:g} {escape(self._unit)}</small><small role="status"></small>'
         )
-
-    def say(self, words: str) -> None:
-        """Say beside it what its value means."""
-        self._beside.set_text(words)
 
     def _take(self, event: events.GenericEventArguments) -> None:
         self.value = float(event.args)

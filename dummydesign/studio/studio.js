@@ -6,6 +6,15 @@ function keepState(query, more) {
   history.replaceState(history.state, '', '?' + [query, more].filter(Boolean).join('&'));
 }
 
+// a slider moved: new texts by the place where they are, and what changed of the plots
+function follow([texts, changes]) {
+  for (const [id, text] of Object.entries(texts)) {
+    const place = document.getElementById(id);
+    if (place && place.innerHTML !== text) place.innerHTML = text;
+  }
+  changePlots(changes);
+}
+
 // links that carry the state get it when they are used: panels come and go, and the state changes meanwhile
 for (const kind of ['pointerdown', 'focusin', 'click']) addEventListener(kind, (event) => {
   const link = event.target.closest?.('a[data-state]');

@@ -379,15 +379,20 @@ def tell_changes(root: Path, manifest: str, advice: str) -> None:
         tell_problem(f"{name} has changed since. {advice}")
 
 
-def tell_verdict(light: str, text: str, state: str = "", note: str = "", label: str = "", test: str = "") -> None:
-    """Show a verdict: its light, also for those who cannot see it, and its sentence."""
+def verdict_html(light: str, text: str, state: str = "", note: str = "", label: str = "", test: str = "") -> str:
+    """A verdict as HTML: its light, also for those who cannot see it, and its sentence."""
     light, marks = escape(light), f' data-test="{escape(test)}"' if test else ""
     more = f" <small>{escape(note)}</small>" if note else ""
     more += f'<small class="label">{escape(label)}</small>' if label else ""
-    html(
+    return (
         f'<div class="verdict {light}" data-state="{escape(state)}"{marks}><span class="light" aria-hidden="true">'
         f'</span><p><span class="hide">{light} light: </span>{marked(text)}{more}</p></div>'
     )
+
+
+def tell_verdict(light: str, text: str, label: str = "", test: str = "") -> None:
+    """Show a verdict."""
+    html(verdict_html(light, text, label=label, test=test))
 
 
 def command_line(words: Sequence[str]) -> None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
 from dummydesign.core.files import csv_text
+from dummydesign.design.pad_evaluator import PadEvaluator
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.report.plot import COLUMNS, Plot, Series, plots_html, plots_js
+from dummydesign.report.plot import COLUMNS, Plot, Series, plots_js
 from dummydesign.studio import figures
 from dummydesign.studio.slider_model import evaluator_of
 from dummydesign.studio.state import State
@@ -24,20 +27,41 @@ def looked(tmp_path_factory):
 
 
 def test_every_press_of_the_protocol_is_drawn_small(looked):
-    inputs, _, pad = looked
-    targets = inputs.targets
-    plots = figures.presses(targets, pad)
+    inputs, shape, pad = looked
+    plots = figures.pad_plots(inputs, shape, pad)[2:]
     assert [plot.title.partition(":")[0] for plot in plots] == [
-        f"{one.steady_force_N:g} N at {one.velocity_mm_s:g} mm/s" for one in targets.conditions
+        f"{one.steady_force_N:g} N, {one.velocity_mm_s:g} mm/s" for one in inputs.targets.conditions
     ]
     assert len({plot.name for plot in plots}) == len(plots) == 6
     for plot, press in zip(plots, pad.candidate.evaluation.presses):
-        figure = figures_of(plot.html())[plot.name]
-        assert figure["data"][-1]["y"] == pytest.approx(press.force_N[0].tolist(), rel=1e-5)
+        drawn = figures_of(plot.html())[plot.name]["data"][-1]
+        assert len(drawn["x"]) <= 124 and max(drawn["y"]) == pytest.approx(press.force_N[0].max(), rel=1e-5)
+        at = np.interp(drawn["x"], press.time_s[0], press.force_N[0])
+        assert drawn["y"] == pytest.approx(at.tolist(), rel=1e-4, abs=1e-5)
         assert 'style="aspect-ratio:300/222"' in plot.html()
         assert f"{press.force_N[0].max():.1f} N" in plot.title
-    text = plots_html(plots, small=True)
-    assert len(figures_of(text)) == 6 and text.count('class="key"') == 3
+
+
+def test_a_moved_slider_changes_the_curves_of_the_pad_alone(looked):
+    inputs, shape, pad = looked
+    before, now = (
+        figures.pad_plots(inputs, shape, one) for one in (pad, PadEvaluator(inputs).evaluate(shape, 4.5, 16.0))
+    )
+    drawn = [[plot.figure() for plot in plots] for plots in (before, now)]
+    changes = {plot.name: plot.change(*pair) for plot, *pair in zip(now, *drawn)}
+    for name, change in changes.items():
+        names = {drawn[1][[plot.name for plot in now].index(name)]["data"][number]["name"] for number in change["data"]}
+        assert name == "section" or names == {"this pad"}, name
+        assert "layout" not in change
+    assert len(json.dumps(list(changes.values()))) < 60_000
+
+
+def test_one_legend_serves_the_force_over_depth_and_over_time(looked):
+    inputs, shape, pad = looked
+    text = figures.pad_html(figures.pad_plots(inputs, shape, pad))
+    assert len(figures_of(text)) == 8
+    legend = text[: text.index("<div")]
+    assert legend.count('class="key"') == 4 and text.count('class="keys"') == 2
 
 
 @pytest.mark.parametrize(

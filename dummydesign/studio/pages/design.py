@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from nicegui import run, ui
+from nicegui import background_tasks, run, ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.pad_evaluator import EvaluatedPad, NotTabulated, PadEvaluator
@@ -18,7 +19,7 @@ from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
-from dummydesign.report.plot import plots_html
+from dummydesign.report.plot import Plot
 from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio import slider_model as sliders
 from dummydesign.studio.pages import search
@@ -40,8 +41,10 @@ class PadView:
     evaluator: PadEvaluator
     shape: PadShape
     pad: EvaluatedPad
-    plots: str
+    plots: Sequence[Plot]
+    figures: Sequence[Mapping[str, Any]]
     presses: Sequence[Sequence[object]]
+    modulus: str
 
 
 class DesignPage:
@@ -49,14 +52,16 @@ class DesignPage:
 
     def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
         self.root, self.state = project.root, state
-        self.wanted = self.shown = 0
+        self.wanted = self.shown = self.written = 0
         self.busy = self.setting = False
+        self.drawn: Sequence[Mapping[str, Any]] = ()
         self.lengths: dict[str, Slider] = {}
         self.kind_of_lengths: tuple[str, float] = ("", 0.0)
         with ui.element("div").classes("two instrument"):
             choices = ui.element("div").classes("choices")
             with ui.element("div"):
-                self.verdict = widgets.area("verdict", live=True).classes("sticky")
+                with widgets.area("verdict", live=True).classes("sticky"):
+                    self.verdict = html("")
                 found = widgets.area()
                 self.plots = html("").props('data-test="plots"').style("width:100%")
                 self.solved = search.SolvedPad(self.root, lambda: self.state, self._say)
@@ -222,7 +227,7 @@ class DesignPage:
         self.wanted += 1
         self.stamp = sliders.stamp_of(self.root, self.state)
         if not self.busy:
-            ui.timer(0.0, self.follow, once=True)
+            background_tasks.create_or_defer(self.follow(), context=self.verdict)
 
     def watch(self) -> None:
         """A file was changed on the disk: the verdict is made anew."""
@@ -238,13 +243,13 @@ class DesignPage:
             while self.shown != self.wanted:
                 self.shown, state = self.wanted, self.state
                 view = await run.io_bound(self.view_of, state)
-                if view is not None:
+                if view is not None and not self.verdict.is_deleted:
                     self.draw(state, view)
         finally:
             self.busy = False
         number = self.wanted
         await asyncio.sleep(SETTLE_S)
-        if number == self.wanted and view is not None:
+        if number == self.wanted and view is not None and not self.verdict.is_deleted:
             await self.settle(state, view, number)
 
     def view_of(self, state: State) -> PadView | InputError:
@@ -259,41 +264,48 @@ class DesignPage:
         except Exception as problem:
             message = f"this pad cannot be evaluated ({type(problem).__name__}: {problem})"
             return InputError(message, "unsupported", "pad", state.shape)
-        inputs, targets = evaluator.problem, evaluator.problem.targets
-        large = plots_html(
-            [figures.steady(inputs.tissue, targets, pad), figures.section(shape, state.thickness_mm, inputs.punch)]
-        )
-        presses = plots_html(figures.presses(targets, pad), small=True)
-        small = f'<div class="row-of-plots" tabindex="0" role="group" aria-label="the presses">{presses}</div>'
-        return PadView(
-            evaluator, shape, pad, large + small, search.press_rows(condition_rows(pad.candidate, targets, shape))
-        )
+        plots = figures.pad_plots(evaluator.problem, shape, pad)
+        rows = search.press_rows(condition_rows(pad.candidate, evaluator.problem.targets, shape))
+        modulus = f"modulus {1e3 * float(evaluator.problem.resin.young_MPa(state.ratio)):.3g} kPa"
+        return PadView(evaluator, shape, pad, plots, [one.figure() for one in plots], rows, modulus)
 
     def solvable(self, view: InputError) -> bool:
         """Whether finite elements can solve a pad that no table holds."""
         return isinstance(view, NotTabulated) and not self.state.calibration
 
     def draw(self, state: State, view: PadView | InputError) -> None:
-        """Draw a pad, or why there is none: what belongs to another pad goes."""
-        for area in (self.numbers, self.solid, self.same):
-            area.clear()
-        self.solved.hide()
+        """Draw a pad, or why there is none.
+
+        Where the same plots are drawn already the page is sent what changed of them, past its framework, which would
+        lay out the whole page anew. What belongs to another pad is dimmed until the sliders rest.
+        """
+        before, self.drawn = self.drawn, () if isinstance(view, InputError) else view.figures
         if isinstance(view, InputError):
+            self._clear()
             self.plots.set_content("")
             self._say(state, "amber" if self.solvable(view) else "red", str(view), "refused")
             return
-        self.plots.set_content(view.plots)
-        self._say(state, view.pad.verdict.light, view.pad.verdict.text, "")
-        young = 1e3 * float(view.evaluator.problem.resin.young_MPa(state.ratio))
-        with self.numbers:
-            if (calibrated := view.evaluator.problem.calibrated) is not None:
-                widgets.warnings({"warnings": calibrated.warnings})
-            widgets.table(search.PRESS_HEAD, view.presses, under=f"the {len(view.presses)} presses in numbers")
-            self.ratio.say(f"modulus {young:.3g} kPa")
+        verdict = view.pad.verdict.light, view.pad.verdict.text, "", "(castings are being counted …)"
+        if [len(one["data"]) for one in before] == [len(one["data"]) for one in self.drawn]:
+            text = widgets.verdict_html(*verdict, state.label)
+            new = {self.verdict.html_id: text, self.ratio.beside.html_id: view.modulus}
+            changes = [plot.change(*pair) for plot, *pair in zip(view.plots, before, self.drawn)]
+            ui.run_javascript(f"follow({json.dumps([new, changes], separators=(',', ':'))})")
+        else:
+            self._clear()
+            self.plots.set_content(figures.pad_html(view.plots))
+            self._say(state, *verdict)
+
+    def _clear(self) -> None:
+        """Take away what belongs to another pad."""
+        for area in (self.numbers, self.solid, self.same):
+            area.clear()
+        self.solved.hide()
 
     async def settle(self, state: State, view: PadView | InputError, number: int) -> None:
         """After the last move: castings in the verdict, solid, command line, address, ends of the lengths."""
         keep_state(state)
+        self._clear()
         if (state.kind, state.thickness_mm) != self.kind_of_lengths:
             self._set_lengths()
         with self.same:
@@ -305,6 +317,11 @@ class DesignPage:
             if self.solvable(view):
                 self.solved.offer()
             return
+        self.ratio.beside.set_text(view.modulus)
+        with self.numbers:
+            if (calibrated := view.evaluator.problem.calibrated) is not None:
+                widgets.warnings({"warnings": calibrated.warnings})
+            widgets.table(search.PRESS_HEAD, view.presses, under=f"the {len(view.presses)} presses in numbers")
         verdict = await run.io_bound(self._verdict, state, view)
         if number != self.wanted or verdict is None:
             return
@@ -323,8 +340,10 @@ class DesignPage:
         return verdict.light, verdict.text, ESTIMATE
 
     def _say(self, state: State, light: str, text: str, shown: str, note: str = "") -> None:
-        with widgets.fresh(self.verdict):
-            widgets.tell_verdict(light, text, shown, note if shown else "(castings are being counted …)", state.label)
+        # numbered, so that a text written before still replaces what the browser has moved since
+        self.written += 1
+        text = widgets.verdict_html(light, text, shown, note, state.label)
+        self.verdict.set_content(f"{text}<!--{self.written}-->")
 
     def pad_words(self) -> list[str]:
         """The pad under the sliders as a command: a search whose limits are this pad."""

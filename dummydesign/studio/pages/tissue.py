@@ -122,7 +122,7 @@ def _show_tissue(root: Path, name: str) -> None:
         return
     try:
         tissue = load_tissue(absolute(root, name))
-        plot = figures.steady(tissue, make_targets(tissue, "average", Sampling()))
+        plot = figures.steady(make_targets(tissue, "average", Sampling()))
     except InputError as problem:
         widgets.tell_problem(str(problem))
         return

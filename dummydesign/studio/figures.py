@@ -16,7 +16,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.design.plot_data import force_grids
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.report.page import STYLES, figure_values, log_start
+from dummydesign.report.page import figure_values, log_start
 from dummydesign.report.plot import Plot, Series, keys_html, press_plot, steady_plot
 
 if TYPE_CHECKING:
@@ -120,14 +120,12 @@ def _measured_press(plot: str, rows: Sequence[Mapping[str, str]]) -> Plot:
     """One plot from the values of a report's plot: series, time, force."""
     curves = _curves(rows)
     series: list[Series] = []
-    traces = list(dict.fromkeys(name.partition(", ")[2] for name in curves))
     for name, (time, force) in curves.items():
-        kind, _, trace = name.partition(", ")
-        style = STYLES[traces.index(trace) % len(STYLES)]
+        kind = name.partition(", ")[0]
         if kind == "measured":
-            series.append(Series.dots(name, time, force, "other" if len(traces) == 1 else style))
+            series.append(Series.dots(kind, time, force, "other"))
         else:
-            series.append(Series.line(name, time, force, "aim" if kind == "base" else style))
+            series.append(Series.line(kind, time, force, "aim" if kind == "base" else "main"))
     seen = [values for name, values in curves.items() if name.startswith("measured")] or list(curves.values())
     peak = max(float(force.max()) for _, force in seen)
     rise = min(float(time[int(np.argmax(force))]) for time, force in seen)

@@ -50,7 +50,7 @@ class JobPanel:
         self.root, self.name = root, name
         self._commands: Callable[[], Steps] = lambda: [*first(), words()]
         self._show, self._belongs, self._ended, self._stamp = show, belongs, ended, stamp
-        self._needs, self._check = needs, check
+        self._needs, self._check, self._main = needs, check, main
         self._seen: object = None
         self.shown: jobs.Job | None = None
         self._watched = ""
@@ -62,7 +62,8 @@ class JobPanel:
                 self._stop = widgets.button("Stop", self.end, f"stop-{name}")
                 self._spinner = ui.spinner(size="1.4em")
                 self._status = ui.label("").props('role="status" aria-live="polite"')
-            self._problem, self._lines = ui.element("div"), widgets.area()
+                self._lines = ui.element("div")
+            self._problem = ui.element("div")
             self._result_area = (found or widgets.area()).props(f'data-test="found-{name}"')
         self.renew()
         ui.timer(0.5, self.update)
@@ -125,6 +126,9 @@ class JobPanel:
                 self._usual = newest.folder, jobs.usual_s(self.name)
             self._status.set_text(jobs.progress_line(newest, self._usual[1]))
         as_chosen = answer is not None and same(answer, words)
+        # what was asked is there: the button that comes next is the main one
+        if self._main and ("outline" in self._button.props) != as_chosen:
+            self._button.props("outline") if as_chosen else self._button.props(remove="outline")
         ours = newest and (newest.folder.name, newest.state, mine)
         seen = ours, answer and (answer.folder.name, as_chosen), self._stamp()
         if seen == self._seen:

@@ -86,8 +86,9 @@ class Slider:
             f'<span><input type="text" inputmode="decimal" value="{self.value:.6g}" data-test="number-{test}" '
             f'aria-label="{named} {escape(short)}"> '
             f"{escape(short)}</span></div>"
-            f'<input type="range" {ends} aria-label="{named}, slider" data-test="slide-{test}">'
-            f'<small>{self.low:g} to {self.high:g} {escape(self._unit)}</small><small role="status"></small>'
+            f'<div class="ends"><span>{self.low:g}</span><input type="range" {ends} aria-label="{named}, slider" '
+            f'data-test="slide-{test}"><span>{self.high:g}</span></div>'
+            f'<small>{escape("" if short == self._unit else self._unit)}</small><small role="status"></small>'
         )
 
     def _take(self, event: events.GenericEventArguments) -> None:

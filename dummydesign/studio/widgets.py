@@ -470,7 +470,7 @@ def file_link(words: str, path: str, kind: str = "") -> str:
 
 def zip_link(folder: str, sheets: Sequence[str] = ()) -> None:
     """Show a link that downloads a folder of the project as one file; a button beside that of its pour sheet."""
-    kind, more = "go" if sheets else "", "".join(file_link("Pour sheet (PDF)", path, "go") for path in sheets)
+    kind, more = "go" if sheets else "", "".join(file_link("Pour sheet (PDF)", path, "go more") for path in sheets)
     link = f'<a class="{kind}" data-test="zip" href="{address(f"/zip/{folder}")}" download>Download all files (ZIP)</a>'
     html(f'<div class="links">{link}{more}</div>')
 
@@ -480,7 +480,7 @@ def show_report(root: Path, files: Mapping[str, str], title: str) -> None:
     report = files.get("report")
     if report and (root / report).is_file():
         zip_link(Path(report).parent.as_posix())
-        shown_file(f"/files/{report}", title)
+        fold(f"{title[0].upper()}{title[1:]}", "report", lambda: shown_file(f"/files/{report}", title))
 
 
 def shown_file(path: str, title: str, kind: str = "shown", **query: object) -> None:

@@ -50,7 +50,7 @@ def test_a_moved_slider_changes_the_curves_of_the_pad_alone(looked):
     drawn = [[plot.figure() for plot in plots] for plots in (before, now)]
     changes = {plot.name: plot.change(*pair) for plot, *pair in zip(now, *drawn)}
     for name, change in changes.items():
-        names = {drawn[1][[plot.name for plot in now].index(name)]["data"][number]["name"] for number in change["data"]}
+        names = {trace["name"] for trace in change["data"].values() if "name" in trace}
         assert name == "section" or names == {"this pad"}, name
         assert "layout" not in change
     assert len(json.dumps(list(changes.values()))) < 60_000
@@ -91,10 +91,9 @@ def test_measured_presses_are_read_from_the_files_of_a_report(tmp_path, name, ti
     (plot,) = figures.measured_over_fitted(tmp_path, answer)
     assert plot.title == title and plot.x_range == (0.01, 10.0)
     for k, (drawn, one) in enumerate(zip(plot.series, series)):
-        assert drawn.label == one and (drawn.kind == "dots") == one.startswith("measured")
+        assert drawn.label == one.partition(", ")[0] and (drawn.kind == "dots") == one.startswith("measured")
         assert np.allclose(drawn.y, force + k, rtol=1e-5) and np.allclose(drawn.x, t, rtol=1e-5)
-    styles = {one.label: one.style for one in plot.series}
-    assert len(series) < 4 or styles["measured, a.csv"] == styles["fitted, a.csv"] != styles["fitted, b, c.csv"]
+    assert len({one.style for one in plot.series}) == len({one.partition(", ")[0] for one in series})
 
 
 def test_the_script_of_the_plots_is_an_element_of_the_head():

@@ -83,6 +83,8 @@ def test_other_kinds_are_judged_as_suggest_judges(tmp_path, capsys):
     turned = {**given, "recommendation": {**given["recommendation"], "shape": "none"}}
     again = verdicts_of_kinds(evaluator, turned)[own]
     assert again["level"] == given["verdict"]["level"] and again["light"] == given["verdict"]["light"]
+    # the search draws 4,800 castings where 1,200 leave the level open: two standard deviations of both draws
     for name, share in given["verdict"]["castings"].items():
-        assert again["castings"][name] == pytest.approx(share, abs=0.02), name
+        spread = 2.0 * (share * (1.0 - share) * (1.0 / 1200 + 1.0 / 4800)) ** 0.5
+        assert again["castings"][name] == pytest.approx(share, abs=max(spread, 1.0 / 1200)), name
     assert again["shortfall"]["central"] == pytest.approx(given["verdict"]["shortfall"]["central"], rel=1e-9)

@@ -21,6 +21,8 @@ OURS = {
     "style",
     "strftime",
     "plots_js",
+    "keys_html",
+    "verdict_html",
     "replace",
     "sub",
     "_file",
@@ -55,7 +57,7 @@ def safe(value: ast.expr, known: dict[str, list[ast.expr]], seen: frozenset[str]
         case ast.GeneratorExp() | ast.ListComp():
             return same(value.elt)
         case ast.Attribute():
-            return value.attr.isupper() or value.attr == "_written"
+            return value.attr.isupper() or value.attr.endswith("written")
         case ast.Call():
             name = getattr(value.func, "id", getattr(value.func, "attr", ""))
             return name in ESCAPES | OURS or (name == "join" and all(map(same, value.args)))

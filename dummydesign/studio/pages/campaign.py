@@ -168,13 +168,15 @@ class CampaignPresses:
         self.root, self.state, self.campaign = root, state, state.campaign
         self.folder = self.root / self.campaign
         self.wanted, self.at_work = 0, False
-        self.status_area = widgets.area("state")
-        DropList(
-            self.take,
-            self.renew,
-            "Drop the presses (CSV). A file with a planned name takes its place; the "
-            "earlier one goes to the bin. Any other file is assigned to a press below.",
-        )
+        with ui.element("div").classes("pair"):
+            self.status_area = widgets.area("state")
+            with ui.element("div"):
+                DropList(
+                    self.take,
+                    self.renew,
+                    "Drop the presses (CSV). A file with a planned name takes its place; the "
+                    "earlier one goes to the bin. Any other file is assigned to a press below.",
+                )
         self.undone, self.held = widgets.area(), widgets.area()
         self.holder = widgets.area()
         self.values = widgets.fold(
@@ -188,8 +190,9 @@ class CampaignPresses:
             for name in ("sheet.html", "sheet.csv")
             if (self.folder / name).is_file()
         ]
-        widgets.file_links([*links, ("campaign.toml", f"{self.campaign}/campaign.toml")])
-        widgets.zip_link(self.campaign)
+        with ui.element("div").classes("links"):
+            widgets.file_links([*links, ("campaign.toml", f"{self.campaign}/campaign.toml")])
+            widgets.zip_link(self.campaign)
         manage(root, self.campaign, "plan", lambda old, new: open_page("/campaign", state.changed(campaign=new)))
         self.show_held()
         status = check_campaign(self.folder)

@@ -51,8 +51,8 @@ class PressComparison:
         self.state = state = kept.state
         self.pads: list[PadWithPresses] = []
         with place:
-            self.pad = widgets.select("Pad", {}, "", "pad")
             with widgets.fields():
+                self.pad = widgets.select("Pad", {}, "", "pad")
                 self.tissue = widgets.select("Tissue", select_options.tissues(self.root), state.tissue, "tissue")
                 self.record = widgets.select("Record of the cast pad", {"": "none"}, "", "record")
             self.files = widgets.select_several("Its presses", {}, [], "presses")

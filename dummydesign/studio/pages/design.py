@@ -342,8 +342,8 @@ class DesignPage:
     def _say(self, state: State, light: str, text: str, shown: str, note: str = "") -> None:
         # numbered, so that a text written before still replaces what the browser has moved since
         self.written += 1
-        text = widgets.verdict_html(light, text, shown, note, state.label)
-        self.verdict.set_content(f"{text}<!--{self.written}-->")
+        said = widgets.verdict_html(light, text, shown, note, state.label)
+        self.verdict.set_content(f"{said}<!--{self.written}-->")
 
     def pad_words(self) -> list[str]:
         """The pad under the sliders as a command: a search whose limits are this pad."""

@@ -64,6 +64,7 @@ class Learning:
             self.show_plan,
             self.belongs,
             lambda job, mine: self.list_calibrations(),
+            main=False,
         )
         self.campaign.on_value_change(self.renew)
         self.prior.on_value_change(self.renew_lines)
@@ -118,13 +119,6 @@ class Learning:
         first, *more = answer["answer"] or [""]
         html(f'<p class="note next" data-test="verdict"><b>{escape(first)}</b></p>')
         html("".join(f"<p>{escape(text)}</p>" for text in more))
-        errors = answer["after"]["error"]
-        widgets.facts(
-            [
-                (f"{errors['heldout_rmse_N']:.3g} N", "error on presses that were left out (rms)"),
-                (f"{errors['noise_floor_N']:.3g} N", "noise of the measurement (rms)"),
-            ]
-        )
         rows = [
             [effect["name"].replace("_", " "), *project_index.name_and_unit(name), *(value[key] for key in INTERVAL)]
             for effect in answer["effects"]
@@ -132,9 +126,10 @@ class Learning:
         ]
         if rows:
             widgets.table(["effect", "parameter", "unit", "value", "95 % low", "95 % high"], rows)
+        with ui.element("div").classes("links"):
+            self._again(answer["calibration_file"])
+            html('<a class="go more" href="#next">Plan the next measurement</a>')
         widgets.warnings(answer)
-        self._again(answer["calibration_file"])
-        html('<p><a href="#next">Plan the next measurement</a></p>')
         _curves(self.root, folder)
 
     def _again(self, calibration: str) -> None:
@@ -156,10 +151,12 @@ class Learning:
             if known:
                 html("<h2>Calibrations of this campaign</h2>")
             for one in known:
-                html(f'<h3 data-test="calibration">{escape(one.folder)}</h3>')
-                manage(self.root, one.folder, "calibration", self._moved)
-                if one.folder == shown:
-                    html("<p>It is shown above.</p>")
+                above = ": it is shown above" if one.folder == shown else ""
+                with ui.element("div").classes("thing"):
+                    html(f'<span data-test="calibration"><b>{escape(one.folder)}</b>{above}</span>')
+                    with ui.element("div"):
+                        manage(self.root, one.folder, "calibration", self._moved)
+                if above:
                     continue
                 self._outdated(one.folder)
                 html(f"<p>{escape(one.text)}</p>")
@@ -190,15 +187,16 @@ def _plan_folder(answer: Mapping[str, Any]) -> str:
 
 def _curves(root: Path, folder: str) -> None:
     """Measured over predicted force of each press; the report where the folder does not have the curves."""
-    widgets.zip_link(folder)
     report = f"{folder}/report.html"
     there = (root / report).is_file()
     try:
         plots = figures.measured_presses(root / folder / "report.csv")
     except (OSError, ValueError, KeyError):
         plots = []
-    if plots and there:
-        widgets.file_links([("the whole report", report)])
+    with ui.element("div").classes("links"):
+        widgets.zip_link(folder)
+        if plots and there:
+            widgets.file_links([("the whole report", report)])
     if plots:
         html(f'<div data-test="curves">{plots_html(plots, small=True)}</div>')
     elif there:

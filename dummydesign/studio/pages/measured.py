@@ -189,13 +189,18 @@ class MeasuredPage:
         widgets.tell_changes(self._root, f"{_out(job)}/manifest.json", "Read the files again.")
         traces = [(Path(one["source"]).name, trace) for one in files for trace in one["traces"]]
         names = ", ".join(Path(one["source"]).name for one in files)
-        html(f"<p><b>{escape(presses_text(traces))}</b> read from {escape(names)}</p>")
-        widgets.go("/tissue", "Fit a tissue to these presses", test="to-tissue")
+        with ui.element("div").classes("links"):
+            widgets.go("/tissue", "Fit a tissue to these presses", test="to-tissue")
+            html(f'<p title="{escape(names)}"><b>{escape(presses_text(traces))}</b> read from {len(files)} files</p>')
         if doubts:
             widgets.fold(f"{doubts} doubt{'s' * (doubts > 1)}", "doubts", lambda: widgets.warnings(answer))
         keys = ("file", "samples", "velocity_mm_s", "hold_s", "depth_mm", "peak_force_N", "steady_force_N")
         head = ["press", "samples", "mm/s", "hold s", "depth mm", "peak N", "steady N"]
-        widgets.table(head, [[trace[key] for key in keys] for _, trace in traces])
+        with ui.element("div").classes("pair"):
+            with ui.element("div"):
+                widgets.table(head, [[trace[key] for key in keys] for _, trace in traces])
+            if answer.get("preview") and (self._root / answer["preview"]).is_file():
+                widgets.shown_file(f"/files/{answer['preview']}", "preview of the presses")
         made = [(Path(one["source"]).name, each) for one in files for each in one["decisions"]]
         rows = [[name, one["what"], str(one["value"]), one["why"]] for name, one in made]
         widgets.table(
@@ -204,8 +209,6 @@ class MeasuredPage:
             words=True,
             under=f"how {len(rows)} things were decided, and why",
         )
-        if answer.get("preview") and (self._root / answer["preview"]).is_file():
-            widgets.shown_file(f"/files/{answer['preview']}", "preview of the presses")
 
 
 def _sources(job: jobs.Job) -> list[str]:

@@ -93,7 +93,9 @@ class MouldPage:
         now = self.chosen()
         with widgets.fresh(self.source):
             _source(self.root, now)
-        self.kind.set_content(f'<p class="note">{escape(project_index.PRESETS[self.form.fields["preset"].value])}</p>')
+        self.kind.set_content(
+            f'<p class="source">{escape(project_index.PRESETS[self.form.fields["preset"].value])}</p>'
+        )
         self.work.renew()
         self.list_moulds()
 
@@ -107,18 +109,19 @@ class MouldPage:
         silicone = answer["pour"]["silicone_mass_g"]
         widgets.facts([*poured, *([(f"{silicone:.0f} g", "silicone for the mould")] if silicone else [])])
         if folder:
-            html(f"<h2>{escape(folder)}</h2>")
             self._files(folder)
         widgets.warnings(answer)
         html(
-            f'<p class="note">Next: cast the pads, then {page_link("/cast", "check a cast pad")} or '
+            f"<p>Cast the pads, then {page_link('/cast', 'check a cast pad')} or "
             f"{page_link('/campaign', 'plan what to press')}.</p>"
         )
 
-    def _files(self, folder: str) -> None:
-        """Buttons, checks, solids and files of a mould; of a pad that must not be cast, folded away."""
-        manage(self.root, folder, "mould", lambda old, new: open_page("/mould", self.chosen()))
-        _checks(self.root / folder)
+    def _files(self, folder: str, label: str = "", test: str = "") -> None:
+        """Buttons, solids, files and checks of a mould; of a pad that must not be cast, folded away."""
+        with ui.element("div").classes("thing"):
+            html(f'<h2 data-test="{escape(test)}">{escape(folder)}</h2><p>{escape(label)}</p>')
+            with ui.element("div"):
+                manage(self.root, folder, "mould", lambda old, new: open_page("/mould", self.chosen()))
         if red := verdict_of(self.root, self.chosen()):
             html(f'<p class="problem" data-test="do-not-cast">Do not cast. {escape(red)}</p>')
             with widgets.fold("Files of this mould, for the record", "files-for-the-record"):
@@ -133,8 +136,7 @@ class MouldPage:
         with widgets.fresh(self.others):
             for one in reversed(project_index.moulds(self.root)):
                 if one.folder != shown and one.is_of(now):
-                    html(f'<h2 data-test="mould-of-this-pad">{escape(one.folder)}</h2><p>{escape(one.label)}</p>')
-                    self._files(one.folder)
+                    self._files(one.folder, one.label, "mould-of-this-pad")
                 elif one.folder != shown:
                     other = self.state.changed(**one.pad, design="")
                     links.append(f"<li>{page_link('/mould', one.label, other, 'other-mould')}</li>")
@@ -191,6 +193,7 @@ def _links(root: Path, folder: str) -> None:
         made_of = groups.pop("Print or machine", []) + groups.pop("Draw", [])
         if made_of:
             html(_part_table(made_of, folder))
+    _checks(root / folder)
     with widgets.fold("Further files", "further-files"):
         for group, rows in groups.items():
             html(f"<h3>{escape(group)}</h3>")
@@ -219,6 +222,5 @@ def _checks(folder: Path) -> None:
         rest = [[one["id"], one["status"], str(one.get("note", ""))] for one in checks if one["status"] != "pass"]
     except (OSError, ValueError, KeyError, TypeError):
         return
-    html(f"<p><b>{passed} of {len(checks)} checks passed</b></p>")
-    if rest:
-        widgets.table(["check", "", "because"], rest, words=True)
+    said = f"{passed} of {len(checks)} checks passed"
+    widgets.table(["check", "", "because"], rest, words=True, under=said) if rest else html(f"<p>{said}</p>")

@@ -84,8 +84,7 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
             widgets.command_line(shlex.split(status.next_command)[1:])
             given = ", ".join(f"{name} {value}" for name, value in project.given().items()) or "nothing chosen yet"
             html(f"<p>Chosen for this project: {escape(given)}</p>")
-        with ui.element("div"):
-            _show_newest(project.root, status, state)
+        _show_newest(project.root, status, state)
     for problem in status.problems:
         widgets.tell_problem(problem)
     links, cards = links_of(project.root, status, state), ""
@@ -127,7 +126,10 @@ def _strip(status: ProjectStatus, next_path: str, following: State) -> str:
     own = tissue or (files["tissue"][-1].folder if files["tissue"] else "")
     learned = files["calibrations"][-1].folder.partition("/")[2] if files["calibrations"] else ""
     words = {
-        "/measured": (bool(imports), f"{len(imports)} imports" if imports else "tissue of the library" if own else ""),
+        "/measured": (
+            bool(imports),
+            f"{len(imports)} import{'s' * (len(imports) > 1)}" if imports else "tissue of the library" if own else "",
+        ),
         "/tissue": (bool(own), own),
         "/design": (verdict not in ("", LEVELS[-1]), verdict.replace("_", " ")),
         "/mould": (bool(moulds), f"{len(moulds)} made" if moulds else ""),
@@ -152,12 +154,9 @@ def _show_newest(root: Path, status: ProjectStatus, state: State) -> None:
     if not designs:
         return
     newest, summary = state.changed(**design_state(root, designs[-1].folder)), designs[-1].summary or {}
-    widgets.tell_verdict(
-        LIGHTS.get(str(summary.get("verdict")), "amber"),
-        str(summary.get("text", "")),
-        label=newest.label,
-        test="newest",
-    )
+    light, text = LIGHTS.get(str(summary.get("verdict")), "amber"), str(summary.get("text", ""))
+    with ui.element("div"):
+        widgets.tell_verdict(light, text, newest.label, "newest")
     with suppress(InputError):
         plot = figures.section(read_shape(newest.shape), newest.thickness_mm, read_punch(newest.punch))
         html(f'<div class="plots">{plot.html()}</div>')

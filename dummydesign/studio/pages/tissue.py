@@ -247,15 +247,19 @@ def show_curves(root: Path, answer: Mapping[str, Any]) -> None:
 def parameter_table(
     head: Sequence[str], parameters: Mapping[str, Any], note_of: Callable[[Mapping[str, Any]], object]
 ) -> None:
-    """Show a tissue's parameters in words, with a note each; their symbols under the pointer."""
-    rows, symbols, arms = [], [], arm_names(parameters)
+    """Show a tissue's parameters in words, with a note each where they differ; their symbols under the pointer."""
+    rows, symbols, notes, arms = [], [], [], arm_names(parameters)
     for label, entry in parameters.items():
         for speed, one in {"": entry}.items() if "value" in entry else entry.items():
             words, unit = parameter_words(label, arms) or project_index.name_and_unit(label)
             rows.append([f"{words} at {speed} mm/s" if speed else words, unit, one["value"], one["low"], one["high"]])
-            rows[-1].append(note_of(one))
             symbols.append(label)
-    widgets.table(["of the law", "", *head], rows, symbols=symbols)
+            notes.append(str(note_of(one)))
+    if differ := len(set(notes)) > 1:
+        rows = [[*row, note] for row, note in zip(rows, notes)]
+    widgets.table(["of the law", "", *head[: 4 if differ else 3]], rows, symbols=symbols)
+    if notes and notes[0] and not differ:
+        html(f"<p class=source>All of them: {escape(notes[0])}.</p>")
 
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")

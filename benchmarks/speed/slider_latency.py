@@ -19,7 +19,7 @@ from tests.support.studio import browser, running
 MOVE = """([name, value, label]) => new Promise((done) => {
     const start = performance.now(), times = [NaN, NaN, NaN];
     const since = () => (performance.now() - start) / 1e3;
-    const box = document.querySelector('[data-test="plots"]'), verdict = document.querySelector('[data-test="verdict"]');
+    const [box, verdict] = ['plots', 'verdict'].map((name) => document.querySelector(`[data-test="${name}"]`));
     const lines = [...box.querySelectorAll('.trace')].filter((one) => one.__data__[0].trace.name === 'this pad')
         .map((one) => one.querySelector('.js-line'));
     const left = new Set(lines), mine = () => verdict.querySelector('small.label')?.textContent.includes(label);

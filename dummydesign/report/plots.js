@@ -28,7 +28,10 @@
     div.spec ??= JSON.parse(div.dataset.plot);
     const { data, layout } = JSON.parse(JSON.stringify(div.spec).replace(/var\((--\w+)\)/g, (_, name) => of(name)));
     const narrow = div.clientWidth < NARROW_PX;
-    if (narrow) for (const one of [layout.xaxis, layout.yaxis]) delete one.title;
+    if (narrow) {
+      for (const one of [layout.xaxis, layout.yaxis]) delete one.title;
+      if (layout.xaxis.dtick) Object.assign(layout.xaxis, { dtick: div.clientWidth < 0.6 * NARROW_PX ? 2 : 1, tickangle: 0 });
+    }
     const axis = { color: of("--soft"), gridcolor: of("--rule"), linecolor: of("--other"), showline: true, mirror: true,
       zeroline: false, zerolinecolor: of("--other"), automargin: true, hoverformat: ".4~g", title: { font: { color: of("--ink") }, standoff: 6 } };
     layout.template = { layout: { xaxis: axis, yaxis: axis, autosize: true, showlegend: false,

@@ -117,7 +117,7 @@ class Learning:
         folder = Path(answer["calibration_file"]).parent.as_posix()
         self._outdated(folder)
         first, *more = answer["answer"] or [""]
-        html(f'<p class="note next" data-test="verdict"><b>{escape(first)}</b></p>')
+        html(f'<p class="lead" data-test="verdict"><b>{escape(first)}</b></p>')
         html("".join(f"<p>{escape(text)}</p>" for text in more))
         rows = [
             [effect["name"].replace("_", " "), *project_index.name_and_unit(name), *(value[key] for key in INTERVAL)]

@@ -149,3 +149,29 @@ def test_a_search_that_failed_leaves_the_earlier_result_in_sight(page, studio, s
     page.wait_for_selector(".work .problem")
     assert page.locator(f"{by('found-suggest')} {by('mould')}").count() == 1
     assert page.locator(f"{by('found-suggest')} .source").count() == 1
+
+
+CURVES = """() => [...document.querySelectorAll('[data-test=plots] .trace')]
+    .filter((one) => one.__data__[0].trace.name === 'this pad')
+    .map((one) => one.querySelector('.js-line').getAttribute('d'))"""
+KNOWN = """() => [...document.querySelectorAll('[data-test=plots] .js-plotly-plot')].flatMap((one) => one.data)
+    .filter((one) => one.name === 'this pad').map((one) => one.y.length + Math.max(...one.y) + Math.max(...one.x))"""
+
+
+def test_a_moved_slider_moves_all_curves_at_once_and_the_plots_follow_when_it_rests(page, studio):
+    opened(page, studio, "?shape=slab&thickness_mm=8&ratio=15")
+    page.wait_for_function("document.querySelectorAll('[data-test=plots] .js-line').length > 20")
+    before, known = page.evaluate(CURVES), page.evaluate(KNOWN)
+    assert len(before) == 7
+    slide(page, "ratio", 16)
+    page.wait_for_function(f"(old) => ({CURVES})().every((one, k) => one !== old[k])", arg=before)
+    assert "ratio 16" in label(page) and "modulus" in page.locator(".beside").all_inner_texts()[1]
+    page.wait_for_function(f"(old) => ({KNOWN})().every((one, k) => one !== old[k])", arg=known)
+    page.wait_for_selector(SETTLED)
+    # what plotly.js draws lies where the curve was moved to
+    moved = page.evaluate(CURVES)[0]
+    page.reload()
+    page.wait_for_selector(SETTLED)
+    page.wait_for_function("document.querySelectorAll('[data-test=plots] .js-line').length > 20")
+    ends = [[float(one) for one in path[1:].split("L")[-1].split(",")] for path in (moved, page.evaluate(CURVES)[0])]
+    assert ends[0] == pytest.approx(ends[1], abs=0.5)

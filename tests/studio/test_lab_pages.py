@@ -58,7 +58,11 @@ def test_a_red_design_is_named_before_the_button_and_its_mould_is_not_handed_out
     page.wait_for_selector(f"{by('mould-of-this-pad')} >> text=mould_t15")
     assert page.locator(by("red")).count() == 0 and page.locator(by("zip")).is_visible()
     parts = page.locator(f"{by('parts')} tr").all_inner_texts()
-    assert [" ".join(one.split()) for one in parts] == ["Master STEP", "Pad SVG"]
+    assert [" ".join(one.split()) for one in parts] == [
+        "All parts to turn (web page)",
+        "Master STEP",
+        "All drawings (dxf) DXF",
+    ]
     assert page.locator(".links a").nth(1).get_attribute("href").endswith("pour_t15.pdf")
     page.locator("iframe.solid").scroll_into_view_if_needed()
     solid = page.frame_locator("iframe.solid").locator("canvas")

@@ -189,9 +189,10 @@ class MeasuredPage:
         widgets.tell_changes(self._root, f"{_out(job)}/manifest.json", "Read the files again.")
         traces = [(Path(one["source"]).name, trace) for one in files for trace in one["traces"]]
         names = ", ".join(Path(one["source"]).name for one in files)
+        read = names if len(files) < 3 else f"{len(files)} files"
         with ui.element("div").classes("links"):
             widgets.go("/tissue", "Fit a tissue to these presses", test="to-tissue")
-            html(f'<p title="{escape(names)}"><b>{escape(presses_text(traces))}</b> read from {len(files)} files</p>')
+            html(f'<p title="{escape(names)}"><b>{escape(presses_text(traces))}</b> read from {escape(read)}</p>')
         if doubts:
             widgets.fold(f"{doubts} doubt{'s' * (doubts > 1)}", "doubts", lambda: widgets.warnings(answer))
         keys = ("file", "samples", "velocity_mm_s", "hold_s", "depth_mm", "peak_force_N", "steady_force_N")

@@ -20,17 +20,17 @@ MOVE = """([name, value, label]) => new Promise((done) => {
     const start = performance.now(), times = [NaN, NaN, NaN];
     const since = () => (performance.now() - start) / 1e3;
     const [box, verdict] = ['plots', 'verdict'].map((name) => document.querySelector(`[data-test="${name}"]`));
-    const lines = [...box.querySelectorAll('.trace')].filter((one) => one.__data__[0].trace.name === 'this pad')
-        .map((one) => one.querySelector('.js-line'));
-    const left = new Set(lines), mine = () => verdict.querySelector('small.label')?.textContent.includes(label);
+    const curves = () => [...box.querySelectorAll('.trace')].filter((one) => one.__data__[0].trace.name === 'this pad')
+        .map((one) => one.querySelector('.js-line')?.getAttribute('d'));
+    const old = curves(), mine = () => verdict.querySelector('small.label')?.textContent.includes(label);
     const end = () => { clearTimeout(late); watch.disconnect(); done(times); };
     const late = setTimeout(end, 5000);
-    const watch = new MutationObserver((all) => {
+    const watch = new MutationObserver(() => {
         if (!mine()) return;
+        const now = curves();
         if (isNaN(times[0])) times[0] = since();
-        for (const one of all) left.delete(one.target);
-        if (!left.has(lines[0]) && isNaN(times[1])) times[1] = since();
-        if (!left.size) { times[2] = since(); requestAnimationFrame(end); }
+        if (now[0] !== old[0] && isNaN(times[1])) times[1] = since();
+        if (now.every((one, k) => one !== old[k])) { times[2] = since(); requestAnimationFrame(end); }
     });
     watch.observe(verdict, {childList: true, subtree: true, characterData: true});
     watch.observe(box, {childList: true, subtree: true, attributeFilter: ['d']});

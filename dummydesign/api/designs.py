@@ -200,7 +200,24 @@ def answer_request(
     replace: bool = False,
     progress: Callable[[str], None] | None = None,
 ) -> Answer:
-    """Answer a question that was read: what :func:`suggest` does, also for the command line."""
+    """Answer a question that was read: what :func:`suggest` does, also for the command line.
+
+    Parameters
+    ----------
+    request : Request
+        The question; :meth:`~dummydesign.design.request.Request.read` makes it of texts and values.
+    out, replace, progress
+        As of :func:`suggest`.
+
+    Returns
+    -------
+    Answer
+
+    Raises
+    ------
+    InputError, NoAnswerError
+        As :func:`suggest`.
+    """
     if request.cad and out is None:
         raise InputError("cad = True needs out, the folder for the files of the mould", "missing", "out")
     if request.robot_mass_kg is None and request.robot_velocity_mm_s is not None:

@@ -167,9 +167,8 @@ def _range(text: str, purpose: QuantitySpec) -> tuple[float, ...]:
     anything, quantity = replace(purpose, usual=(0.0, math.inf)), purpose.quantity
     parts = [read_number(part, anything if at == 2 else purpose) for at, part in enumerate(text.split(":"))]
     if len(parts) != 3 or not all(map(math.isfinite, parts)) or not parts[2] > 0 or parts[1] < parts[0]:
-        message = (
-            f"{quantity} = '{text}' is not START:STOP:STEP or a list A,B,C, with START at most STOP and STEP above 0"
-        )
+        form = "START:STOP:STEP or a list A,B,C"
+        message = f"{quantity} = '{text}' is not {form} with START at most STOP and STEP above 0"
         raise InputError(message, "malformed", quantity_name(quantity), text)
     start, stop, step = parts
     count = math.floor((stop - start) / step * (1 + 1e-12) + 1e-9) + 1

@@ -59,7 +59,20 @@ CASES = {
     "error-depth": "predict --young 25 --thickness 5 --depth 4",
     "error-trace": "fit in/broken.csv",
 }
-LONG = ("suggest-details", "suggest-crowned", "suggest-palm", "suggest-none", "compare-designs", "whatif")
+LONG = (
+    "fit",
+    "compare",
+    "on-person",
+    "suggest",
+    "suggest-details",
+    "suggest-crowned",
+    "suggest-palm",
+    "suggest-none",
+    "compare-designs",
+    "whatif",
+    "loop",
+    "replay",
+)
 """Cases of seconds, which may come after all others."""
 
 

@@ -72,8 +72,9 @@ LONG = (
     "whatif",
     "loop",
     "replay",
+    "tissues-add-points",
 )
-"""Cases of seconds, which may come after all others."""
+"""Cases of seconds, and the one that changes a tissue: they come after all others."""
 
 
 def answers(folder: Path, cases: Sequence[str] = tuple(CASES)) -> Iterator[tuple[str, str]]:

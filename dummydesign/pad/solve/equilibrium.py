@@ -36,6 +36,8 @@ SHORTEN_ABOVE = 0.2
 SHORTEST = 0.25
 # Where contact changes, the solid's tangent is kept for so many factorisations.
 HELD = 3
+# Contact changes so many times within a step of the linearised solid, until this share of the forces is out of balance.
+MOST_CHANGES, SETTLED = 4, 1e-2
 # Least share of a step taken where a whole one would invert an element.
 LEAST_FRACTION = 0.05
 
@@ -175,7 +177,7 @@ def newton_search(
         if again:
             du = problem.pattern.again(load)
         else:
-            du = problem.pattern.solve([tangent.stiffness, *at.matrices()], load)
+            du = _touching(problem, tangent, at, load, depth)
             factorised, held = factorised + 1, held + 1
         dp = solid.pressure_step(tangent, at.state, du)
         trial = _sound(problem, at, du, dp, depth)
@@ -224,6 +226,28 @@ class _Trial(NamedTuple):
     matrices: Callable[[], list[Array]]
     residual: float
     unbalanced: float
+
+
+def _touching(problem: ContactProblem, tangent: Tangent, at: _Trial, load: Array, depth: float) -> Array:
+    """Step of the linearised solid that meets the contact as it is after the step.
+
+    Each change of contact takes a factorisation of what lies behind the first place that changed, but no state.
+    """
+    force, matrices, size = at.contact, at.matrices(), _size(at.state.internal_force)
+    step = problem.pattern.solve([tangent.stiffness, *matrices], load)
+    du: Array = step
+    for _ in range(MOST_CHANGES if problem.surface is not None else 0):
+        new, changed = problem.pressed(at.u + du, depth)
+        dofs = problem.surface.dofs
+        own = (matrices[0] @ step[dofs][:, :, None]).ravel()
+        # What the linear contact of the last solve leaves out of balance.
+        rest = force - new + np.bincount(dofs.ravel(), own, minlength=len(du))
+        if not _size(rest[problem.pattern.free]) > SETTLED * size:
+            break
+        force, matrices = new, changed()
+        step = problem.pattern.solve([tangent.stiffness, *matrices], rest)
+        du = du + step
+    return du
 
 
 def _met(problem: ContactProblem, depth: float, fraction: float, u: Array, p: Array, state: SolidState) -> _Trial:

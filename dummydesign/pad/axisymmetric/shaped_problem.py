@@ -91,6 +91,7 @@ def shaped_problem(
         0.02 * coarse,
         ties_within_step=True,
         slip_share=1.0 if shape.flat_top else GROWN_SLIP,
+        bends=shape.flat_top,
     )
     return round_problem(mesh, case, glued, surface, punch, carried, STABILISATION, below)
 

@@ -28,7 +28,7 @@ from dummydesign.pad.solve.equilibrium import (
 Array = np.ndarray
 
 # Residual of states that are passed on the way to a wanted depth, on a lattice.
-PATH_TOLERANCE = 1e-4
+PATH_TOLERANCE = 1e-3
 # Steps that take no more iterations than this, and this more for each time that contact was tied, may grow.
 EASY = 5
 EASY_PER_TIE = 2

@@ -36,8 +36,8 @@ SHORTEN_ABOVE = 0.2
 SHORTEST = 0.25
 # Where contact changes, the solid's tangent is kept for so many factorisations.
 HELD = 3
-# Contact changes so many times within a step of the linearised solid, until this share of the forces is out of balance.
-MOST_CHANGES, SETTLED = 4, 1e-2
+# Contact changes within a step of the linearised solid until this share of the forces is out of balance.
+SETTLED = 1e-2
 # Least share of a step taken where a whole one would invert an element.
 LEAST_FRACTION = 0.05
 
@@ -235,18 +235,18 @@ def _touching(problem: ContactProblem, tangent: Tangent, at: _Trial, load: Array
     """
     force, matrices, size = at.contact, at.matrices(), _size(at.state.internal_force)
     step = problem.pattern.solve([tangent.stiffness, *matrices], load)
-    du: Array = step
-    for _ in range(MOST_CHANGES if problem.surface is not None else 0):
+    surface, du, changes, before = problem.surface, step, 0, math.inf
+    while surface is not None and changes < problem.pattern.changes:
         new, changed = problem.pressed(at.u + du, depth)
-        dofs = problem.surface.dofs
-        own = (matrices[0] @ step[dofs][:, :, None]).ravel()
+        own = (matrices[0] @ step[surface.dofs][:, :, None]).ravel()
         # What the linear contact of the last solve leaves out of balance.
-        rest = force - new + np.bincount(dofs.ravel(), own, minlength=len(du))
-        if not _size(rest[problem.pattern.free]) > SETTLED * size:
+        rest = force - new + np.bincount(surface.dofs.ravel(), own, minlength=len(du))
+        left = _size(rest[problem.pattern.free])
+        if not SETTLED * size < left < before:
             break
-        force, matrices = new, changed()
+        force, matrices, before = new, changed(), left
         step = problem.pattern.solve([tangent.stiffness, *matrices], rest)
-        du = du + step
+        du, changes = du + step, changes + 1
     return du
 
 

@@ -52,7 +52,8 @@ class Section:
             np.multiply(self._turn[a][0], slopes[d, :, 0], out=F[2 * d + a])
             F[2 * d + a] += self._turn[a][1] * slopes[d, :, 1]
         np.multiply(self._hoop, slopes[0, :, 2], out=F[4])
-        F[[0, 3, 4]] += 1.0
+        for k in (0, 3, 4):
+            F[k] += 1.0
         return np.moveaxis(F, 0, -1)
 
     def forces(self, stress: Array) -> Array:

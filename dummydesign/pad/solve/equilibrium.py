@@ -35,7 +35,7 @@ REUSE_UP_TO = 7
 SHORTEN_ABOVE = 0.2
 SHORTEST = 0.25
 # Where contact changes, the solid's tangent is kept for so many factorisations.
-HELD = 3
+HELD = 2
 # Contact changes within a step of the linearised solid until this share of the forces is out of balance.
 SETTLED = 1e-2
 # Least share of a step taken where a whole one would invert an element.

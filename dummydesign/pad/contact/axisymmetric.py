@@ -181,7 +181,7 @@ class AxisymmetricSurface(SideContact):
         slip_scale: float = 1e-3,
         ties_within_step: bool = False,
         slip_share: float = 1.0,
-        bends: bool = True,
+        changes: int = 0,
     ) -> None:
         super().__init__(nodes, sides, 5)
         shape, r, area = self._shape, self._r, self._area
@@ -198,8 +198,7 @@ class AxisymmetricSurface(SideContact):
         self._before = self._held.copy()
         self._last: tuple[Array, Array] | None = None
         self._order = np.argsort(r.ravel(), kind="stable")
-        # Left out where points are predicted deep in a fillet: with it their tangent is not positive definite.
-        self._bends = bends
+        self.changes = changes
 
     def points(self, u: Array) -> Array:
         """Where the quadrature points are at displacements ``u``, by a faster product."""
@@ -281,7 +280,8 @@ class AxisymmetricSurface(SideContact):
         def matrix() -> Array:
             pressing = np.where(gap <= TOUCHING, self._stiffness, 0.0)
             second = pressing[..., None, None] * normal[..., :, None] * normal[..., None, :]
-            if self._bends:
+            # Left out where contact grows: with it points predicted deep in a fillet have no positive definite tangent.
+            if not self.changes:
                 second -= push[..., None, None] * bend
             if share is not None:
                 second -= (share * pressing)[..., None, None] * along[..., :, None] * normal[..., None, :]

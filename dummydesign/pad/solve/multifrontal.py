@@ -73,7 +73,6 @@ class Dissection:
     # bring it below the second is undone: a tangent costs ten and more, but a use may have moved points to the wrong
     # side of contact, and back and forth from there.
     contraction = (0.5, 0.5)
-    changes = 0
 
     def __init__(self, groups: list[Array], free: Array, size: int, position: Array) -> None:
         self._faces = [_owners(groups[0], faces, size) for faces in groups[1:]]

@@ -108,9 +108,7 @@ class Pattern:
 
     # A factorised tangent is used again while that brings the residual below the first share; uses that do not bring it
     # below the second are undone.
-    contraction = (0.5, 1.0)
-    # Changes of contact for which a matrix is factorised again before a state is asked for.
-    changes = 4
+    contraction = (0.3, 1.0)
 
     def __init__(self, groups: list[Array], free: Array, size: int, nodes: Array | None = None) -> None:
         self.free, self.size, self.n = free, size, len(free)

@@ -156,7 +156,8 @@ class Forms:
 
     def see(self, frame: FrameType, event: str, result: Any) -> None:
         """Take what a function of these rooms is given or returns."""
-        room, name = room_of(module := _module(frame)), frame.f_code.co_qualname
+        # a comprehension is part of its function
+        room, name = room_of(module := _module(frame)), frame.f_code.co_qualname.partition(".<locals>")[0]
         if event not in ("call", "return") or room < 0 or name.endswith("__init__"):  # not yet filled
             return
         where, given = f"{module.removeprefix('dummydesign.')}.{name}", list(frame.f_locals.values())

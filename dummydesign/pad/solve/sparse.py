@@ -41,6 +41,7 @@ class BandLayout:
         self._takes: list[Array] = []
         self._first: Array | None = None
         self._factor: Array | None = None
+        self._added = np.array([])
         # LAPACK's lower band storage, column by column.
         self._slot = self._to[column[lower]] * (self.width + 1) + below[lower]
 

@@ -41,7 +41,7 @@ class ContactSurface:
     """
 
     dofs: Array
-    # Changes of contact that a step of the linearised solid may meet before a state is asked for.
+    # Changes of contact that a step of the linearised solid may meet before the next state.
     changes = 0
 
     def forces(self, u: Array, punch: Any, depth: float) -> tuple[Array, Array]:

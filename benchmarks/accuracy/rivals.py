@@ -301,7 +301,11 @@ def loop(data: Prepared) -> Finding:
         sizes[one.candidate.effect.name] = [size["low"], size["value"], size["high"]]
     low, high = calibration.posterior.interval("log young_kPa")
     value = 1e3 * result.after.fit.base.young_MPa
-    more = {"verdict": result.verdict, "learned": None if result.learnt is None else result.learnt.effect.shape.name}
+    more = {
+        "verdict": result.verdict,
+        "learned": None if result.learnt is None else result.learnt.effect.shape.name,
+        "warnings": [one["code"] for one in result.warnings],
+    }
     return Finding(tuple(sizes), sizes, [low, value, high], data.forces_of(calibration.after), more)
 
 

@@ -27,13 +27,14 @@ def test_one_value_that_the_others_do_not_let_expect_is_odd():
 def test_a_group_is_a_day_or_a_heap_and_noise_is_none():
     rng = np.random.default_rng(5)
     days, noise = np.repeat([9.0, 14.0, 29.0], 10), rng.normal(0.0, 0.02, 30)
-    no_error = np.zeros(30)
-    assert not groups(noise, no_error, days, 0.01, 0.04)[0].any()
-    of_day, _, is_day = groups(noise + 0.1 * (days == 14.0), no_error, days, 0.01, 0.04)
-    assert is_day and np.array_equal(of_day, days == 14.0)
+    level = np.zeros(30), days, 0.01, 0.04, np.ones((30, 1)), np.array([10.0])
+    assert groups(noise, *level) is None
+    of_day = groups(noise + 0.1 * (days == 14.0), *level)
+    assert of_day.of_day and np.array_equal(of_day.rows, days == 14.0)
+    assert of_day.apart == pytest.approx(0.1, abs=0.03)
     heap = np.isin(np.arange(30), [3, 11, 17, 28])
-    own, _, is_day = groups(noise + 0.3 * heap, no_error, days, 0.01, 0.04)
-    assert not is_day and np.array_equal(own, heap)
+    some = groups(noise + 0.3 * heap, *level)
+    assert not some.of_day and np.array_equal(some.rows, heap)
 
 
 @pytest.fixture

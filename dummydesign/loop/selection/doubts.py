@@ -31,8 +31,9 @@ ODD_SPEED = 0.18
 ODD_TARGET = 0.1
 """ln of the held over the planned force by which a press must be odd to be taken for another's."""
 LEAST_ZERO_N, ZERO_FLOOR_N = 0.04, 0.01
-LEAST_CUTOFF, CUTOFF_FLOOR, CUTOFF_KNOWN = 0.2, 0.04, 0.25
-"""Least ln of the cut-off by which a sensor is another, least scatter, and the standard error up to which it counts."""
+LEAST_CUTOFF, CUTOFF_FLOOR, CUTOFF_KNOWN, SHOWN_TIMES = 0.3, 0.04, 0.25, 5.0
+"""Least ln of the cut-off by which a sensor is another, least scatter, the standard error up to which it counts, and
+how many times that of presses that show it well: where a filter hardly shows, what the model misses looks like one."""
 MOST_CUTOFF = 1.6
 """Largest ln of the cut-off by which a sensor may be another: what asks for more is no filter."""
 SAME_REPEAT = 0.5
@@ -279,7 +280,7 @@ def doubts_of(campaign: Campaign, presses: Presses, fit: CampaignFit) -> tuple[D
     """Doubts about the labels of all presses of a campaign, from the base fit of those that its force law reaches."""
     labels, use = undrawn(presses, fit, campaign)
     looked = np.array([trial.confirmed for trial in presses.trials])
-    found = pads_of_a_day(labels, looked)
+    found = pads_of_a_day(labels, use, looked)
     if found:
         use = ~np.isin(np.arange(len(use)), found[0].rows)
         labels = labels_of(presses, refitted(campaign, presses, use, fit))
@@ -289,12 +290,12 @@ def doubts_of(campaign: Campaign, presses: Presses, fit: CampaignFit) -> tuple[D
     return (*found, *of_sensors(labels, rest & use, campaign), *of_zeros(labels, ~looked))
 
 
-TORN = 0.05
-"""Scatter of the gains from which two pads may have been taken for each other for a whole day: single presses do not
-tell then, as no label is that of most presses of a pad."""
+TORN, SEVERAL = 0.05, 3
+"""Scatter of the gains, or presses that would draw the base fit, from which two pads may have been taken for each other
+for a whole day: single presses do not tell then, as no label is that of most presses of a pad."""
 
 
-def pads_of_a_day(labels: Labels, looked: NDArray) -> list[Doubt]:
+def pads_of_a_day(labels: Labels, use: NDArray, looked: NDArray) -> list[Doubt]:
     """Two pads taken for each other for a day: the likeliest pair, if it is by as much as if all scattered so much less
     (:data:`LEAST_OF_IT`)."""
     presses, every = labels.presses, np.ones(len(looked), bool)
@@ -307,7 +308,7 @@ def pads_of_a_day(labels: Labels, looked: NDArray) -> list[Doubt]:
         return float(np.log(near.scale) + 0.5 * (STUDENT + 1.0) * np.mean(np.log1p(z**2 / STUDENT))), near.scale
 
     usual, torn = unlikely(labels)
-    if torn < TORN:
+    if torn < TORN and (~use).sum() < SEVERAL:
         return []
     tried = []
     for day in np.unique(days[np.isfinite(days)]):
@@ -532,7 +533,7 @@ def of_sensors(labels: Labels, use: NDArray, campaign: Campaign) -> list[Doubt]:
     own = cutoffs(presses, labels.fit, campaign.lowpass)
     # what the model misses may look like a filter
     error = own.error * np.sqrt(np.maximum(own.left, 1.0))
-    shows = use & (error < CUTOFF_KNOWN)
+    shows = use & (error < CUTOFF_KNOWN) & (own.error < SHOWN_TIMES * np.quantile(own.error[use], 0.25))
     if shows.sum() < 5:
         return []
     # by pad and depth the model may be off in what looks like a filter

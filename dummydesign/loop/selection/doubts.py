@@ -310,7 +310,7 @@ def pads_of_a_day(labels: Labels, use: NDArray, looked: NDArray) -> list[Doubt]:
     usual, torn = unlikely(labels)
     if torn < TORN and (~use).sum() < SEVERAL:
         return []
-    tried = []
+    tried: list[tuple[float, NDArray, Trial, Trial]] = []
     for day in np.unique(days[np.isfinite(days)]):
         for pair in combinations(np.unique(presses.pad[days != day]), 2):
             rows = (days == day) & np.isin(presses.pad, pair) & ~looked
@@ -319,7 +319,9 @@ def pads_of_a_day(labels: Labels, use: NDArray, looked: NDArray) -> list[Doubt]:
                 other = {one.pad: two, two.pad: one}
                 pads = [other[trial.pad] if own else trial for trial, own in zip(presses.trials, rows)]
                 tried.append((unlikely(labels_of(of_pads(presses, pads), labels.fit))[0], rows, one, two))
-    left, rows, one, two = min(tried, key=lambda own: own[0], default=(usual, every, *presses.trials[:2]))
+    if not tried:
+        return []
+    left, rows, one, two = min(tried, key=lambda own: own[0])
     share = float(np.exp(left - usual))
     return [_pads_of_a_day(presses, rows, one, two, 1.0 / share)] if share < LEAST_OF_IT else []
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dummydesign.loop.fitting.by_trial import of_pads
+from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.result import result_dict
 from dummydesign.loop.run import close_loop
-from dummydesign.loop.selection.doubts import groups, odd
+from dummydesign.loop.selection.doubts import doubts_of, groups, labels_of, odd, pads_of_a_day
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support.refusal import raises_code
 
@@ -125,11 +127,25 @@ def test_a_wrong_pad_is_doubted_left_out_and_read_as_asked(small):
     assert kept.doubts == () and len(kept.presses.trials) == 36
 
 
-def test_a_campaign_without_a_fault_raises_no_doubt(plain, campaigns):
-    from dummydesign.loop.fitting.fit import fit_base
-    from dummydesign.loop.selection.doubts import doubts_of
-
+@pytest.fixture(scope="module")
+def base(plain):
+    """The base fit of a campaign without an effect."""
     presses, law = plain
-    campaign = read_campaign(campaigns("none", 401))
-    fit = fit_base(presses, law, 1e-3 * campaign.pad.young_kPa_nominal)
-    assert doubts_of(campaign, presses, fit) == ()
+    return fit_base(presses, law, 0.03)
+
+
+def test_a_campaign_without_a_fault_raises_no_doubt(plain, base, campaigns):
+    assert doubts_of(read_campaign(campaigns("none", 401)), plain[0], base) == ()
+
+
+def test_two_pads_taken_for_each_other_for_a_day_are_named(plain, base):
+    presses, days = plain[0], plain[0].history.age_days
+    thin, *_, thick = (presses.trials[int(np.argmax(presses.pad == pad))] for pad in range(len(presses.pads)))
+    rows = (days == np.unique(days)[1]) & np.isin(presses.thickness_mm, (thin.thickness_mm, thick.thickness_mm))
+    other = {thin.pad: thick, thick.pad: thin}
+    sheet = of_pads(presses, [other[t.pad] if row else t for t, row in zip(presses.trials, rows)])
+    labels, none = labels_of(sheet, base), np.zeros(len(rows), bool)
+    (doubt,) = pads_of_a_day(labels, ~rows, none)  # as gross ones are left out
+    assert doubt.kind == "exchanged" and doubt.rows == tuple(np.flatnonzero(rows))
+    assert f'pad_of = "{doubt.files[0]}"' not in doubt.read_as and doubt.read_as.count("[[read_as]]") in (1, 2)
+    assert pads_of_a_day(labels_of(presses, base), ~rows, none) == []

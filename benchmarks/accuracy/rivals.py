@@ -257,7 +257,10 @@ def gaussian_process(data: Prepared) -> Finding:
     prior = prior_precision(fit.problem, fit.sizes)[keep]
     turned = np.linalg.solve(joint, slopes)
     covariance = np.linalg.pinv(slopes.T @ turned + np.diag(prior), hermitian=True)
-    moved = covariance @ (turned.T @ residual - prior * fit.vector[keep])
+    low, high = (ends[keep] for ends in fit.problem.bounds())
+    step = covariance @ (turned.T @ residual - prior * fit.vector[keep])
+    # a clock that is late asks for arms that no fit would allow
+    moved = np.clip(fit.vector[keep] + step, low, high) - fit.vector[keep]
     vector = fit.vector.copy()
     vector[keep] += moved
     half = NORMAL_95 * float(np.sqrt(covariance[0, 0]))

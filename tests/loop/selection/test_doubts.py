@@ -148,4 +148,3 @@ def test_two_pads_taken_for_each_other_for_a_day_are_named(plain, base):
     (doubt,) = pads_of_a_day(labels, ~rows, none)  # as gross ones are left out
     assert doubt.kind == "exchanged" and doubt.rows == tuple(np.flatnonzero(rows))
     assert f'pad_of = "{doubt.files[0]}"' not in doubt.read_as and doubt.read_as.count("[[read_as]]") in (1, 2)
-    assert pads_of_a_day(labels_of(presses, base), ~rows, none) == []

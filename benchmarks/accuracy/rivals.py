@@ -54,7 +54,7 @@ from dummydesign.measurement.campaign import Campaign
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import campaign_generator, independent_generator
 
-ROWS = Path(__file__).resolve().parents[1] / "results" / "loop_rivals_2100000.jsonl"
+ROWS = Path(__file__).resolve().parents[1] / "results" / "loop_rivals_2500000.jsonl"
 KINDS = ("one", "two", "one", "none")
 BLOCK = len(KINDS)
 STRIDE = 7  # of single effects through the vocabulary, so that few are of every kind
@@ -441,8 +441,8 @@ def sample_posterior(number: int, seed: int, folder: Path) -> dict[str, Any]:
 def main() -> None:
     """Run what is missing."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seed", type=int, default=2100000)
-    parser.add_argument("--campaigns", type=int, default=32)
+    parser.add_argument("--seed", type=int, default=2500000)
+    parser.add_argument("--campaigns", type=int, default=48)
     parser.add_argument("--part", type=int, nargs=2, default=(0, 1), metavar=("K", "N"), help="each N-th from K")
     parser.add_argument("--emcee", type=int, default=0, metavar="N", help="sample the first N campaigns with effects")
     parser.add_argument("--rows", type=Path, default=ROWS)

@@ -226,7 +226,7 @@ def table(rows: list[dict[str, Any]]) -> str:
 def main() -> None:
     """Run what is missing of the study, or print its table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seed", type=int, default=3100000)
+    parser.add_argument("--seed", type=int, default=3400000)
     parser.add_argument("--campaigns", type=int, default=128)
     parser.add_argument("--rows", type=Path, required=True)
     parser.add_argument("--table", action="store_true")

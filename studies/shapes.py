@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.files import write_text
 from dummydesign.design.assessment.decision import MISFIT_N, ShapeComparison, force_at
-from dummydesign.design.request import RADIUS_MM, Request
+from dummydesign.design.protocol import RADIUS_MM
+from dummydesign.design.request import Request
 from dummydesign.design.scoring.press_simulation import DEPTH_SHARE
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.suggest import centring_tolerance, suggest

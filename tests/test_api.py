@@ -13,10 +13,9 @@ import numpy as np
 import pytest
 
 import dummydesign
-from dummydesign.cli.common_options import option_of
 from dummydesign.cli.entry import parser_of, run
 from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.design.options import SuggestOptions, options_of
+from dummydesign.core.options import options_of
 from dummydesign.design.request import Request
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue.model.laws import law_named
@@ -158,7 +157,7 @@ def test_every_call_has_the_defaults_and_all_options_of_its_command(call):
     for parameter in inspect.signature(getattr(dummydesign, call)).parameters.values():
         if parameter.name in FOR_SCRIPTS:
             continue
-        typed = options.pop(option_of(parameter.name))
+        typed = options.pop(parameter.name)
         if parameter.default is not inspect.Parameter.empty:
             assert same(typed, parameter.default), parameter.name
     assert not options
@@ -166,7 +165,7 @@ def test_every_call_has_the_defaults_and_all_options_of_its_command(call):
 
 def test_the_call_of_suggest_has_the_arguments_and_defaults_of_its_table_of_options():
     parameters = inspect.signature(dummydesign.suggest).parameters
-    table = {spec.argument or name: (default, spec) for name, (default, spec) in options_of(SuggestOptions).items()}
+    table = {spec.argument or name: (default, spec) for name, (default, spec) in options_of(Request).items()}
     assert set(table) < set(parameters)
     for name, (default, spec) in table.items():
         stated = parameters[name].default
@@ -174,7 +173,7 @@ def test_the_call_of_suggest_has_the_arguments_and_defaults_of_its_table_of_opti
             assert stated is inspect.Parameter.empty
         else:
             assert (stated if stated is None or spec.read is None else spec.read(stated)) == default, name
-    assert {field.name for field in fields(Request)} == set(options_of(SuggestOptions))
+    assert {field.name for field in fields(Request)} == {*options_of(Request), "cad", "effects"}
 
 
 def same(typed, default):
@@ -281,11 +280,34 @@ def test_answers_are_short_to_look_at_and_give_their_values_as_attributes():
     rows = dummydesign.whatif(5)
     for answer in (pressed, designed, rows):
         assert repr(answer).startswith(f"{answer.call}(") and len(repr(answer)) < 1000
-        assert answer._repr_html_().startswith("<table>") and len(answer._repr_html_()) < 20_000
-    assert designed.recommendation["thickness_mm"] > 0.0
-    with pytest.raises(AttributeError, match=r"predict has no 'peak'; it has .*force_N"):
+    assert designed.recommendation["thickness_mm"] == designed.design.thickness_mm
+    with pytest.raises(AttributeError, match="peak"):
         _ = pressed.peak
     assert [row["depth_mm"] for row in pressed.records()] == [1.0, 2.0, 3.0]
+
+
+def test_answers_of_designs_are_typed_compare_by_identity_and_show_the_screen_of_the_command():
+    asked = {"thickness_mm": (16, 16), "ratio": "15:15.5", "shape": "slab", "verify": False}
+    one, other = (dummydesign.suggest("palm", **asked) for _ in range(2))
+    plain_values = one.to_dict()
+    assert one != other and one == one and hash(one) != hash(other)
+    assert one.verdict.level == plain_values["verdict"]["level"]
+    assert one.design.thickness_mm == plain_values["recommendation"]["thickness_mm"] == 16.0
+    assert one.shares.after_puck.usable == plain_values["shares"]["after_puck"]["usable"]
+    with pytest.warns(DeprecationWarning, match="verdict|level"):
+        assert one.verdict["level"] == one.verdict.level
+    with pytest.warns(DeprecationWarning, match="best"):
+        assert one.outcome.recommended is one.design
+    shown = one._repr_html_()
+    assert shown.startswith("<pre>") and escape(plain_values["verdict"]["text"][:20]) in shown
+
+
+def test_a_prediction_in_a_notebook_is_what_the_command_prints(capsys):
+    assert run(["predict", "--young", "25", "--thickness", "5", "--depth", "0.5,1"]) == 0
+    printed_text = capsys.readouterr().out.strip()
+    answer = dummydesign.predict(5, young_kPa=25, depth_mm="0.5,1")
+    assert answer._repr_html_() == f"<pre>{escape(printed_text)}</pre>"
+    assert answer.force_N.tolist() == answer.to_dict()["force_N"]
 
 
 @pytest.mark.slow

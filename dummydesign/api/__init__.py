@@ -2,7 +2,7 @@
 
     import dummydesign
     answer = dummydesign.suggest("forefinger")
-    answer.to_dict()["recommendation"]["thickness_mm"]
+    answer.design.thickness_mm, answer.verdict.level
 
 The command line calls these functions, with the same defaults, and prints what they return. A module is imported
 when one of its calls is requested, heavy packages when a function runs.
@@ -16,6 +16,7 @@ from typing import Any
 _MODULES = {
     "Answer": "api.answers",
     "Fitted": "api.answers",
+    "Predicted": "api.answers",
     "Result": "api.answers",
     "Rows": "api.answers",
     "calibrate": "api.campaigns",

@@ -16,41 +16,36 @@ import numpy as np
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import FilePath
 from dummydesign.core.manifest import Question
-from dummydesign.core.serialise import parameter_rows, with_texts
+from dummydesign.core.serialise import Serialised, parameter_rows, with_texts
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from dummydesign.core.outputs import Output
+    from dummydesign.design.assessment.decision import Choice
+    from dummydesign.design.assessment.pad_castings import Shares
+    from dummydesign.design.assessment.value_of_information import MeasureFirst
+    from dummydesign.design.scoring.verdict import Verdict
+    from dummydesign.design.search.slabs import DesignCandidate
     from dummydesign.design.suggestion import Suggestion
     from dummydesign.design.sweep.spec import Study
     from dummydesign.tissue.fitting.fit import TissueFit
 
 
+COMMAND = {"import_traces": "import", "make_mould": "mold", "record_pad": "mold", "close_loop": "loop"}
+"""Commands of calls that have another name."""
 # A repr names so many values and is never longer than this.
 SHOWN, LONGEST = 12, 900
 
 
 class Values:
-    """An answer in values: ``answer.force_N`` is ``answer.to_dict()["force_N"]``, a list of numbers as an array.
-
-    Subclasses have ``call``, the name of the call, and ``values()``, the whole answer as plain values.
-    """
+    """An answer in values. Subclasses have ``call``, the name of the call, and ``values()``, the whole answer."""
 
     call = "answer"
 
     def values(self) -> Mapping[str, Any]:
         """The whole answer, not copied."""
         raise NotImplementedError
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        known = self.values()
-        if name in known:
-            return np.asarray(known[name], dtype=float) if _is_column(known[name]) else deepcopy(known[name])
-        raise AttributeError(f"{self.call} has no '{name}'; it has {', '.join(sorted(known))}")
-
-    def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *self.values()})
 
     def __repr__(self) -> str:
         parts = [f"{name}={_short(value)}" for name, value in self.values().items() if name != "inputs"]
@@ -59,12 +54,11 @@ class Values:
         return text if len(text) <= LONGEST else text[: LONGEST - 4] + "...)"
 
     def _repr_html_(self) -> str:
-        left = "style='text-align:left'"
-        rows = "".join(
-            f"<tr><th {left}>{escape(str(name))}</th><td {left}>{escape(_short(value, 90))}</td></tr>"
-            for name, value in self.values().items()
-        )
-        return f"<table><caption>{escape(self.call)}</caption>{rows}</table>"
+        """The first screen of the command."""
+        from dummydesign.cli.entry import screen_of
+
+        command = COMMAND.get(self.call, self.call.replace("_", "-"))
+        return f"<pre>{escape(screen_of(command, self.to_dict()))}</pre>"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the answer of the command with ``--json``, without its ``schema`` and ``version``."""
@@ -123,6 +117,10 @@ def _is_number(value: Any) -> bool:
 
 def _is_column(value: Any) -> bool:
     return isinstance(value, list | tuple) and len(value) > 0 and all(_is_number(one) for one in value)
+
+
+def _attribute(value: Any) -> Any:
+    return np.asarray(value, dtype=float) if _is_column(value) else deepcopy(value)
 
 
 def _short(value: Any, longest: int = 60) -> str:
@@ -260,13 +258,19 @@ def answer_folder(out: FilePath | None, asked: Question, replace: bool) -> Abstr
     return nullcontext() if out is None else new_folder(out, asked, replace=replace)
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class Result(Values):
-    """What a call found: ``outcome`` with all its objects, ``result`` the whole answer in values."""
+    """What a call found: ``outcome`` with all its objects, ``result`` the whole answer in values.
 
-    outcome: Any
-    result: dict[str, Any]
-    call: str = "answer"
+    Every key of the answer is an attribute: an object of the outcome where it has one of that name, such as the
+    verdict, a list of numbers as an array, else the plain value.
+    """
+
+    def __init__(self, outcome: Any, result: dict[str, Any], call: str = "answer") -> None:
+        self.outcome, self.result, self.call = outcome, result, call
+        for name, value in result.items():
+            if not hasattr(type(self), name):
+                typed = getattr(outcome, name, None)
+                setattr(self, name, typed if isinstance(typed, Serialised) else _attribute(value))
 
     @property
     def found(self) -> Any:
@@ -279,9 +283,9 @@ class Result(Values):
         return self.result
 
     @property
-    def files(self) -> dict[str, Any]:
-        """What was written, {role: path}."""
-        return dict(self.result.get("files", {}))
+    def files(self) -> Any:
+        """What was written, {role: path}; of an import a row a recording."""
+        return deepcopy(self.result.get("files", {}))
 
     def plot(self, axes: Any = None) -> Any:
         """Draw the force with its interval over depth or time, for an answer of ``predict``; return the axes.
@@ -307,12 +311,22 @@ class Result(Values):
         return axes
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class Answer(Result):
     """What ``suggest`` found. ``outcome`` is the search with all its objects, ``result`` the whole answer in values."""
 
     outcome: Suggestion
-    call: str = "suggest"
+    verdict: Verdict
+    shares: Shares
+    choice: Choice
+    measure_first: MeasureFirst
+
+    def __init__(self, outcome: Suggestion, result: dict[str, Any]) -> None:
+        super().__init__(outcome, result, "suggest")
+
+    @property
+    def design(self) -> DesignCandidate:
+        """The recommended design: thickness, ratio, shape, readings, scores."""
+        return self.outcome.best
 
     def to_frame(self) -> Any:
         """Return recommendation and alternatives as a DataFrame, one row a design (needs pandas)."""
@@ -321,12 +335,30 @@ class Answer(Result):
         return _frame_of([{key: design[key] for key in keys} for design in designs])
 
 
-@dataclass(frozen=True, repr=False, eq=False)
+class Predicted(Result):
+    """What ``predict`` found: the force with its interval over ``depth_mm``, or over ``time_s`` of one press."""
+
+    force_N: NDArray
+    force_low_N: NDArray
+    force_high_N: NDArray
+    depth_mm: NDArray
+    time_s: NDArray
+    displacement_mm: NDArray
+    peak_force_N: float
+    steady_force_N: float
+    verdict: Verdict
+
+    def __init__(self, outcome: Any, result: dict[str, Any]) -> None:
+        super().__init__(outcome, result, "predict")
+
+
 class Fitted(Result):
     """What ``fit`` found. ``outcome`` is the fit with all its objects, ``result`` the whole answer in values."""
 
     outcome: TissueFit
-    call: str = "fit"
+
+    def __init__(self, outcome: TissueFit, result: dict[str, Any]) -> None:
+        super().__init__(outcome, result, "fit")
 
     def to_frame(self) -> Any:
         """Return the parameters with their intervals as a DataFrame, one row a parameter (needs pandas)."""

@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace as replace_fields
-from math import isfinite
 from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Answer, Result, Rows, answer_folder, question
 from dummydesign.core.blas_threads import one_blas_thread
-from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
+from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import FilePath
-from dummydesign.core.parsing import MASS, ROBOT_VELOCITY, read_number
 from dummydesign.core.serialise import with_texts
-from dummydesign.design.options import read_options
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -157,37 +154,96 @@ def suggest(
     """
     from dummydesign.design.request import Request
 
-    request = read_options(Request, locals())
-    robot_mass_kg = None if robot_mass_kg is None else read_number(robot_mass_kg, MASS)
-    if robot_velocity_mm_s is not None:
-        robot_velocity_mm_s = read_number(robot_velocity_mm_s, ROBOT_VELOCITY)
-    if cad and out is None:
+    return answer_request(
+        Request.read(
+            tissue=tissue,
+            aim=aim,
+            resin=resin,
+            thickness_mm=thickness_mm,
+            ratio=ratio,
+            shape=shape,
+            mould=mould,
+            calibration=calibration,
+            effects=tuple(fspath(path) for path in effects),
+            verify=verify,
+            cad=cad,
+            punch=punch,
+            force_N=force_N,
+            velocity_mm_s=velocity_mm_s,
+            hold_s=hold_s,
+            deceleration_mm_s2=deceleration_mm_s2,
+            pad=pad,
+            base=base,
+            edge_radius_mm=edge_radius_mm,
+            condition=condition,
+            preset=preset,
+            machine=machine,
+            silicone=silicone,
+            sites=sites,
+            balance_g=balance_g,
+            thickness_tolerance_mm=thickness_tolerance_mm,
+            castings=castings,
+            robot_mass_kg=robot_mass_kg,
+            robot_velocity_mm_s=robot_velocity_mm_s,
+            limits=limits,
+            drive=drive,
+        ),
+        out,
+        replace,
+        progress,
+    )
+
+
+def answer_request(
+    request: Request,
+    out: FilePath | None = None,
+    replace: bool = False,
+    progress: Callable[[str], None] | None = None,
+) -> Answer:
+    """Answer a question that was read: what :func:`suggest` does, also for the command line.
+
+    Parameters
+    ----------
+    request : Request
+        The question; :meth:`~dummydesign.design.request.Request.read` makes it of texts and values.
+    out, replace, progress
+        As of :func:`suggest`.
+
+    Returns
+    -------
+    Answer
+
+    Raises
+    ------
+    InputError, NoAnswerError
+        As :func:`suggest`.
+    """
+    if request.cad and out is None:
         raise InputError("cad = True needs out, the folder for the files of the mould", "missing", "out")
+    if request.robot_mass_kg is None and request.robot_velocity_mm_s is not None:
+        velocity = request.robot_velocity_mm_s
+        message = f"robot velocity in mm/s = {velocity:g} needs the robot's mass: give --robot-mass KG"
+        raise InputError(message, "missing", "robot_mass")
+    if request.robot_mass_kg is not None and request.robot_velocity_mm_s is None:
+        request = replace_fields(request, robot_velocity_mm_s=ROBOT_VELOCITY_MM_S)
     folder = None if out is None else Path(out)
-    inputs = {
-        **request.to_dict(),
-        "cad": False if folder is None else cad,
-        "out": None if folder is None else str(folder),
-        "robot_mass_kg": robot_mass_kg,
-        "robot_velocity_mm_s": robot_velocity_mm_s,
-        "limits": None if limits is None else str(limits),
-    }
-    if drive is not None:
+    if folder is None:
+        request = replace_fields(request, cad=False)
+    if request.drive is not None:
         from dummydesign.person.drives import read_drive
 
-        inputs["drive"] = read_drive(drive).text
-    own = [fspath(path) for path in effects]
-    with _effects(own, request.calibration):
-        return _answer(request, inputs, own, folder, replace, progress or (lambda step: None))
+        request = replace_fields(request, drive=read_drive(request.drive).text)
+    with _effects(request):
+        return _answer(request, folder, replace, progress or (lambda step: None))
 
 
-def _effects(own: list[str], calibration: str | None) -> AbstractContextManager[None]:
+def _effects(request: Request) -> AbstractContextManager[None]:
     """The effects of some files; nothing of the loop is loaded where neither they nor a calibration are given."""
-    if not own and calibration is None:
+    if not request.effects and request.calibration is None:
         return nullcontext()
     from dummydesign.loop.effects.registry import own_effects
 
-    return own_effects(own)
+    return own_effects(request.effects)
 
 
 def _child(output: Output | None, cad: bool | None) -> AbstractContextManager[CadChild | None]:
@@ -200,48 +256,34 @@ def _child(output: Output | None, cad: bool | None) -> AbstractContextManager[Ca
 
 
 @one_blas_thread()
-def _answer(
-    request: Request,
-    inputs: dict[str, Any],
-    effects: list[str],
-    folder: Path | None,
-    replace: bool,
-    progress: Callable[[str], None],
-) -> Answer:
+def _answer(request: Request, folder: Path | None, replace: bool, progress: Callable[[str], None]) -> Answer:
     """Resolve, design, and write what there is a folder for."""
     from dummydesign.design.problem import read_problem
     from dummydesign.design.safety import read_limits, safety_view
     from dummydesign.design.suggest import design
 
     wanted = read_problem(request)
-    mass_kg, velocity_mm_s = inputs["robot_mass_kg"], inputs["robot_velocity_mm_s"]
-    for name, value in (("robot mass in kg", mass_kg), ("robot velocity in mm/s", velocity_mm_s)):
-        if value is not None and not (isfinite(value) and value > 0):
-            raise out_of_range(name, value, "above 0", "any finite value")
-    if mass_kg is None and velocity_mm_s is not None:
-        message = f"robot velocity in mm/s = {velocity_mm_s:g} needs the robot's mass: give --robot-mass KG"
-        raise InputError(message, "missing", "robot_mass")
-    velocity_mm_s = ROBOT_VELOCITY_MM_S if velocity_mm_s is None else velocity_mm_s
-    inputs = {**inputs, "robot_velocity_mm_s": None if mass_kg is None else velocity_mm_s}
+    mass_kg, velocity_mm_s = request.robot_mass_kg, request.robot_velocity_mm_s or ROBOT_VELOCITY_MM_S
+    inputs = request.to_dict() | {"out": None if folder is None else str(folder)}
     inputs["weights"] = wanted.targets.weights.to_dict()
-    limits = None if inputs["limits"] is None else read_limits(inputs["limits"])
+    limits = None if request.limits is None else read_limits(request.limits)
 
     profile = request.punch.partition("profile:")[2] or None
-    read = (inputs["calibration"], inputs["limits"], *effects, profile)
+    read = (request.calibration, request.limits, *request.effects, profile)
     asked = question(
         "suggest", inputs, tissue=request.tissue, resin=request.resin, files=read, named=dict(wanted.files)
     )
-    with answer_folder(folder, asked, replace) as output, _child(output, inputs["cad"]) as child:
+    with answer_folder(folder, asked, replace) as output, _child(output, request.cad) as child:
         suggestion = design(wanted, progress)
         safety = safety_view(suggestion, mass_kg, velocity_mm_s, limits)
         if mass_kg is not None:
             from dummydesign.person.free_mass import with_known_range
 
             safety = with_known_range(safety, suggestion.targets.tissue, mass_kg, velocity_mm_s)
-        people, people_sections = _on_people(suggestion, inputs.get("drive"), limits)
+        people, people_sections = _on_people(suggestion, request.drive, limits)
         if output is None:
             return Answer(suggestion, suggestion.to_dict(inputs, safety) | people)
-        cad = suggestion.verdict.acceptable if inputs["cad"] is None else inputs["cad"]
+        cad = suggestion.verdict.acceptable if request.cad is None else request.cad
         inputs = {**inputs, "cad": cad, "out": str(output.folder)}
         progress("mould and report" if cad else "report")
         drawn: list[tuple[Any, PressPictures]] = []
@@ -460,7 +502,7 @@ def whatif(
     [(8.0, 14.0), (8.0, 16.0), (12.0, 14.0), (12.0, 16.0)]
     """
     from dummydesign.core import parsing
-    from dummydesign.core.parsing import DECELERATION, HOLD, read_names, read_number, read_values
+    from dummydesign.core.parsing import DECELERATION, HOLD, read_names, read_number, read_numbers
     from dummydesign.design.sweep.run import open_executor
     from dummydesign.design.sweep.spec import Study, parse_shapes
     from dummydesign.geometry.punch import equal_area_radius_mm
@@ -468,11 +510,11 @@ def whatif(
 
     material = load_resin(resin)
     study = Study(
-        read_values(thickness_mm, parsing.THICKNESS),
-        (material.relaxation_ratio_ref,) if ratio is None else read_values(ratio, "ratio"),
+        read_numbers(thickness_mm, parsing.THICKNESS),
+        (material.relaxation_ratio_ref,) if ratio is None else read_numbers(ratio, "ratio"),
         tuple((name, equal_area_radius_mm(name)) for name in read_names(punch)),
-        read_values(velocity_mm_s, parsing.VELOCITY),
-        read_values(force_N, parsing.FORCE),
+        read_numbers(velocity_mm_s, parsing.VELOCITY),
+        read_numbers(force_N, parsing.FORCE),
         resin,
         tissue,
         aim,
@@ -480,7 +522,7 @@ def whatif(
         read_names(condition),
         read_names(base),
         tuple(text for item in ([shape] if isinstance(shape, str) else shape) for text in parse_shapes(item)),
-        read_values(edge_radius_mm, parsing.EDGE),
+        read_numbers(edge_radius_mm, parsing.EDGE),
         read_number(hold_s, HOLD),
         read_number(deceleration_mm_s2, DECELERATION),
     )

@@ -8,7 +8,7 @@ from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dummydesign.api.answers import Result
+from dummydesign.api.answers import Predicted
 from dummydesign.core import parsing
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import FilePath
@@ -189,7 +189,7 @@ def predict(
     fields: FilePath | None = None,
     picture: FilePath | None = None,
     progress: Callable[[float], None] | None = None,
-) -> Result:
+) -> Predicted:
     """Force of one pad at static depths, under a measured motion, or in a ramp and hold.
 
     Parameters
@@ -248,7 +248,7 @@ def predict(
 
     Returns
     -------
-    Result
+    Predicted
         The same as ``dummydesign predict --json`` prints for the same question.
 
     Raises
@@ -325,7 +325,7 @@ def predict(
     if out:
         columns = STATIC if asked == ["depth_mm"] else MOVED
         files = _write(fspath(out), columns, result, inputs["rate_Hz"], units) | files
-    return Result(prediction, result | ({"files": files} if files else {}), "predict")
+    return Predicted(prediction, result | ({"files": files} if files else {}))
 
 
 AVERAGE = "average"

@@ -3,22 +3,61 @@
 from __future__ import annotations
 
 import argparse
-import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 
-def option_of(argument: str) -> str:
-    """Return the option that gives an argument of the Python interface: its name without the unit."""
-    return re.sub(r"_(mm|mm_s|mm_s2|N|s|g|kg|kPa|deg|Hz)$", "", argument)
+def add_options(parser: argparse._ActionsContainer, table: type, names: Iterable[str]) -> None:
+    """Declare some options of a table, in this order."""
+    from dataclasses import MISSING
+
+    from dummydesign.core.options import options_of
+
+    known = options_of(table)
+    for name in names:
+        default, spec = known[name]
+        given: dict[str, Any] = {"dest": spec.argument or name, "metavar": spec.metavar, "default": default}
+        if default is MISSING:
+            given = {"dest": spec.argument or name, "metavar": spec.metavar, "required": True}
+        elif isinstance(default, bool):
+            given = {"dest": name, "action": "store_false" if default else "store_true"}
+        parser.add_argument(f"--{spec.flag}", help=spec.help if isinstance(spec.help, str) else spec.help(), **given)
+
+
+def number(quantity: str) -> Callable[[str], float]:
+    """How argparse reads a number of a quantity, "mass in g" with its unit: by :func:`read_number`."""
+
+    def read(text: str) -> float:
+        from dummydesign.core.parsing import read_number
+
+        return read_number(text, quantity)
+
+    return read
+
+
+def count(quantity: str) -> Callable[[str], int]:
+    """How argparse reads a whole number."""
+
+    def read(text: str) -> int:
+        from dummydesign.core.parsing import read_count
+
+        return read_count(text, quantity)
+
+    return read
+
+
+def name_of(action: argparse.Action) -> str:
+    """Name of an option as it is typed, with underscores; of an argument its own."""
+    flags = [flag for flag in action.option_strings if flag.startswith("--")]
+    return flags[-1][2:].replace("-", "_") if flags else action.dest
 
 
 def call(function: Callable[..., Any], options: argparse.Namespace, **more: Any) -> Any:
-    """Call a function of the Python interface with the options of its arguments, see :func:`option_of`."""
+    """Call a function of the Python interface with the options that have the names of its arguments."""
     from inspect import signature
 
-    names = {option_of(name): name for name in signature(function).parameters}
-    return function(**({names[key]: value for key, value in vars(options).items() if key in names} | more))
+    names = signature(function).parameters
+    return function(**({name: value for name, value in vars(options).items() if name in names} | more))
 
 
 def call_in_steps(about: int, function: Callable[..., Any], options: argparse.Namespace, **more: Any) -> Any:

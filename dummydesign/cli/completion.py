@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from dummydesign.cli.common_options import name_of
 from dummydesign.cli.entry import COMMANDS, actions_of, meanings_of, parser_of
 
 WORDS = "DUMMYDESIGN_COMPLETE"
@@ -50,7 +51,7 @@ def _values(command: str, action: argparse.Action) -> list[str]:
 
     if action.choices is not None:
         return [str(choice) for choice in action.choices]
-    name = action.dest
+    name = name_of(action)
     own_only = command.endswith((" remove", " rename"))
     if name == "name" and command.partition(" ")[2] in ("show", "path", "remove", "rename"):
         name = command.partition(" ")[0].removesuffix("s")

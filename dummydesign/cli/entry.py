@@ -20,6 +20,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from dummydesign._version import __version__
+from dummydesign.cli.common_options import name_of
 from dummydesign.cli.progress import loudness, say, timed
 from dummydesign.core.blas_threads import ONE_THREAD
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, quantity_name, unknown_name
@@ -37,7 +38,7 @@ def help_texts() -> dict[str, dict[str, Any]]:
 
 def meanings_of(command: str, action: argparse.Action) -> dict[str, str]:
     """What the words mean that an option lists in its help; empty for options without such words."""
-    name = action.dest
+    name = name_of(action)
     choices = {option: words for options, words in help_texts()["choices"].items() for option in options.split(", ")}
     known = choices.get(f"{command.partition(' ')[0]} {name}", choices.get(name, {}))
     if name == "shape":
@@ -166,8 +167,6 @@ class _Parser(argparse.ArgumentParser):
         if missing := re.match(r"the following arguments are required: (.*)", message):
             verb = "are" if ", " in missing[1] else "is"
             message = f"{missing[1]} {verb} required; '{self.prog} --help' explains more"
-        if whole := re.match(r"argument (\S+): invalid int value: (.*)", message):
-            message = f"{whole[1]} {whole[2]} is not a whole number"
         raise InputError(message, "bad_arguments", quantity_name(match[1]) if match else "arguments")
 
 
@@ -331,6 +330,11 @@ def _run(arguments: list[str]) -> int:
             file=sys.stderr,
         )
         return 1
+
+
+def screen_of(command: str, result: dict[str, Any]) -> str:
+    """The one screen of an answer, as the command prints it."""
+    return str(module_of(command).render(result))
 
 
 def _render_of(module: Any, options: argparse.Namespace) -> Any:

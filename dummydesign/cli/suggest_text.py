@@ -6,7 +6,7 @@ from typing import Any
 
 from dummydesign.cli import text
 from dummydesign.cli.text import columns_of, file_lines, fitted, labelled, number, table, tissue_lines, verdict_lines
-from dummydesign.design.options import base_words
+from dummydesign.design.request import base_words
 from dummydesign.design.scoring.verdict import OUTCOMES, whole_percents
 from dummydesign.report import suggest_facts as facts
 from dummydesign.report.sections.conformity import budget_lines

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from dummydesign.core.errors import InputError, out_of_range, quantity_name
 
@@ -36,8 +36,9 @@ UNITS: dict[str, dict[str, float]] = {
     "Hz": {"Hz": 1.0, "kHz": 1000.0},
     "kg": {"g": 1e-3, "kg": 1.0, "t": 1000.0},
     "": {"%": 0.01},
+    "1": {},
 }
-"""Units that are understood for each unit a number is wanted in, with their size in it."""
+"""Units that are understood for each unit a number is wanted in, with their size in it; ``1`` is a number without."""
 NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*$", re.ASCII)
 
 
@@ -72,26 +73,36 @@ RATES_HZ = (1.0, 100_000.0)
 EDGE = QuantitySpec("edge radius in mm", "mm", (0.0, 50.0))
 
 
-def read_number(value: float | str, purpose: QuantitySpec) -> float:
-    """Read a number: bare in the unit of its purpose, or text with a unit.
+def spec_of(purpose: QuantitySpec | str) -> QuantitySpec:
+    """The purpose itself, or that of a quantity of any size by its name: one "in mm" has that unit, another none."""
+    if not isinstance(purpose, str):
+        return purpose
+    unit = purpose.rpartition(" in ")[2]
+    return QuantitySpec(purpose, unit if unit in UNITS else "1", (0.0, math.inf))
+
+
+def read_number(value: float | str, purpose: QuantitySpec | str) -> float:
+    """Read a number: bare in the unit of its purpose, or text with a unit; see :func:`spec_of`.
 
     Examples
     --------
     >>> read_number("0.25m/s", VELOCITY), read_number("25kPa", YOUNG), read_number(10, VELOCITY)
     (250.0, 25.0, 10.0)
     """
-    unit = ""
-    if isinstance(value, str):
-        match = NUMBER.match(value)
-        if match is None:
-            shown, units = value.strip() or repr(value), (purpose.unit, list(UNITS[purpose.unit])[-1])
-            examples = " or ".join(f"1{unit}" for unit in units)
-            message = f"{purpose.quantity} = {shown} is not a number, or one with a unit such as {examples}"
-            raise InputError(message, "not_a_number", quantity_name(purpose.quantity), value)
-        number, unit = float(match[1]), match[2]
-    else:
-        number = float(value)
+    purpose = spec_of(purpose)
     known = UNITS[purpose.unit]
+    match = NUMBER.match(value) if isinstance(value, str) else None
+    try:
+        number = float(value if match is None else match[1])
+        unit = "" if match is None else match[2]
+        # neither what only Python takes for a number (nan, 1_000) nor a unit where there is none
+        if (unit and not known) or (match is None and isinstance(value, str)):
+            raise ValueError
+    except (TypeError, ValueError):
+        shown = (value.strip() or repr(value)) if isinstance(value, str) else repr(value)
+        named = f", or one with a unit such as 1{purpose.unit} or 1{list(known)[-1]}" if known else ""
+        message = f"{purpose.quantity} = {shown} is not a number{named}"
+        raise InputError(message, "not_a_number", quantity_name(purpose.quantity), value) from None
     if unit:
         if unit not in known:
             message = f"{purpose.quantity} = '{value}': unit '{unit}' is not one of {', '.join(known)}"
@@ -128,9 +139,44 @@ def _likely(number: float, purpose: QuantitySpec) -> None:
             )
 
 
-def read_numbers(values: float | str | Iterable[float | str], purpose: QuantitySpec) -> tuple[float, ...]:
-    """Read several numbers: text with commas between, one, or a list; see :func:`read_number`."""
-    return tuple(read_number(part, purpose) for part in parts_of(values))
+def read_numbers(values: float | str | Iterable[float | str], purpose: QuantitySpec | str) -> tuple[float, ...]:
+    """Read numbers however they are given, each as :func:`read_number` does: one, several, or text.
+
+    Text is a list ``A,B,C``, or ``START:STOP:STEP`` with STOP included. Values of a range are START + n STEP, so that
+    3:30:0.5 ends at exactly 30.
+
+    Examples
+    --------
+    >>> read_numbers("5,0.1", "ratio"), read_numbers("3:4:0.5", THICKNESS)
+    ((5.0, 0.1), (3.0, 3.5, 4.0))
+    """
+    purpose = spec_of(purpose)
+    if isinstance(values, str) and ":" in values:
+        return _range(values, purpose)
+    numbers = tuple(read_number(part, purpose) for part in parts_of(values))
+    if not numbers:
+        raise InputError(
+            f"{purpose.quantity} has no value; give at least one", "missing", quantity_name(purpose.quantity)
+        )
+    return numbers
+
+
+def _range(text: str, purpose: QuantitySpec) -> tuple[float, ...]:
+    """Values of ``START:STOP:STEP``."""
+    # a step, the third, may be smaller than any value
+    anything, quantity = replace(purpose, usual=(0.0, math.inf)), purpose.quantity
+    parts = [read_number(part, anything if at == 2 else purpose) for at, part in enumerate(text.split(":"))]
+    if len(parts) != 3 or not all(map(math.isfinite, parts)) or not parts[2] > 0 or parts[1] < parts[0]:
+        form = "START:STOP:STEP or a list A,B,C"
+        message = f"{quantity} = '{text}' is not {form} with START at most STOP and STEP above 0"
+        raise InputError(message, "malformed", quantity_name(quantity), text)
+    start, stop, step = parts
+    count = math.floor((stop - start) / step * (1 + 1e-12) + 1e-9) + 1
+    if count > MOST_VALUES:
+        message = f"{quantity} = '{text}' has {count} values; at most {MOST_VALUES} are allowed"
+        raise InputError(message, "too_large", quantity_name(quantity), count, MOST_VALUES)
+    digits = 12 - math.floor(math.log10(max(abs(start), abs(stop), step)))
+    return tuple(round(start + index * step, digits) for index in range(count))
 
 
 def parts_of(values: float | str | Iterable[float | str]) -> list[float | str]:
@@ -155,8 +201,8 @@ def read_size(value: str | tuple[float, float], quantity: str) -> tuple[float, f
     """Read ``LxW`` in mm, or two numbers."""
     parts = value.removeprefix("slab:").split("x") if isinstance(value, str) else list(value)
     try:
-        length, width = (float(part) for part in parts)
-    except (TypeError, ValueError):
+        length, width = (read_number(part, f"{quantity} in mm") for part in parts)
+    except (InputError, ValueError):
         message = f"{quantity} = '{value}' is not LENGTHxWIDTH in mm, such as 150x120"
         raise InputError(message, "malformed", quantity_name(quantity), value) from None
     return length, width
@@ -169,80 +215,13 @@ def parse_limits(text: str | tuple[float, float], quantity: str) -> tuple[float,
     """Read ``MIN:MAX`` (or one value for both), or two numbers."""
     if not isinstance(text, str):
         return float(text[0]), float(text[1])
-    purpose = _any_size(quantity)
-    values = [_number(part, text, purpose, "MIN:MAX") for part in text.split(":")]
+    values = [read_number(part, quantity) for part in text.split(":")]
     if len(values) == 1:
         values *= 2
-    if len(values) != 2 or values[0] > values[1]:
+    if len(values) != 2 or not all(map(math.isfinite, values)) or values[0] > values[1]:
         message = f"{quantity} = '{text}' is not MIN:MAX with MIN at most MAX"
         raise InputError(message, "malformed", quantity_name(quantity), text)
     return values[0], values[1]
-
-
-def parse_values(text: str, purpose: QuantitySpec | str) -> list[float]:
-    """Read ``START:STOP:STEP`` with STOP included, or a list ``A,B,C``, as :func:`read_number` reads each; a quantity
-    without a unit is given by its name.
-
-    Values of a range are START + n STEP, so that 3:30:0.5 ends at exactly 30.
-    """
-    form, quantity = "START:STOP:STEP or a list A,B,C", purpose if isinstance(purpose, str) else purpose.quantity
-    purpose = _any_size(purpose) if isinstance(purpose, str) else purpose
-    if ":" not in text:
-        return [_number(part, text, purpose, form) for part in text.split(",")]
-    # a step, the third, may be smaller than any value
-    of_step = _any_size(purpose)
-    parts = [_number(part, text, of_step if at == 2 else purpose, form) for at, part in enumerate(text.split(":"))]
-    if len(parts) != 3 or not parts[2] > 0 or parts[1] < parts[0]:
-        message = f"{quantity} = '{text}' is not {form} with START at most STOP and STEP above 0"
-        raise InputError(message, "malformed", quantity_name(quantity), text)
-    start, stop, step = parts
-    count = math.floor((stop - start) / step * (1 + 1e-12) + 1e-9) + 1
-    if count > MOST_VALUES:
-        message = f"{quantity} = '{text}' has {count} values; at most {MOST_VALUES} are allowed"
-        raise InputError(message, "too_large", quantity_name(quantity), count, MOST_VALUES)
-    digits = 12 - math.floor(math.log10(max(abs(start), abs(stop), step)))
-    return [round(start + index * step, digits) for index in range(count)]
-
-
-def _any_size(purpose: QuantitySpec | str) -> QuantitySpec | str:
-    """The purpose of a number of any size; a name "in mm" has that unit, another none."""
-    quantity = purpose if isinstance(purpose, str) else purpose.quantity
-    unit = quantity.rpartition(" in ")[2]
-    return QuantitySpec(quantity, unit, (0.0, math.inf)) if unit in UNITS else quantity
-
-
-def _number(part: str, text: str, purpose: QuantitySpec | str, form: str) -> float:
-    quantity = purpose if isinstance(purpose, str) else purpose.quantity
-    try:
-        value = float(part) if isinstance(purpose, str) else read_number(part, purpose)
-    except ValueError:
-        value = math.nan
-    except InputError as problem:
-        if problem.code != "not_a_number":
-            raise
-        value = math.nan
-    if not math.isfinite(value):
-        message = f"{quantity} = '{text}' is not {form}: '{part}' is not a number"
-        raise InputError(message, "not_a_number", quantity_name(quantity), part)
-    return value
-
-
-def read_values(values: float | str | Iterable[float | str], purpose: QuantitySpec | str) -> tuple[float, ...]:
-    """Read numbers however they are given: one, several, or text as on the command line; see :func:`parse_values`."""
-    if isinstance(values, str):
-        return tuple(parse_values(values, purpose))
-    quantity = purpose if isinstance(purpose, str) else purpose.quantity
-    purpose = _any_size(purpose) if isinstance(purpose, str) else purpose
-    try:
-        numbers = tuple(
-            float(value) if isinstance(purpose, str) else read_number(value, purpose) for value in parts_of(values)
-        )
-    except (TypeError, ValueError):
-        message = f"{quantity} = {values!r} is not a number, a list of numbers or text like 3:30:0.5"
-        raise InputError(message, "not_a_number", quantity_name(quantity)) from None
-    if not numbers:
-        raise InputError(f"{quantity} has no value; give at least one", "missing", quantity_name(quantity))
-    return numbers
 
 
 def read_names(names: str | Iterable[str]) -> tuple[str, ...]:

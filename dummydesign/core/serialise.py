@@ -9,6 +9,7 @@ import types
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, ClassVar, get_args, get_type_hints
+from warnings import warn
 
 from dummydesign._version import __version__
 
@@ -85,6 +86,11 @@ class Serialised:
         """Return the values of this answer as plain data."""
         names = [*(item.name for item in fields(self)), *self.also]  # type: ignore[arg-type]
         return {name: to_plain(getattr(self, name)) for name in names}
+
+    def __getitem__(self, key: str) -> Any:
+        """The earlier way to a value, kept for one release."""
+        warn(f"['{key}'] of an answer's part is now .{key}, or to_dict()['{key}']", DeprecationWarning, stacklevel=2)
+        return self.to_dict()[key]
 
 
 def percent_below_limit(share: float, limit: float | None) -> str:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dummydesign.core.options import command_words
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.assessment.value_of_information import batch_name
-from dummydesign.design.options import SuggestOptions, command_words
+from dummydesign.design.request import Request
 from dummydesign.design.scoring.verdict import PEAK, deviations, ranges_of
 from dummydesign.mold.pour.plan import WITNESS_MM
 
@@ -121,7 +122,7 @@ def _search_again(inputs: Mapping[str, Any], batch: str) -> str:
         given["condition"] = None
     folder = given.get("mould") or (given.get("out") if given.get("cad") else None)
     names = TYPED_AGAIN if folder else (*TYPED_AGAIN, *SEARCHED_AGAIN)
-    words = command_words(SuggestOptions, given, names)
+    words = command_words(Request, given, names)
     words += f" --mould {shlex.quote(str(folder))}" if folder else ""
     return f"dummydesign suggest --tissue {shlex.quote(given['tissue'])}{words}{_safety_words(given)} --resin {batch}"
 

@@ -1,92 +1,24 @@
-"""What is asked of :func:`dummydesign.design.suggest.suggest`, and the press that every design is judged by."""
+"""The question of ``suggest``: one table from which command, Python call, project and inputs of the answer are made."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from functools import cached_property
-from typing import Any
+import math
+from dataclasses import MISSING, asdict, dataclass
+from functools import partial
+from os import fspath
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
+from dummydesign.core import parsing
+from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.options import option, read_options
+from dummydesign.core.parsing import parse_limits, read_count, read_number, read_numbers, read_size
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, PUNCH
 
-from dummydesign.design.options import SuggestOptions
-from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
+if TYPE_CHECKING:
+    from dummydesign.design.protocol import Protocol
 
-Progress = Callable[[str], None]
-"""Called with the name of each step as it begins."""
-
-
-def quiet(step: str) -> None:
-    """Tell nobody."""
-
-
-RADIUS_MM = PUNCH_RADIUS_MM
-"""Circle of the area of the paper's 14 x 14 mm impactor. [mm]"""
-
-LOW_SHARES = (0.1, 0.2)
-"""Forces below the lowest of the test at which exponents are given, over that force."""
-FINE, COARSE = 41, 10
 # File of the answer in the folder of `suggest`.
 ANSWER = "suggest.json"
-
-
-@dataclass(frozen=True)
-class Protocol:
-    """Presses of a test: every steady force at every speed."""
-
-    forces_N: tuple[float, ...] = (5.0, 10.0, 15.0)
-    velocities_mm_s: tuple[float, ...] = (10.0, 250.0)
-
-    @property
-    def slow_mm_s(self) -> float:
-        """The slowest ramp, at which steady curves are taken. [mm/s]"""
-        return self.velocities_mm_s[0]
-
-    @property
-    def fast_mm_s(self) -> float:
-        """The fastest ramp. [mm/s]"""
-        return self.velocities_mm_s[-1]
-
-    @property
-    def needed_N(self) -> float:
-        """The force that a design has to reach at every speed: the middle one, 10 of 5, 10 and 15 N."""
-        return self.forces_N[len(self.forces_N) // 2]
-
-    @cached_property
-    def steady_grid_N(self) -> NDArray:
-        """Steady forces at which the steady curve is scored, from the lowest to the highest. [N]"""
-        return np.linspace(self.forces_N[0], self.forces_N[-1], FINE if len(self.forces_N) > 1 else 1)
-
-    @cached_property
-    def low_grid_N(self) -> NDArray:
-        """Steady forces below those of the test, from a tenth of the lowest: reported, not scored. [N]"""
-        return np.linspace(0.1 * self.forces_N[0], self.forces_N[0], COARSE)
-
-    @cached_property
-    def misfit_N(self) -> NDArray:
-        """Forces over which the misfit is taken, even in the logarithm. [N]"""
-        return np.geomspace(0.1 * self.forces_N[0], self.forces_N[-1], 40)
-
-    @cached_property
-    def wide_N(self) -> NDArray:
-        """Forces far beyond those of the test: a flat pad's own, at the depths of a soft tissue. [N]"""
-        return np.geomspace(2e-4 * self.forces_N[0], 10.0 * self.forces_N[-1], 400)
-
-    @cached_property
-    def exponent_at_N(self) -> tuple[float, ...]:
-        """Forces at which exponents are given. [N]"""
-        return (*(float(f"{share * self.forces_N[0]:.6g}") for share in LOW_SHARES), *self.forces_N)
-
-    @property
-    def words(self) -> str:
-        """The forces as the span of the scored curve: ``5 to 15 N``."""
-        low, high = self.forces_N[0], self.forces_N[-1]
-        return f"{low:g} to {high:g} N" if high > low else f"{low:g} N"
-
-
-NAGOYA_PROTOCOL = Protocol()
-"""5, 10 and 15 N at 10 and 250 mm/s."""
 
 
 def face_of(punch: str, condition: str | None) -> str:
@@ -94,15 +26,198 @@ def face_of(punch: str, condition: str | None) -> str:
     return condition or ("frictionless" if punch.startswith(("ball:", "profile:")) else "bonded")
 
 
-@dataclass(frozen=True)
-class Request(SuggestOptions):
-    """The question. Ranges are (low, high) with both ends included, None for all that is allowed.
+LARGEST_ERROR = 2.0
+"""Largest error of weighing [g] and of the thickness [mm]."""
 
-    ``punch``, ``force_N``, ``velocity_mm_s``, ``hold_s``, ``pad_mm``, ``base``, ``edge_radius_mm`` and ``condition``
-    are the test that the pad and the people behind the tissue are pressed by; ``preset``, ``machine`` and ``silicone``
-    are of its mould, None for what the preset names. ``sites`` are how many crowns stand along and across the pad,
-    ``castings`` how many castings are drawn.
+
+def _read_error(given: float | str, purpose: parsing.QuantitySpec) -> float:
+    number = read_number(given, purpose)
+    if not 0.0 <= number <= LARGEST_ERROR:
+        raise out_of_range(purpose.quantity, number, 0, LARGEST_ERROR)
+    return number
+
+
+def _read_positive(given: float | str, purpose: parsing.QuantitySpec) -> float:
+    number = read_number(given, purpose)
+    if not 0.0 < number < math.inf:
+        raise out_of_range(purpose.quantity, number, "above 0", "any finite value")
+    return number
+
+
+def read_sites(text: str | tuple[int, int]) -> tuple[int, int]:
+    """Read ``NxM``, crowns along the length times across the width."""
+    from dummydesign.geometry.shapes.crowned import MOST_SITES
+
+    parts = text.lower().split("x") if isinstance(text, str) else [str(value) for value in text]
+    if len(parts) != 2 or not all(part.strip().isdigit() and 1 <= int(part) <= MOST_SITES for part in parts):
+        shown = text if isinstance(text, str) else "x".join(parts)
+        message = f"sites = {shown} is not NxM with 1 to {MOST_SITES} crowns each way, such as 4x3"
+        raise InputError(message, "malformed", "sites", shown)
+    return int(parts[0]), int(parts[1])
+
+
+def base_words(base: str) -> str:
+    """Return in words how a pad lies on its base."""
+    return {"bonded": "glued to a rigid base", "sliding": "sliding on a rigid base"}.get(base, f"resting, {base}")
+
+
+def _shape_help() -> str:
+    from dummydesign.geometry.shape_registry import shape_help
+
+    return shape_help("auto", default="auto") + "; lengths not given are searched"
+
+
+@dataclass(frozen=True)
+class Request:
+    """The question, in the order of the answer's inputs: default, option, metavar, help, reader.
+
+    Ranges are (low, high) with both ends included, None for all that is allowed. ``punch``, ``force_N``,
+    ``velocity_mm_s``, ``hold_s``, ``pad_mm``, ``base``, ``edge_radius_mm`` and ``condition`` are the test that the pad
+    and the people behind the tissue are pressed by; ``preset``, ``machine`` and ``silicone`` are of its mould, None for
+    what the preset names. ``sites`` are how many crowns stand along and across the pad, ``castings`` how many castings
+    are drawn. ``cad`` is whether the mould is made (None: unless the pad is red), ``effects`` are files of own effects.
     """
+
+    tissue: str = option(MISSING, "tissue", "NAME|FILE", "see 'dummydesign tissues list'")
+    aim: str = option("average", "aim", "AIM", "average (default), safe-side, subject:NAME or people:PERCENT")
+    resin: str = option("polyurethane-nagoya", "resin", "NAME|FILE", "see 'dummydesign resins list'")
+    thickness_mm: tuple[float, float] | None = option(
+        None,
+        "thickness",
+        "MIN:MAX",
+        "search range in mm, in 3 to 30",
+        read=partial(parse_limits, quantity="thickness in mm"),
+        between=":",
+    )
+    ratio: tuple[float, float] | None = option(
+        None,
+        "ratio",
+        "MIN:MAX",
+        "search range of the mixing ratio, within the resin's range",
+        read=partial(parse_limits, quantity="ratio"),
+        between=":",
+    )
+    shape: str = option("auto", "shape", "NAME[:P,..]", _shape_help)
+    mould: str | None = option(
+        None,
+        "mould",
+        "DIR|FILE",
+        "keep shape and thickness of a mould that was made; choose the ratio for the resin at hand",
+        read=fspath,
+    )
+    verify: bool = option(True, "no-verify", "", "do not check the design by finite elements")
+    hold_s: float = option(
+        10.0, "hold", "S", "hold after the stop (default 10 s)", read=partial(read_number, purpose=parsing.HOLD)
+    )
+    deceleration_mm_s2: float = option(
+        30_000.0,
+        "deceleration",
+        "MM_S2",
+        "braking (default 30000 mm/s2)",
+        read=partial(read_number, purpose=parsing.DECELERATION),
+    )
+    weighing_g: float = option(
+        0.1,
+        "balance",
+        "G",
+        "weighing error, plus or minus (default 0.1 g)",
+        read=partial(_read_error, purpose=parsing.BALANCE),
+        argument="balance_g",
+    )
+    thickness_tolerance_mm: float = option(
+        0.2,
+        "thickness-tolerance",
+        "MM",
+        "error of the cast thickness, plus or minus (default 0.2 mm)",
+        read=partial(_read_error, purpose=parsing.TOLERANCE),
+    )
+    calibration: str | None = option(
+        None, "calibration", "FILE", "file written by 'dummydesign loop'; none: ignore the project's", read=fspath
+    )
+    punch: str = option(
+        PUNCH, "punch", "KIND:SIZE", "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv"
+    )
+    force_N: tuple[float, ...] = option(
+        (5.0, 10.0, 15.0),
+        "force",
+        "F1,F2,...",
+        "steady forces (default 5,10,15 N)",
+        read=partial(read_numbers, purpose=parsing.FORCE),
+    )
+    velocity_mm_s: tuple[float, ...] = option(
+        (10.0, 250.0),
+        "velocity",
+        "V1,V2,...",
+        "speeds (default 10,250 mm/s)",
+        read=partial(read_numbers, purpose=parsing.VELOCITY),
+    )
+    pad_mm: tuple[float, float] = option(
+        (PAD_LENGTH_MM, PAD_WIDTH_MM),
+        "pad",
+        "LxW",
+        "length and width of the pad (default 150x120 mm)",
+        read=partial(read_size, quantity="pad"),
+        argument="pad",
+        between="x",
+    )
+    base: str = option("bonded", "base", "NAME", "bonded (default), sliding or friction:MU")
+    edge_radius_mm: float = option(
+        0.0,
+        "edge-radius",
+        "MM",
+        "fillet of the punch's edge (default 0, sharp)",
+        read=partial(read_number, purpose=parsing.EDGE),
+    )
+    condition: str | None = option(
+        None, "condition", "NAME", "bonded (default; under a ball or a profile frictionless), frictionless, friction:MU"
+    )
+    preset: str = option("open", "preset", "NAME|FILE", "mould preset: open (default), lidded, printed or a TOML file")
+    machine: str | None = option(None, "machine", "NAME|FILE", "printer, vacuum chamber and oven the mould must fit")
+    silicone: str | None = option(None, "silicone", "NAME|FILE", "silicone of the mould")
+    sites: tuple[int, int] | None = option(
+        None,
+        "sites",
+        "NxM",
+        "crowns along and across one pad, such as 4x3, far enough apart to be independent",
+        read=read_sites,
+        between="x",
+    )
+    castings: int = option(
+        1200,
+        "castings",
+        "N",
+        "number of simulated castings (default and minimum 1200)",
+        read=partial(read_count, quantity="castings"),
+    )
+    robot_mass_kg: float | None = option(
+        None,
+        "robot-mass",
+        "KG",
+        "safety view: mass of the free body that hits tissue and pad",
+        read=partial(_read_positive, purpose=parsing.MASS),
+    )
+    robot_velocity_mm_s: float | None = option(
+        None,
+        "robot-velocity",
+        "MM_S",
+        "its speed, with --robot-mass (default 250 mm/s)",
+        read=partial(_read_positive, purpose=parsing.ROBOT_VELOCITY),
+    )
+    limits: str | None = option(
+        None,
+        "limits",
+        "FILE",
+        "safety view: your limits of force and pressure, with their source (TOML)",
+        read=fspath,
+    )
+    drive: str | None = option(
+        None,
+        "drive",
+        "NAME",
+        "also predict the presses on people: position, steady, force, mass:KG, spring:K,M or spring:K,M,ZETA",
+    )
+    cad: bool | None = None
+    effects: tuple[str, ...] = ()
 
     @property
     def kind(self) -> str:
@@ -117,6 +232,8 @@ class Request(SuggestOptions):
     @property
     def protocol(self) -> Protocol:
         """Steady forces and speeds, rising."""
+        from dummydesign.design.protocol import Protocol
+
         return Protocol(tuple(sorted(set(self.force_N))), tuple(sorted(set(self.velocity_mm_s))))
 
     @property
@@ -127,6 +244,12 @@ class Request(SuggestOptions):
             return f"{size} x {size} mm"
         return f"{size.replace('x', ' x ')} mm" if kind == "rectangle" else f"{kind} {size}"
 
+    @classmethod
+    def read(cls, **given: Any) -> Request:
+        """Read texts or values by the names of the arguments of ``suggest``."""
+        return read_options(cls, given)
+
     def to_dict(self) -> dict[str, Any]:
-        """Return what was asked, defaults included."""
-        return asdict(self) | {"condition": self.face}
+        """Return what was asked, defaults included; a drive where one was given."""
+        asked = asdict(self) | {"condition": self.face}
+        return {name: value for name, value in asked.items() if name != "effects" and (name, value) != ("drive", None)}

@@ -10,6 +10,7 @@ import numpy as np
 
 from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.progress import Progress, quiet
 from dummydesign.design.assessment.budget import budget_of_castings
 from dummydesign.design.assessment.curves import match_of_design
 from dummydesign.design.assessment.decision import compare_kinds, explain
@@ -17,7 +18,8 @@ from dummydesign.design.assessment.pad_castings import PadCastings, pour_yield, 
 from dummydesign.design.assessment.value_of_information import measure_first
 from dummydesign.design.assessment.warnings import count_unmeasured, design_warnings
 from dummydesign.design.problem import Problem, read_problem
-from dummydesign.design.request import NAGOYA_PROTOCOL, Progress, Request, quiet
+from dummydesign.design.protocol import NAGOYA_PROTOCOL
+from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import Castings
 from dummydesign.design.scoring.people import people_warnings
 from dummydesign.design.scoring.press_simulation import make_curves

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from warnings import warn
 
 import numpy as np
 
@@ -72,6 +73,12 @@ class Suggestion:
     budget: Budget | None
     sites: Sites | None
     other_mould: dict[str, Any] | None
+
+    @property
+    def recommended(self) -> DesignCandidate:
+        """The earlier name of ``best``, kept for one release."""
+        warn("'recommended' of a suggestion is now 'best'", DeprecationWarning, stacklevel=2)
+        return self.best
 
     @property
     def request(self) -> Request:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.serialise import percent_below_limit
-from dummydesign.design.options import base_words
 from dummydesign.design.plot_data import THICKNESS_GRID_MM, PressPictures, SuggestionCurves
+from dummydesign.design.request import base_words
 from dummydesign.design.safety import SafetyView
 from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_view, view_script

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any
 
-from dummydesign.design.options import base_words
+from dummydesign.design.request import base_words
 from dummydesign.report.sections.curves import curves_text
 from dummydesign.tissue.model.people_share import is_strict
 

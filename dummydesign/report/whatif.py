@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.design.options import SuggestOptions, command_words
+from dummydesign.core.options import command_words
+from dummydesign.design.request import Request
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, write_report
 from dummydesign.report.plot import Plot, Series
@@ -176,7 +177,7 @@ def _front(study: Study, rows: Rows, lead: str, plots: Sequence[Plot], warnings:
         score = f"{best['score']['total']:.2f}"
         facts = [Fact(f"best score for {study.tissue}, 0 to 1", score, True), Fact("pad", text)]
         words = f"Highest score for {study.tissue}, aim {study.aim}: {text}. A score is no verdict. {lead}"
-        asked = command_words(SuggestOptions, {"aim": study.aim, "resin": study.resin}, ("aim", "resin"))
+        asked = command_words(Request, {"aim": study.aim, "resin": study.resin}, ("aim", "resin"))
         steps = [
             "Search all pads for a verdict, with castings, recipe and mould.",
             f"dummydesign suggest --tissue {shlex.quote(str(study.tissue))}{asked}",

@@ -16,13 +16,11 @@ from dummydesign.core.parsing import (
     QuantitySpec,
     columns_in,
     parse_limits,
-    parse_values,
     positive,
     read_allowed,
     read_number,
     read_numbers,
     read_size,
-    read_values,
     twin_of,
 )
 from dummydesign.core.quantity import HALF_WIDTH, KINDS, Quantity, has_line, line_of, value_at
@@ -97,35 +95,35 @@ def test_a_number_at_the_end_of_its_range_is_allowed():
     ],
 )
 def test_a_range_has_its_ends_and_steps(text, values):
-    found = parse_values(text, "thickness in mm")
+    found = read_numbers(text, "thickness in mm")
     assert found == pytest.approx(values, abs=1e-15) and found[-1] == pytest.approx(values[-1], abs=0.0)
-    assert read_values(text, "thickness in mm") == tuple(found)
+    assert read_numbers(text, "thickness in mm") == tuple(found)
 
 
 def test_the_last_value_of_a_range_is_exactly_its_stop():
     for step, count in ((0.1, 271), (0.05, 541), (0.3, 91), (0.7, 39)):
-        values = parse_values(f"3:30:{step}", "thickness in mm")
+        values = read_numbers(f"3:30:{step}", "thickness in mm")
         assert len(values) == count and values[0] == 3.0
         assert values[-1] <= 30.0 and max(abs(values[k] - 3.0 - k * step) for k in range(count)) < 1e-9
-    assert parse_values("3:30:0.1", "thickness in mm")[-1] == 30.0 and parse_values("0:1e-6:1e-7", "x")[-1] == 1e-6
+    assert read_numbers("3:30:0.1", "thickness in mm")[-1] == 30.0 and read_numbers("0:1e-6:1e-7", "x")[-1] == 1e-6
 
 
 @pytest.mark.parametrize("text", ["1:2", "1:2:0", "1:2:-1", "2:1:1", "1:2:3:4"])
 def test_what_is_no_range_is_refused(text):
     with raises_code("malformed"):
-        parse_values(text, "depth in mm")
+        read_numbers(text, "depth in mm")
 
 
 def test_a_range_of_more_values_than_are_allowed_is_refused(monkeypatch):
     with raises_code("too_large"):
-        parse_values("0:1e9:1", "depth in mm")
+        read_numbers("0:1e9:1", "depth in mm")
     monkeypatch.setattr(parsing, "MOST_VALUES", 100)
-    assert len(parse_values("1:100:1", "depth in mm")) == 100
+    assert len(read_numbers("1:100:1", "depth in mm")) == 100
     with raises_code("too_large"):
-        parse_values("0:100:1", "depth in mm")
+        read_numbers("0:100:1", "depth in mm")
     for text in ("a:2:1", "1,inf", "1,nan", ""):
         with raises_code("not_a_number"):
-            parse_values(text, "depth in mm")
+            read_numbers(text, "depth in mm")
 
 
 def test_limits_are_two_numbers_in_order_or_one_for_both():
@@ -201,18 +199,18 @@ def test_a_comment_or_a_text_is_not_the_line_of_a_key():
 
 @pytest.mark.parametrize("text", ["0.25", "0.25,250", "0.25:1:0.25"])
 def test_every_call_asks_about_a_speed_that_looks_like_metres_a_second(text):
-    for read in (read_values, read_numbers) if ":" not in text else (read_values,):
+    for read in (read_numbers, read_numbers) if ":" not in text else (read_numbers,):
         with raises_code("implausible_unit", "velocity_mm_s"):
             read(text, VELOCITY)
     with raises_code("implausible_unit", "velocity_mm_s"):
-        read_values([0.25, 10.0], VELOCITY)
+        read_numbers([0.25, 10.0], VELOCITY)
 
 
 def test_units_are_read_in_lists_and_ranges_and_a_step_may_be_small():
-    assert read_values(["0.25m/s", 10], VELOCITY) == (250.0, 10.0) == read_numbers(["0.25m/s", 10], VELOCITY)
-    assert read_values("0.01m/s:0.02m/s:5", VELOCITY) == (10.0, 15.0, 20.0)
-    assert read_values("5:6:0.25", THICKNESS) == (5.0, 5.25, 5.5, 5.75, 6.0)
+    assert read_numbers(["0.25m/s", 10], VELOCITY) == (250.0, 10.0) == read_numbers(["0.25m/s", 10], VELOCITY)
+    assert read_numbers("0.01m/s:0.02m/s:5", VELOCITY) == (10.0, 15.0, 20.0)
+    assert read_numbers("5:6:0.25", THICKNESS) == (5.0, 5.25, 5.5, 5.75, 6.0)
     with raises_code("unknown_unit", "velocity_mm_s"):
-        read_values(["3N"], VELOCITY)
+        read_numbers(["3N"], VELOCITY)
     with raises_code("not_a_number", "ratio"):
-        read_values(["15mm"], "ratio")
+        read_numbers(["15mm"], "ratio")

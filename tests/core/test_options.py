@@ -8,8 +8,9 @@ from functools import partial
 
 import pytest
 
+from dummydesign.cli.common_options import add_options
+from dummydesign.core.options import command_words, option, read_options
 from dummydesign.core.parsing import HOLD, VELOCITY, parse_limits, read_number, read_numbers
-from dummydesign.design.options import SuggestOptions, add_options, command_words, option, read_options
 from dummydesign.design.request import Request
 from tests.support.refusal import raises_code
 
@@ -44,8 +45,8 @@ def test_options_are_declared_by_their_flags_with_the_defaults_of_the_table():
     assert vars(parsed("--name", "a")) == {
         "quick": True,
         "name": "a",
-        "hold": 10.0,
-        "speed": (10.0, 250.0),
+        "hold_s": 10.0,
+        "velocity_mm_s": (10.0, 250.0),
         "limits": None,
     }
     assert parsed("--name", "a", "--slow").quick is False
@@ -72,7 +73,7 @@ def test_what_differs_from_the_defaults_is_typed_again():
 def test_a_request_of_suggest_is_typed_as_it_was_read():
     words = "--force 2,6 --pad 100x80 --thickness 4:9 --sites 2x1 --balance 0.05"
     parser = argparse.ArgumentParser()
-    add_options(parser, SuggestOptions, ("force_N", "pad_mm", "thickness_mm", "sites", "weighing_g"))
+    add_options(parser, Request, ("force_N", "pad_mm", "thickness_mm", "sites", "weighing_g"))
     typed = vars(parser.parse_args(words.split()))
     asked = Request(
         "palm", force_N=(2.0, 6.0), pad_mm=(100.0, 80.0), thickness_mm=(4.0, 9.0), sites=(2, 1), weighing_g=0.05

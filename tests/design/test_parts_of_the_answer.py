@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.options import command_words
 from dummydesign.design import measured_pad, suggest, suggestion
 from dummydesign.design.assessment import warnings
 from dummydesign.design.assessment.pad_castings import limits_that_bind, poured_slabs
 from dummydesign.design.comparison import _differences, _names, _warnings
 from dummydesign.design.measured_pad import PARABOLA, energy_of, peak_of
-from dummydesign.design.options import LARGEST_ERROR, SuggestOptions, command_words, read_options
-from dummydesign.design.request import NAGOYA_PROTOCOL
+from dummydesign.design.protocol import NAGOYA_PROTOCOL
+from dummydesign.design.request import LARGEST_ERROR, Request
 from dummydesign.design.scoring.castings import Pours
 from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, SlabCurves
 from dummydesign.design.scoring.settings import verdict_limits
@@ -375,11 +376,7 @@ def test_numbers_of_a_test_are_refused_beyond_their_ends():
 
 
 def options(**given):
-    from dataclasses import fields
-
-    names = {one.name: one.metadata["option"].argument or one.name for one in fields(SuggestOptions)}
-    values = {names[one.name]: one.default for one in fields(SuggestOptions)} | {"tissue": "palm"}
-    return read_options(SuggestOptions, values | given)
+    return Request.read(tissue="palm", **given)
 
 
 def test_errors_of_making_are_read_to_two_grams_and_two_millimetres():
@@ -390,7 +387,7 @@ def test_errors_of_making_are_read_to_two_grams_and_two_millimetres():
             options(**given)
     assert LARGEST_ERROR <= 2.0
     words = command_words(
-        SuggestOptions,
+        Request,
         vars(options(force_N="5,10", pad="60x50", balance_g=0.5)),
         ["force_N", "pad_mm", "weighing_g", "hold_s"],
     )

@@ -15,7 +15,7 @@ from dummydesign.design.problem import read_problem
 from dummydesign.design.request import ANSWER, Request
 from dummydesign.design.suggest import design
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.mold.model.preset import mould_spec
+from dummydesign.mold.model.preset import mould_spec, read_preset
 from dummydesign.resin import load_resin
 from tests.support.refusal import raises_code
 
@@ -185,6 +185,12 @@ def test_a_mould_keeps_shape_thickness_and_size_of_its_pad(mould, place):
     assert problem.request.pad_mm == (120.0, 100.0) and problem.thickness_mm.tolist() == [4.5]
     assert read_shape(problem.request.shape) == read_shape(CROWN)
     assert len(problem.wide_mm) > 20
+
+
+def test_a_mould_keeps_its_preset_unless_another_one_is_asked_for(mould):
+    mould(preset=read_preset("lidded"))
+    for asked, preset in (({}, "lidded"), ({"preset": "printed"}, "printed")):
+        assert read_problem(Request("forefinger", mould="m", verify=False, **asked)).preset.name == preset
 
 
 @pytest.mark.slow

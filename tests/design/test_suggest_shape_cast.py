@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from dummydesign.design.plot_data import press_pictures, reactions, suggestion_curves
-from dummydesign.design.request import RADIUS_MM, Request
+from dummydesign.design.protocol import RADIUS_MM
+from dummydesign.design.request import Request
 from dummydesign.design.safety import safety_view
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.suggest import suggest

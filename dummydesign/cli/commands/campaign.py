@@ -8,7 +8,7 @@ import shlex
 from pathlib import Path
 from typing import Any
 
-from dummydesign.cli.common_options import add_replace_option
+from dummydesign.cli.common_options import add_replace_option, count, number
 from dummydesign.cli.text import file_lines, files_block, labelled, screen, warning_block, warning_lines
 from dummydesign.core.errors import InputError, NoAnswerError
 
@@ -27,11 +27,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--velocity", metavar="MM_S,...", help="default 10,250")
     add("--force", metavar="N,...", help="steady forces to press to (default 5,10,15)")
     add("--depth", metavar="MM,...", help="depths to press to, instead of forces")
-    add("--repeats", type=int, metavar="N", help="of every condition, on different days (default 2)")
+    add("--repeats", type=count("repeats"), metavar="N", help="of every condition, on different days (default 2)")
     add("--ages", metavar="DAYS,...", help="age of the pads on each day of pressing (default 9,14,29)")
     add("--rest", metavar="S", help="rest between presses of a pad (default 60)")
     add("--hold", metavar="S", help="default 10")
-    add("--seed", type=int, default=1, metavar="N", help="of the order (default 1)")
+    add("--seed", type=count("seed"), default=1, metavar="N", help="of the order (default 1)")
     add("--no-power", action="store_true", help="do not work out which effects the plan cannot see or tell apart")
     add("--moulds", action="store_true", help="make the moulds of all pads too, in DIR-moulds (needs --resin)")
     add("--preset", default="open", metavar="NAME|FILE", help="of the moulds (default open)")
@@ -42,7 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     files.add_argument("folder", metavar="DIR", help="folder to make; the traces are copied into it")
     files.add_argument("files", nargs="+", metavar="FILE", help="traces, named such as t05_v010_f03_1.csv")
     files.add_argument("--table", metavar="trials.csv", help="file,thickness_mm,velocity_mm_s,... of each press")
-    files.add_argument("--thickness", type=float, metavar="MM", help="of pads whose file name and row do not say")
+    files.add_argument(
+        "--thickness", type=number("thickness in mm"), metavar="MM", help="of pads whose file name and row do not say"
+    )
     for action in (new, files):
         _set_up_options(action)
         add_replace_option(action)
@@ -53,7 +55,7 @@ def _set_up_options(parser: argparse.ArgumentParser) -> None:
     add("--name", help="of the campaign (default the folder's)")
     add("--young", metavar="KPA", help="nominal modulus of the pads")
     add("--resin", metavar="NAME", help="or the resin they are cast of, with --ratio")
-    add("--ratio", type=float, metavar="R", help="mixing ratio; without it the campaign leads to no recipe")
+    add("--ratio", type=number("ratio"), metavar="R", help="mixing ratio; without it the campaign leads to no recipe")
     add("--pad", metavar="LxW|cylinder:D", help="outline in mm (default 150x120)")
     shape = "of the pads on their base, with its lengths: crowned:radius=20,height=3,foot=11 (default slab)"
     add("--shape", metavar="NAME:P,..", help=shape)

@@ -24,13 +24,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     test = parser.add_argument_group("your own test", words)
     punches = "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv"
     test.add_argument("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
-    test.add_argument("--edge-radius", default=0.0, metavar="MM", help="fillet of the punch's edge (default 0, sharp)")
+    test.add_argument(
+        "--edge-radius",
+        dest="edge_radius_mm",
+        default=0.0,
+        metavar="MM",
+        help="fillet of the punch's edge (default 0, sharp)",
+    )
     faces = "bonded (default; under a ball or a profile frictionless), frictionless, friction:MU (for the report only)"
     test.add_argument("--condition", metavar="NAME", help=faces)
-    test.add_argument("--force", metavar="F1,F2,...", help="steady forces in N: presses to others are left out")
-    test.add_argument("--velocity", metavar="V1,V2,...", help="speeds in mm/s: presses at others are left out")
-    test.add_argument("--hold", metavar="S", help="hold after the stop: longer traces are cut there")
-    test.add_argument("--deceleration", metavar="MM_S2", help="braking (default: read from the motion)")
+    test.add_argument(
+        "--force", dest="force_N", metavar="F1,F2,...", help="steady forces in N: presses to others are left out"
+    )
+    test.add_argument(
+        "--velocity", dest="velocity_mm_s", metavar="V1,V2,...", help="speeds in mm/s: presses at others are left out"
+    )
+    test.add_argument("--hold", dest="hold_s", metavar="S", help="hold after the stop: longer traces are cut there")
+    test.add_argument(
+        "--deceleration", dest="deceleration_mm_s2", metavar="MM_S2", help="braking (default: read from the motion)"
+    )
 
 
 ABOUT_STEPS = 13

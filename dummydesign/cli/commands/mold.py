@@ -8,7 +8,7 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
-from dummydesign.cli.common_options import add_replace_option, call
+from dummydesign.cli.common_options import add_replace_option, call, count, number
 from dummydesign.cli.progress import Watch
 from dummydesign.cli.text import files_block, labelled, screen, warning_block
 from dummydesign.core.errors import InputError, NoAnswerError, quantity_name
@@ -20,19 +20,43 @@ def add_record_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add(
         "--thickness",
-        dest="thicknesses",
+        dest="thicknesses_mm",
         metavar="NAME=MM,..",
         required=True,
         help="at the gauge points of the pour sheet; of a flat pad also five or more numbers",
     )
-    add("--mass", type=float, metavar="G", required=True, help="of the trimmed pad")
-    add("--modulus", type=float, metavar="KPA", help="of the witness puck, from resins add-compression")
-    add("--modulus-error", type=float, metavar="KPA", help="standard error of that modulus")
-    add("--weighed", metavar="NAME=G,..", help="masses of the liquids that were weighed in")
-    add("--scale", type=float, metavar="G", help="limit of the scale's error (default 0.1)")
-    add("--level", type=float, metavar="DEG", help="as read when the mould was filled")
-    add("--bubbles", type=int, metavar="N", help="over 1 mm, under the punch")
-    add("--gauge", type=float, metavar="MM", help="standard error of the gauge on a gel (default 0.05)")
+    add("--mass", dest="mass_g", type=number("mass in g"), metavar="G", required=True, help="of the trimmed pad")
+    add(
+        "--modulus",
+        dest="modulus_kPa",
+        type=number("modulus in kPa"),
+        metavar="KPA",
+        help="of the witness puck, from resins add-compression",
+    )
+    add(
+        "--modulus-error",
+        dest="modulus_error_kPa",
+        type=number("modulus error in kPa"),
+        metavar="KPA",
+        help="standard error of that modulus",
+    )
+    add("--weighed", dest="weighed_g", metavar="NAME=G,..", help="masses of the liquids that were weighed in")
+    add(
+        "--scale",
+        dest="scale_g",
+        type=number("scale in g"),
+        metavar="G",
+        help="limit of the scale's error (default 0.1)",
+    )
+    add("--level", dest="level_deg", type=number("level"), metavar="DEG", help="as read when the mould was filled")
+    add("--bubbles", type=count("bubbles"), metavar="N", help="over 1 mm, under the punch")
+    add(
+        "--gauge",
+        dest="gauge_mm",
+        type=number("gauge in mm"),
+        metavar="MM",
+        help="standard error of the gauge on a gel (default 0.05)",
+    )
     add("--note", default="", metavar="TEXT", help="anything else")
     add_replace_option(parser)
 
@@ -41,8 +65,8 @@ def run_record(options: argparse.Namespace) -> dict[str, Any]:
     """Judge and keep the record."""
     from dummydesign.api.moulds import record_pad
 
-    weighed = None if options.weighed is None else _weighed(options.weighed)
-    result = call(record_pad, options, thicknesses_mm=_readings(options.thicknesses), weighed_g=weighed).to_dict()
+    weighed = None if options.weighed_g is None else _weighed(options.weighed_g)
+    result = call(record_pad, options, thicknesses_mm=_readings(options.thicknesses_mm), weighed_g=weighed).to_dict()
     if not result["accepted"]:
         message = f"the pad is not accepted: {', '.join(result['missed'])}"
         raise NoAnswerError("pad_not_accepted", message, result, "pad")
@@ -121,24 +145,60 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(dest="action", metavar="[record]", help="without 'record' a mould is made")
     words = "store what was poured and list the limits that the pad misses"
     add_record_arguments(actions.add_parser("record", help=words))
-    add("--thickness", metavar="MM[,MM..]", help="thickness of the pad, 3 to 30 mm; required; several make one job")
+    add(
+        "--thickness",
+        dest="thickness_mm",
+        metavar="MM[,MM..]",
+        help="thickness of the pad, 3 to 30 mm; required; several make one job",
+    )
     add("--puck", metavar="DxH[,DxH..]", help="witness pucks instead of a pad, diameter x height in mm: printed rings")
-    add("--count", type=int, default=1, metavar="N", help="cavities in one mould (default 1)")
-    add("--castings", type=int, default=1, metavar="N", help="castings of each mould (default 1)")
-    add("--length", default=150.0, metavar="MM", help="length of the pad (default 150)")
-    add("--width", default=120.0, metavar="MM", help="width of the pad (default 120)")
+    add("--count", type=count("count"), default=1, metavar="N", help="cavities in one mould (default 1)")
+    add("--castings", type=count("castings"), default=1, metavar="N", help="castings of each mould (default 1)")
+    add("--length", dest="length_mm", default=150.0, metavar="MM", help="length of the pad (default 150)")
+    add("--width", dest="width_mm", default=120.0, metavar="MM", help="width of the pad (default 120)")
     add("--shape", default="slab", metavar="NAME[:P,..]", help=shape_help("puck"))
     presets = "mould preset: open (default), lidded, printed or a TOML file"
     add("--preset", default="open", metavar="NAME|FILE", help=presets)
     add("--resin", metavar="NAME|FILE", help="resin to weigh (default the paper's polyurethane)")
-    add("--ratio", type=float, default=15.0, metavar="R", help="mixing ratio of the resin (default 15)")
-    add("--base-ratio", type=float, metavar="R", help="ratio of a layered pad's base (default: from its modulus ratio)")
-    add("--face-sheet", type=float, metavar="MM", help="thickness of a glass sheet that forms the tested face")
+    add("--ratio", type=number("ratio"), default=15.0, metavar="R", help="mixing ratio of the resin (default 15)")
+    add(
+        "--base-ratio",
+        type=number("base ratio"),
+        metavar="R",
+        help="ratio of a layered pad's base (default: from its modulus ratio)",
+    )
+    add(
+        "--face-sheet",
+        dest="face_sheet_mm",
+        type=number("face sheet in mm"),
+        metavar="MM",
+        help="thickness of a glass sheet that forms the tested face",
+    )
     add("--bone", metavar="FILE", help="STL or STEP (mm) of a bone in the gel; the model uses the closest dome")
-    add("--bone-height", type=float, metavar="MM", help="how far the bone reaches into the gel from the free face")
-    add("--bone-scale", type=float, default=1.0, metavar="S", help="scale factor of the file (default 1)")
-    add("--bone-turn", default="0,0,0", metavar="X,Y,Z", help="degrees about x, y, z; then its lowest point is the tip")
-    add("--bone-at", default="0,0", metavar="X,Y", help="where the tip lies from the pad's middle, mm (default 0,0)")
+    add(
+        "--bone-height",
+        dest="bone_height_mm",
+        type=number("bone height in mm"),
+        metavar="MM",
+        help="how far the bone reaches into the gel from the free face",
+    )
+    add(
+        "--bone-scale", type=number("bone scale"), default=1.0, metavar="S", help="scale factor of the file (default 1)"
+    )
+    add(
+        "--bone-turn",
+        dest="bone_turn_deg",
+        default="0,0,0",
+        metavar="X,Y,Z",
+        help="degrees about x, y, z; then its lowest point is the tip",
+    )
+    add(
+        "--bone-at",
+        dest="bone_at_mm",
+        default="0,0",
+        metavar="X,Y",
+        help="where the tip lies from the pad's middle, mm (default 0,0)",
+    )
     add("--paper", default="A4", metavar="A4|A3", help="paper of pour sheet and drawings (default A4)")
     add("--out", metavar="DIR", help="folder for the files (default mould_tMM)")
     add_replace_option(parser)
@@ -150,13 +210,13 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
     if options.action == "record":
         return run_record(options)
-    if options.thickness is None and options.puck is None:
+    if options.thickness_mm is None and options.puck is None:
         message = "--thickness is missing: the thickness of the pad in mm, 3 to 30; or --puck 50x30 for a witness puck"
         raise InputError(message, "missing", "thickness")
 
     turn, position = (
         _numbers(f"--bone-{name}", text, count)
-        for name, text, count in (("turn", options.bone_turn, 3), ("at", options.bone_at, 2))
+        for name, text, count in (("turn", options.bone_turn_deg, 3), ("at", options.bone_at_mm, 2))
     )
     with Watch():
         return call(make_mould, options, bone_turn_deg=turn, bone_at_mm=position).to_dict()
@@ -175,13 +235,13 @@ def _numbers(option: str, text: str, count: int) -> Any:
 
 def default_in_project(options: argparse.Namespace) -> str | None:
     """Name of the folder in a project when none is typed; elsewhere the call names it. A record has its folder."""
-    if options.action == "record" or options.thickness is None:
+    if options.action == "record" or options.thickness_mm is None:
         return f"puck_{options.puck.lower().replace(',', '_')}" if getattr(options, "puck", None) else None
     from dummydesign.mold.batch import folder_name, read_thicknesses
 
     shape = "boned" if options.bone else options.shape.partition(":")[0].lower()
     kind = "" if shape in ("slab", "puck") else shape  # as ``PadSpec.prefix``
-    return folder_name(read_thicknesses(options.thickness), options.castings, kind, options.count)
+    return folder_name(read_thicknesses(options.thickness_mm), options.castings, kind, options.count)
 
 
 def render(result: dict[str, Any]) -> str:

@@ -7,7 +7,7 @@ from collections import Counter
 from typing import Any
 
 from dummydesign.cli import text
-from dummydesign.cli.common_options import ACTIONS, add_own_actions, render_own, run_own
+from dummydesign.cli.common_options import ACTIONS, add_own_actions, number, render_own, run_own
 from dummydesign.cli.text import file_lines, labelled, screen, table, warning_lines
 from dummydesign.core.errors import InputError
 
@@ -28,10 +28,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     puck = actions.add_parser("add-compression", help="modulus and relaxation of a batch from its puck's curve")
     words = "time_s, displacement_mm, force_N: one slow loading, or ramps and holds"
     puck.add_argument("file", metavar="TRACE.csv", nargs="+", help=f"{words}; several presses of one puck together")
-    puck.add_argument("--diameter", type=float, required=True, metavar="MM", help="of the puck")
-    puck.add_argument("--height", type=float, required=True, metavar="MM", help="of the puck")
+    puck.add_argument("--diameter", type=number("diameter in mm"), required=True, metavar="MM", help="of the puck")
+    puck.add_argument("--height", type=number("height in mm"), required=True, metavar="MM", help="of the puck")
     puck.add_argument("--name", required=True, help="of the resin that results")
-    puck.add_argument("--ratio", type=float, required=True, metavar="R", help="mixing ratio of the puck")
+    puck.add_argument("--ratio", type=number("ratio"), required=True, metavar="R", help="mixing ratio of the puck")
     puck.add_argument("--resin", metavar="BASE", help="resin whose law is updated")
     words = "plates: lubricated, bonded or a friction coefficient (default: any friction)"
     puck.add_argument("--friction", metavar="lubricated|bonded|MU", help=words)
@@ -43,8 +43,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _add_hardness_options(actions: Any) -> None:
     hard = actions.add_parser("add-hardness", help="a resin of a supplier's Shore value alone, with its scatter")
     scale = hard.add_mutually_exclusive_group(required=True)
-    scale.add_argument("--shore-00", type=float, metavar="S", help="Shore 00 as the supplier states it, 5 to 90")
-    scale.add_argument("--shore-a", type=float, metavar="S", help="Shore A as the supplier states it, 10 to 90")
+    scale.add_argument(
+        "--shore-00", type=number("shore 00"), metavar="S", help="Shore 00 as the supplier states it, 5 to 90"
+    )
+    scale.add_argument(
+        "--shore-a", type=number("shore a"), metavar="S", help="Shore A as the supplier states it, 10 to 90"
+    )
     hard.add_argument("--name", required=True, help="of the resin that results")
     base = "resin whose law of the ratio and relaxation are kept (none: one fixed mix)"
     hard.add_argument("--resin", metavar="BASE", help=base)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from dummydesign.cli.common_options import count
 from dummydesign.core.errors import InputError
 
 HELP = "Open a project folder as a page in the browser: bring in files, design, make the mould, learn, all by clicks."
@@ -15,7 +16,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     meaning = "made when needed (default: the project of the current folder, else this folder)"
     add("folder", nargs="?", metavar="DIR", help=meaning)
-    add("--port", type=int, metavar="P", help="open to this computer only (default: the first free one from 8420)")
+    add(
+        "--port",
+        type=count("port"),
+        metavar="P",
+        help="open to this computer only (default: the first free one from 8420)",
+    )
     add("--no-browser", action="store_true", help="print the address only")
 
 

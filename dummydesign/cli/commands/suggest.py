@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.common_options import add_effect_option, add_replace_option, call_in_steps
+from dummydesign.cli.common_options import add_effect_option, add_options, add_replace_option
 from dummydesign.core.errors import NoAnswerError
 
 ABOUT_STEPS = 8
@@ -30,34 +30,34 @@ OWN_TEST = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add what can be asked."""
-    from dummydesign.design.options import SuggestOptions, add_options
+    from dummydesign.design.request import Request
 
     add = parser.add_argument
-    add_options(parser, SuggestOptions, ("tissue", "aim", "resin", "thickness_mm", "ratio", "calibration"))
+    add_options(parser, Request, ("tissue", "aim", "resin", "thickness_mm", "ratio", "calibration"))
     add_effect_option(parser)
-    add_options(parser, SuggestOptions, ("shape", "mould"))
+    add_options(parser, Request, ("shape", "mould"))
     add("--cad", action="store_const", const=True, help="make the mould even if the pad is red")
     add("--no-cad", dest="cad", action="store_const", const=False, help="skip the mould; write recipe and report only")
-    add_options(parser, SuggestOptions, ("verify",))
+    add_options(parser, Request, ("verify",))
     test = parser.add_argument_group("your own test", "numbers may carry their unit: 0.25m/s, 10mm/s")
-    add_options(test, SuggestOptions, OWN_TEST)
-    add_options(parser, SuggestOptions, ("weighing_g", "thickness_tolerance_mm", "castings"))
-    add("--robot-mass", metavar="KG", help="safety view: mass of the free body that hits tissue and pad")
-    add("--robot-velocity", metavar="MM_S", help="its speed, with --robot-mass (default 250 mm/s)")
-    add("--limits", metavar="FILE", help="safety view: your limits of force and pressure, with their source (TOML)")
-    drives = "also predict the presses on people: position, steady, force, mass:KG, spring:K,M or spring:K,M,ZETA"
-    add("--drive", metavar="NAME", help=drives)
+    add_options(test, Request, OWN_TEST)
+    add_options(parser, Request, ("weighing_g", "thickness_tolerance_mm", "castings"))
+    add_options(parser, Request, ("robot_mass_kg", "robot_velocity_mm_s", "limits", "drive"))
     add("--out", metavar="DIR", help="folder of the files (default suggest-TISSUE)")
     add_replace_option(parser)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Find the design, make its mould, write the report and return the answer."""
-    from dummydesign.api.designs import suggest
+    from dummydesign.api.designs import answer_request
+    from dummydesign.cli.progress import steps_shown
+    from dummydesign.design.request import Request
 
     if options.calibration == "none":
         options.calibration = None
-    answer = call_in_steps(ABOUT_STEPS, suggest, options)
+    request = Request.read(**vars(options))
+    with steps_shown(ABOUT_STEPS) as steps:
+        answer = answer_request(request, options.out, options.replace, steps)
     result = answer.to_dict()
     if not answer.outcome.verdict.acceptable:
         text = f"no acceptable pad: the best one found is {result['verdict']['level'].replace('_', ' ')}"

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.serialise import Serialised, to_plain
-from dummydesign.design.request import NAGOYA_PROTOCOL
+from dummydesign.design.protocol import NAGOYA_PROTOCOL
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import LEVELS
 from dummydesign.design.search.shape_search import ShapedDesign, candidate_of

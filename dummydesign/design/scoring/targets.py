@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.request import NAGOYA_PROTOCOL, Protocol
+from dummydesign.design.protocol import NAGOYA_PROTOCOL, Protocol
 from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.settings import VerdictLimits, Weights, verdict_limits, weights_of
 from dummydesign.measurement.motion import work_mJ

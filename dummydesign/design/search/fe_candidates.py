@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.interpolation import monotone_cubic
-from dummydesign.design.request import Progress, quiet
+from dummydesign.core.progress import Progress, quiet
 from dummydesign.design.scoring.crowns import Crowns
 from dummydesign.design.scoring.press_simulation import designed_depth_mm
 from dummydesign.design.search.shape_family import FamilyLaw

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dummydesign.core.errors import InputError, out_of_range, quantity_name, unknown_name
-from dummydesign.core.parsing import DECELERATION, positive, read_values
+from dummydesign.core.parsing import DECELERATION, positive, read_numbers
 from dummydesign.core.serialise import Serialised
-from dummydesign.design.request import NAGOYA_PROTOCOL, Protocol
+from dummydesign.design.protocol import NAGOYA_PROTOCOL, Protocol
 from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.test_conditions import check_numbers
 from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS, THICKNESS_MM
@@ -54,7 +54,7 @@ def parse_shapes(text: str) -> tuple[str, ...]:
             key, equals, given = item.rpartition("=")
             keys.append(key.strip() if equals else str(number))
             given = given.replace("/", ",")
-            values.append(read_values(given, f"shape {name}: {keys[-1] if equals else f'value {number + 1}'}"))
+            values.append(read_numbers(given, f"shape {name}: {keys[-1] if equals else f'value {number + 1}'}"))
         count = math.prod(len(one) for one in values)
         if count > MOST_SHAPES:
             message = f"shape {name}: {count} shapes are more than {MOST_SHAPES}; use wider steps"

@@ -9,7 +9,6 @@ import pytest
 
 from dummydesign.api import campaigns, designs, predictions, traces
 from dummydesign.cli.commands import compare, fit, predict, replay, suggest, whatif
-from dummydesign.cli.common_options import option_of
 from tests.support.refusal import raises_code
 
 PAIRS = [
@@ -28,7 +27,7 @@ def test_options_and_arguments_are_the_same(command, function, only):
     parser = argparse.ArgumentParser()
     command.add_arguments(parser)
     options = {one.dest: one for one in parser._actions if one.dest != "help"}
-    arguments = {option_of(name): one for name, one in signature(function).parameters.items()}
+    arguments = dict(signature(function).parameters)
     assert set(arguments) - set(options) == {"progress", *only}
     assert set(options) - set(arguments) == set()
     for name, option in options.items():
@@ -69,20 +68,20 @@ def test_a_calibration_none_is_none_and_a_red_pad_is_an_answer_that_is_refused(m
             outcome=argparse.Namespace(verdict=verdict), to_dict=lambda: {"verdict": {"level": "not_representative"}}
         )
 
-        def function(tissue, calibration=None, cad=None, progress=None):
-            seen.update(calibration=calibration)
+        def function(request, out, replace, progress):
+            seen.update(calibration=request.calibration)
             return answer
 
         return function
 
     for cad, words in ((None, "--cad makes it anyway"), (True, "not representative")):
-        monkeypatch.setattr(designs, "suggest", made(False))
+        monkeypatch.setattr(designs, "answer_request", made(False))
         with raises_code("no_acceptable_pad", "verdict") as caught:
-            suggest.run(namespace(tissue="palm", calibration="none", cad=cad))
+            suggest.run(namespace(tissue="palm", calibration="none", cad=cad, out=None, replace=False))
         assert words in str(caught.value) and ("--cad" in str(caught.value)) is (cad is None)
     assert seen == {"calibration": None}
-    monkeypatch.setattr(designs, "suggest", made(True))
-    assert suggest.run(namespace(tissue="palm", calibration="c.json", cad=None))["verdict"]
+    monkeypatch.setattr(designs, "answer_request", made(True))
+    assert suggest.run(namespace(tissue="palm", calibration="c.json", cad=None, out=None, replace=False))["verdict"]
     assert seen == {"calibration": "c.json"}
 
 
@@ -130,4 +129,4 @@ def test_numbers_of_whatif_are_read_as_its_defaults():
     parser = argparse.ArgumentParser()
     whatif.add_arguments(parser)
     options = parser.parse_args(["--thickness", "5:15:5"])
-    assert options.velocity == "10,250" and options.workers == 1 and not options.resume
+    assert options.velocity_mm_s == "10,250" and options.workers == 1 and not options.resume

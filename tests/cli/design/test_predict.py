@@ -100,17 +100,17 @@ def test_depths_have_units_as_thicknesses_do(typed):
 
 
 def test_units_are_taken_by_edges_studies_and_moulds():
-    from dummydesign.core.parsing import parse_limits, read_values
+    from dummydesign.core.parsing import parse_limits, read_numbers
     from dummydesign.mold.batch import read_thicknesses
 
     sharp, same = (dummydesign.predict(10, young_kPa=30, depth_mm=1, edge_radius_mm=e).to_dict() for e in (1.0, "1mm"))
     assert sharp["force_N"] == same["force_N"]
-    assert read_values("5mm,1cm", "thickness in mm") == (5.0, 10.0)
-    assert read_values("5mm:6mm:0.5", "thickness in mm") == (5.0, 5.5, 6.0)
+    assert read_numbers("5mm,1cm", "thickness in mm") == (5.0, 10.0)
+    assert read_numbers("5mm:6mm:0.5", "thickness in mm") == (5.0, 5.5, 6.0)
     assert parse_limits("5mm:1cm", "thickness in mm") == (5.0, 10.0)
     assert read_thicknesses("5mm,1cm") == (5.0, 10.0)
     with raises_code("unknown_unit", "thickness_mm"):
-        read_values("5N", "thickness in mm")
+        read_numbers("5N", "thickness in mm")
 
 
 def test_what_nothing_would_read_is_refused():

@@ -7,9 +7,8 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.crown_array import INDEPENDENT, lay_out
-from dummydesign.design.options import read_sites
 from dummydesign.design.problem import read_problem
-from dummydesign.design.request import Request
+from dummydesign.design.request import Request, read_sites
 from dummydesign.geometry.shape_registry import read_shape
 from tests.support.refusal import raises_code
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from dummydesign.design.request import RADIUS_MM
+from dummydesign.design.protocol import RADIUS_MM
 from dummydesign.design.scoring.press_simulation import PadBatch, Sampling, make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.core.parsing import parse_limits, parse_values
+from dummydesign.core.parsing import parse_limits, read_numbers
 from dummydesign.design.sweep.rows import RowFormat
 from dummydesign.design.sweep.run import whatif
 from dummydesign.design.sweep.spec import Study
@@ -143,8 +143,8 @@ def test_csv_has_one_line_a_row_and_a_column_a_value(layer_law):
 
 
 def test_ranges_include_their_stop():
-    assert parse_values("3:30:0.5", "x")[-1] == 30.0 and len(parse_values("3:30:0.5", "x")) == 55
-    assert parse_values("14:15:0.1", "x") == [
+    assert read_numbers("3:30:0.5", "x")[-1] == 30.0 and len(read_numbers("3:30:0.5", "x")) == 55
+    assert read_numbers("14:15:0.1", "x") == (
         14.0,
         14.1,
         14.2,
@@ -156,21 +156,21 @@ def test_ranges_include_their_stop():
         14.8,
         14.9,
         15.0,
-    ]
-    assert parse_values("1:2:0.3", "x") == [1.0, 1.3, 1.6, 1.9]
-    assert parse_values("5,15", "x") == [5.0, 15.0] and parse_values("5:5:1", "x") == [5.0]
+    )
+    assert read_numbers("1:2:0.3", "x") == (1.0, 1.3, 1.6, 1.9)
+    assert read_numbers("5,15", "x") == (5.0, 15.0) and read_numbers("5:5:1", "x") == (5.0,)
     assert parse_limits("5:20", "x") == (5.0, 20.0) and parse_limits("7", "x") == (7.0, 7.0)
 
 
 @pytest.mark.parametrize("text", ["", "a", "3:30", "3:30:0", "3:30:-1", "30:3:1", "1:2:3:4", "nan", "1,,2", "1:inf:1"])
 def test_what_is_not_a_range_is_refused(text):
     with pytest.raises(InputError, match="thickness"):
-        parse_values(text, "thickness")
+        read_numbers(text, "thickness")
 
 
 def test_too_many_designs_are_refused_before_any_work(layer_law):
     with raises_code("too_large", "ratio"):
-        parse_values("0:1:1e-7", "ratio")
+        read_numbers("0:1:1e-7", "ratio")
     study = Study(tuple(np.linspace(3, 30, 2000)), tuple(np.linspace(14, 20, 600)), SQUARE)
     with raises_code("too_large", "designs"):
         whatif(study, layer_law)

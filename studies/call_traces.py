@@ -156,10 +156,10 @@ class Forms:
 
     def see(self, frame: FrameType, event: str, result: Any) -> None:
         """Take what a function of these rooms is given or returns."""
-        # a comprehension is part of its function
-        room, name = room_of(module := _module(frame)), frame.f_code.co_qualname.partition(".<locals>")[0]
+        room, name = room_of(module := _module(frame)), frame.f_code.co_qualname
         if event not in ("call", "return") or room < 0 or name.endswith("__init__"):  # not yet filled
             return
+        name = name.partition(".<locals>")[0]  # a comprehension is part of its function
         where, given = f"{module.removeprefix('dummydesign.')}.{name}", list(frame.f_locals.values())
         if event == "call" and len({_mark(value) for value in given} - {None}) >= 3:
             self.first.setdefault(frozenset(frame.f_locals), where)

@@ -60,6 +60,7 @@ PALM_OPTIONS = [
 ]
 
 
+@pytest.mark.slow
 def test_suggest_is_the_answer_of_the_command(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     answer = dummydesign.suggest("palm", **PALM, verify=False, cad=False, out="a", robot_mass_kg=2.0)
@@ -286,11 +287,10 @@ def test_answers_are_short_to_look_at_and_give_their_values_as_attributes():
     assert [row["depth_mm"] for row in pressed.records()] == [1.0, 2.0, 3.0]
 
 
-def test_answers_of_designs_are_typed_compare_by_identity_and_show_the_screen_of_the_command():
+def test_answers_of_designs_are_typed_and_show_the_screen_of_the_command():
     asked = {"thickness_mm": (16, 16), "ratio": "15:15.5", "shape": "slab", "verify": False}
-    one, other = (dummydesign.suggest("palm", **asked) for _ in range(2))
+    one = dummydesign.suggest("palm", **asked)
     plain_values = one.to_dict()
-    assert one != other and one == one and hash(one) != hash(other)
     assert one.verdict.level == plain_values["verdict"]["level"]
     assert one.design.thickness_mm == plain_values["recommendation"]["thickness_mm"] == 16.0
     assert one.shares.after_puck.usable == plain_values["shares"]["after_puck"]["usable"]
@@ -308,6 +308,8 @@ def test_a_prediction_in_a_notebook_is_what_the_command_prints(capsys):
     answer = dummydesign.predict(5, young_kPa=25, depth_mm="0.5,1")
     assert answer._repr_html_() == f"<pre>{escape(printed_text)}</pre>"
     assert answer.force_N.tolist() == answer.to_dict()["force_N"]
+    again = dummydesign.predict(5, young_kPa=25, depth_mm="0.5,1")
+    assert answer == answer != again and len({answer, again}) == 2
 
 
 @pytest.mark.slow

@@ -74,6 +74,7 @@ def test_examples_give_what_they_say(name, ran):
     assert ran["told"][name] == ""
 
 
+@pytest.mark.slow
 def test_the_main_functions_have_an_example(ran):
     assert {f"dummydesign.{name}" for name in MAIN} <= set(ran["tried"])
 

@@ -50,7 +50,9 @@ def test_an_answer_fits_one_screen(name, found):
 NUMBERS = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.])")
 
 
-@pytest.mark.parametrize("name", ["compare", "fit", "loop", "replay", "predict-shape", "tissues-show", "resins-show"])
+@pytest.mark.parametrize(
+    "name", each(["compare", "fit", "loop", "replay", "predict-shape", "tissues-show", "resins-show"])
+)
 def test_what_the_screen_says_stands_in_the_details_too(name, found):
     screen, _, details = found[name].partition(DETAILS)
     known = [float(one) for one in NUMBERS.findall(details)]

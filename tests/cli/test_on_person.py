@@ -101,6 +101,7 @@ def test_files_hold_the_curves_at_the_rate_and_the_report(here, capsys):
     assert found["presses"] == json.loads(Path(found["files"]["json"]).read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_python_gives_the_answer_of_the_command(here, capsys):
     mine = dummydesign.on_person(["v250.csv"], "palm", drive="force").to_dict()
     theirs = answer(capsys, "v250.csv", "--tissue", "palm", "--drive", "force")

@@ -82,6 +82,7 @@ def test_the_pdf_is_one_sheet_of_a4_and_equal_inputs_give_equal_bytes(made):
     assert not [path for path in first.iterdir() if path.name.startswith(".")]
 
 
+@pytest.mark.slow
 def test_page_and_pdf_have_the_same_texts_and_the_answers_numbers(made):
     first, answer, _ = made
     texts = pdf_texts((first / "report.pdf").read_bytes())

@@ -92,6 +92,7 @@ def press_rows(answer, speed):
     return figures[name]
 
 
+@pytest.mark.slow
 def test_measured_and_fitted_differ_in_the_report_by_the_residual_of_the_fit(made):
     answer = made["fit"][1]
     rows = press_rows(answer, "250mm-s")

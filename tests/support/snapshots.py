@@ -59,8 +59,22 @@ CASES = {
     "error-depth": "predict --young 25 --thickness 5 --depth 4",
     "error-trace": "fit in/broken.csv",
 }
-LONG = ("suggest-details", "suggest-crowned", "suggest-palm", "suggest-none", "compare-designs", "whatif")
-"""Cases of seconds, which may come after all others."""
+LONG = (
+    "fit",
+    "compare",
+    "on-person",
+    "suggest",
+    "suggest-details",
+    "suggest-crowned",
+    "suggest-palm",
+    "suggest-none",
+    "compare-designs",
+    "whatif",
+    "loop",
+    "replay",
+    "tissues-add-points",
+)
+"""Cases of seconds, and the one that changes a tissue: they come after all others."""
 
 
 def answers(folder: Path, cases: Sequence[str] = tuple(CASES)) -> Iterator[tuple[str, str]]:

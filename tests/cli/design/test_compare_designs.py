@@ -69,6 +69,7 @@ def test_the_folder_of_a_design_keeps_its_answer(made):
         assert "suggest.json" in json.loads((root / name / "manifest.json").read_text())["sha256"]
 
 
+@pytest.mark.slow
 def test_each_design_has_the_numbers_of_its_answer(designs, capsys):
     found = answered(capsys, "thin", "thick")
     assert found["schema"] == "dummydesign.compare-designs/1"

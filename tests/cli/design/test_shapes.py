@@ -60,6 +60,7 @@ def test_alternatives_have_shapes_of_their_own_thickness(capsys):
         read_shape(other["shape"]).check(other["thickness_mm"])
 
 
+@pytest.mark.slow
 def test_the_report_shows_the_shapes_side_by_side_with_their_curves_as_csv(crowned):
     folder, _ = crowned
     page = (folder / "report.html").read_text(encoding="utf-8")

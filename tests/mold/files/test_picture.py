@@ -61,6 +61,7 @@ def test_the_nearest_part_is_seen_whatever_the_order(tmp_path):
         assert tuple(pixels[100, 100]) == (0, 255, 0) and tuple(pixels[100, 50]) == (255, 0, 0)
 
 
+@pytest.mark.slow
 def test_picture_shows_every_material_without_a_display(tmp_path):
     parts = {"tray": ((-30, -30, -8), (30, 30, -4)), "mould": ((-25, -25, 0), (25, 25, 8)),
              "pad": ((-20, -20, 9), (20, 20, 12)), "master": ((-25, -25, 0), (25, 25, 4))}  # fmt: skip

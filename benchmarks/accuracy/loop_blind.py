@@ -2,7 +2,8 @@
 
 Campaigns with none, one, two and three effects and with effects that are not in the vocabulary, from
 tests/support/campaign_generator.py, which shares no code with the effect classes. Every run is kept in ``--rows`` (one
-JSON object a line), so that a study can be stopped and resumed; the table goes to ``--out``.
+JSON object a line), so that a study can be stopped and resumed; the table goes to ``--out``. With ``--visible`` every
+campaign has one effect that can be seen, and rates are printed only.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ import csv
 import sys
 from pathlib import Path
 
-from benchmarks.accuracy.loop_blind_table import HEADS, data, table
-from benchmarks.accuracy.loop_campaigns import KINDS, kind_of, run_one
+from benchmarks.accuracy.loop_blind_table import HEADS, data, table, visible
+from benchmarks.accuracy.loop_campaigns import KINDS, VISIBLE, kind_of, run_one
 from benchmarks.accuracy.loop_independent_generator_page import section, write_functions
 from benchmarks.rows import keep_row, read_rows, scratch
 from studies.marked_page import wrapped
@@ -33,12 +34,13 @@ def main() -> None:
     parser.add_argument("--rows", type=Path, default=ROWS)
     parser.add_argument("--out", type=Path, default=PAGE)
     parser.add_argument("--only", nargs="*", choices=KINDS, help="kinds to run")
+    parser.add_argument("--visible", action="store_true", help="one effect of 3 to 8 noise floors in each")
     parser.add_argument("--table-only", action="store_true")
     options = parser.parse_args()
     known = {row["seed"] for row in read_rows(options.rows)}
     start, step = options.part
     for number in range(start, 0 if options.table_only else options.campaigns, step):
-        (kind, before), seed = kind_of(number), options.seed + number
+        (kind, before), seed = (VISIBLE, number) if options.visible else kind_of(number), options.seed + number
         if seed in known or (options.only and kind not in options.only):
             continue
         with scratch("blind-") as folder:
@@ -46,6 +48,9 @@ def main() -> None:
         keep_row(options.rows, row)
         print(seed, row["effects"], row["verdict"], row["found"], row["cpu_seconds"], file=sys.stderr, flush=True)
     rows = sorted(read_rows(options.rows), key=lambda row: row["seed"])
+    if options.visible:
+        print(visible(rows))
+        return
     whole = options.out == PAGE
     options.out.write_text(wrapped(f"{section()}\n{table(rows)}" if whole else table(rows)))
     if whole:

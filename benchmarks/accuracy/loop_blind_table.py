@@ -119,6 +119,24 @@ def measures(rows: list[Row]) -> Iterator[Measure]:
         yield f"{label}: in its 95 % interval", sum(inside_interval), len(inside_interval), wanted
 
 
+def visible(rows: list[Row]) -> str:
+    """Rates of campaigns with one effect that can be seen, as lines."""
+    tests: tuple[tuple[str, Test], ...] = (
+        ("right first", lambda r: r["found"][:1] == r["effects"]),
+        ("a wrong name", wrong),
+        ("called unexplained", lambda r: r["verdict"] == "unexplained"),
+        ("silent", silent),
+        ("modulus in its interval", lambda r: r["young"][1] <= r["young"][0] <= r["young"][2]),
+    )
+    lines = []
+    for name, test in tests:
+        _, low, high = rate(sum(map(test, rows)), len(rows))
+        lines.append(f"{name}: {sum(map(test, rows))} of {len(rows)} ({low:.0f} to {high:.0f} %)")
+    odd = [f"{r['seed']} {r['effects'][0]} {r['sizes'][0]:.3g}" for r in rows if r["verdict"] == "unexplained"]
+    slowest = max(row["cpu_seconds"] for row in rows)
+    return "\n".join([*lines, f"unexplained: {', '.join(odd)}", f"processor seconds, largest: {slowest}"])
+
+
 def rates(rows: list[Row]) -> list[tuple]:
     """What is counted, the count, the total, the rate with its interval, and the rate that is wanted."""
     return [

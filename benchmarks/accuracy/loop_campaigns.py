@@ -54,6 +54,8 @@ STRENGTHS = (1.0, 2.0, 0.5)
 """Sizes of single effects over the usual one."""
 COUNTS = {"none": 0, "one": 1, "two": 2, "three": 3}
 KINDS = (*COUNTS, "unnamed")
+VISIBLE = "visible"
+"""Kind of a study of its own: one effect of 3 to 8 noise floors, of those of :data:`FLOORS` in turn."""
 REFUSED = "refused"
 """Kind of a campaign that the reader refuses: it counts in no rate and is listed."""
 ROUND = (
@@ -87,6 +89,9 @@ def draw(kind: str, before: int, seed: int) -> Put:
         return [(str(n), generator.SIZES[n] * float(rng.uniform(LEAST, MOST)) / FLOORS[n]) for n in names]
     if kind == "none":
         return []
+    if kind == VISIBLE:
+        name = sorted(FLOORS)[before % len(FLOORS)]
+        return [(name, generator.SIZES[name] * float(rng.uniform(LEAST, MOST)) / FLOORS[name])]
     usual = generator.SIZES if kind == "one" else generator.UNKNOWN
     strengths = STRENGTHS if kind == "one" else STRENGTHS[:2]
     name = list(usual)[before % len(usual)]

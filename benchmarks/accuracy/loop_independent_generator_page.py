@@ -18,7 +18,9 @@ SIZES = RESULTS / "loop_detection.jsonl"
 SECTION = """# Blind study of the loop
 
 How often does the loop name the right effect? Simulated campaigns only, of two generators that share no code with the
-effects. Seeds are new and were run once.
+effects. Seeds are new and were run once. The rows are of the version before the forms `deep`, `in_hold`, `fast_arm` and
+`variance`, before doubts about labels and before the limit of 40 s; the present one was run on
+[45 campaigns with rivals](loop-rivals.md) and on [effects that can be seen](loop.md#how-often-it-is-right).
 
 ## An independent generator
 

@@ -88,6 +88,10 @@ def measures(rows: list[Row]) -> list[tuple[str, Callable[[str], str]]]:
         ("one effect: a wrong name", named(lambda name: [wrong(row, name) for row in of["one"]])),
         ("two effects: both named", named(lambda name: [put(row) <= set(names(row, name)) for row in of["two"]])),
         ("two effects: a wrong name", named(lambda name: [wrong(row, name) for row in of["two"]])),
+        (
+            "all: exactly the names that were put in",
+            named(lambda name: [set(names(row, name)) == put(row) for row in rows]),
+        ),
         ("none: a name", named(lambda name: [wrong(row, name) for row in of["none"]])),
         ("modulus in its 95 % interval", lambda name: counted([inside(row, name) for row in rows])),
         ("half width of the modulus, median %", middle(half_width, 1)),
@@ -96,8 +100,29 @@ def measures(rows: list[Row]) -> list[tuple[str, Callable[[str], str]]]:
             "error on new pads over the base's, median, with an effect",
             lambda name: f"{np.median([over_base(row, name) for row in rows if row['put']]):.2f}",
         ),
+        (
+            "error on new pads at most half the Gaussian process's, with an effect",
+            lambda name: counted(
+                [over_base(row, name) <= 0.5 * over_base(row, NAMELESS[0]) for row in rows if row["put"]]
+            ),
+        ),
+        (
+            "the same where the process leaves over twice the error without an effect",
+            lambda name: counted([halves(row, name) for row in far(rows)]),
+        ),
         ("processor time, median s", middle(lambda row, name: row["rivals"][name]["cpu_s"], 1)),
     ]
+
+
+def halves(row: Row, name: str) -> bool:
+    """Whether the error on new pads is at most half that of the Gaussian process."""
+    return over_base(row, name) <= 0.5 * over_base(row, NAMELESS[0])
+
+
+def far(rows: list[Row]) -> list[Row]:
+    """Campaigns with an effect in which the process leaves over twice what pads without an effect leave to the base."""
+    pads = float(np.median([row["base_rmse_N"] / row["floor_N"] for row in rows if not row["put"]]))
+    return [row for row in rows if row["put"] and over_floor(row, NAMELESS[0]) > 2.0 * pads]
 
 
 def over_floor(row: Row, name: str) -> float:

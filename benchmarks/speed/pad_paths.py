@@ -1,9 +1,10 @@
 """Counts and processor time of finite-element paths of pads: a crown, three searches, presses to several forces.
 
-    python -m benchmarks.speed.pad_paths [--out benchmarks/results/speed_pad_paths.json] [NAME ...]
+    python -m benchmarks.speed.pad_paths [--beside CHECKOUT] [--out benchmarks/results/speed_pad_paths.json] [NAME ...]
 
 Every case runs in a process of its own with the cache off. Processor seconds depend on the machine and on what else
-it does: compare runs of one hour. Counts depend on neither.
+it does: with ``--beside`` the same cases run alternately in another checkout, and the ratio of both is written. Counts
+depend on neither.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ CROWN = ["--thickness", "11", "--shape", "crowned:2.4,3.5,7.8", "--fidelity", "a
 COMMANDS = {
     "one crown": ["predict", *CROWN, "--young", "30", "--depth", "1,2,3,4,5,5.5"],
     **{f"suggest {name}": ["suggest", "--tissue", name, "--no-cad"] for name in ("palm", "thenar", "forefinger")},
+    "suggest palm, slab": ["suggest", "--tissue", "palm", "--shape", "slab", "--no-cad", "--no-verify"],
     "three forces on a crown": [
         "predict",
         *CROWN,
@@ -85,24 +87,34 @@ def main() -> None:
     """Measure all or some cases; print a line a case, and write them all."""
     parser = argparse.ArgumentParser()
     parser.add_argument("names", nargs="*", default=[])
+    parser.add_argument("--beside", type=Path)
+    parser.add_argument("--repeats", type=int, default=2)
     parser.add_argument("--out", type=Path)
     parser.add_argument("--one", action="store_true")
     asked = parser.parse_args()
     if asked.one:
         print(json.dumps(measure(asked.names[0])), flush=True)
         return
-    rows = []
-    # as the command line sets them for itself: a second BLAS thread only waits, and its waiting counts as time
-    environment = os.environ | ONE_THREAD | {"DUMMYDESIGN_CACHE": "off", "PYTHONPATH": str(ROOT)}
+    trees = {"here": ROOT} | ({"beside": asked.beside.resolve()} if asked.beside else {})
+    rows: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as folder:
         for name in asked.names or COMMANDS:
-            command = [sys.executable, "-m", "benchmarks.speed.pad_paths", "--one", name]
-            text = subprocess.run(command, capture_output=True, text=True, check=True, cwd=folder, env=environment)
-            rows.append(json.loads(text.stdout.splitlines()[-1]))
-            print(rows[-1], flush=True)
+            runs: dict[str, list[dict[str, Any]]] = {tree: [] for tree in trees}
+            for tree in [*trees] * asked.repeats:
+                # as the command line sets them for itself: a second BLAS thread only waits, which counts as time
+                own = os.environ | ONE_THREAD | {"DUMMYDESIGN_CACHE": "off", "PYTHONPATH": str(trees[tree])}
+                command = [sys.executable, __file__, "--one", name]
+                text = subprocess.run(command, capture_output=True, text=True, check=True, cwd=folder, env=own)
+                runs[tree].append(json.loads(text.stdout.splitlines()[-1]))
+            best = {tree: min(made, key=lambda one: float(one["processor_s"])) for tree, made in runs.items()}
+            row = {**best["here"]}
+            if "beside" in best:
+                row |= {"beside": best["beside"], "ratio": round(row["processor_s"] / best["beside"]["processor_s"], 3)}
+            rows.append(row)
+            print(row, flush=True)
     if asked.out:
-        written = {"command": "python -m benchmarks.speed.pad_paths", "rows": rows}
-        asked.out.write_text(json.dumps(written, indent=1) + "\n")
+        command_line = "python -m benchmarks.speed.pad_paths --beside CHECKOUT --out FILE"
+        asked.out.write_text(json.dumps({"command": command_line, "rows": rows}, indent=1) + "\n")
 
 
 if __name__ == "__main__":

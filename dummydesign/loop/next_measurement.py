@@ -25,9 +25,9 @@ from dummydesign.pad.tables.puck import shape_range
 HOLD_S = 10.0  # of every planned press
 BACK_MM_S = 10.0
 LUBRICATED = "between plates lubricated with silicone oil"
-MADE, SCATTER = 2, 3.0
-"""How often a press must have been made to be known, and how many standard deviations of the contact two presses of one
-condition lie apart at most."""
+MADE, SCATTER, SAME_SPEED = 2, 3.0, 0.05
+"""How often a press must have been made to be known; how many standard deviations of the contact two presses of one
+condition lie apart at most, and by which share their speeds differ, which robots keep no better."""
 
 
 @dataclass(frozen=True)
@@ -193,7 +193,8 @@ def still_new(presses: Presses, chosen: list[PossiblePress], planned: Presses, p
         depth = option.depth_share * option.thickness_mm
         slack = max(SAME_DEPTH * depth, SCATTER * np.sqrt(2.0) * position_mm)
         same = np.array([trial.pad == option.pad for trial in presses.trials])
-        same &= np.array([trial.velocity_mm_s == option.velocity_mm_s for trial in presses.trials])
+        speeds = np.array([trial.velocity_mm_s for trial in presses.trials])
+        same &= np.abs(speeds - option.velocity_mm_s) <= SAME_SPEED * option.velocity_mm_s
         same &= np.abs(presses.depth_mm - depth) <= slack
         if same.sum() >= MADE:
             new[row] &= away[row]

@@ -80,14 +80,12 @@ def draw_plot(
     list of items
         What is drawn.
     """
-    from matplotlib.figure import Figure
-
     left, high, right, low = box
     wide, tall, line = right - left, low - high, PITCH * size_pt * PT_MM
     curves = {one.label: one for one in reversed(plot.series) if one.kind in ("line", "dots")} if named else {}
     names_mm = max((text_width_mm(name, size_pt) for name in curves), default=-1.5)
     names_mm = min(names_mm, 0.35 * wide) + 1.5
-    figure = Figure((wide / 25.4, tall / 25.4), dpi=25.4 / PX_MM, frameon=False)
+    figure = _figure()((wide / 25.4, tall / 25.4), dpi=25.4 / PX_MM, frameon=False)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     for one in sorted(plot.series, key=lambda one: one.kind == "dots"):
         _draw_series(axes, one, plot.log_x)
@@ -100,6 +98,21 @@ def draw_plot(
     figure.draw(sheet)
     top = low - (line + 0.4) - room[1]
     return sheet.items + _name_curves(axes, curves, (left + start + room[0] + 1.0, top, low), names_mm, size_pt)
+
+
+def _figure() -> Any:
+    """Matplotlib's class of figures, loaded without the help of its hundreds of properties: two fifths of its time."""
+    from matplotlib.artist import Artist
+
+    name = "_update_set_signature_and_docstring"
+    helped = Artist.__dict__.get(name)
+    if helped is not None:
+        setattr(Artist, name, classmethod(lambda cls: None))
+    from matplotlib.figure import Figure
+
+    if helped is not None:
+        setattr(Artist, name, helped)
+    return Figure
 
 
 def _draw_series(axes: Any, one: Series, log_x: bool) -> None:

@@ -57,6 +57,7 @@ def test_a_press_made_twice_or_nearly_shows_nothing_and_another_depth_or_speed_d
     option = explained[2]
     for near in (0.97, 1.0, 1.03):
         assert gain(explained, depth_share=near * option.depth_share) == 0.0
+        assert gain(explained, velocity_mm_s=near * option.velocity_mm_s) == 0.0
     for far in (0.94, 1.06):
         assert gain(explained, depth_share=far * option.depth_share) > 0.0
     assert gain(explained, velocity_mm_s=1.5 * option.velocity_mm_s) > 0.0

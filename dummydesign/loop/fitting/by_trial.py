@@ -35,12 +35,11 @@ class Own:
     left: NDArray
 
 
-def of_pad(presses: Presses, pad: Trial) -> Presses:
-    """The same presses as if all were of the pad of this trial."""
+def of_pads(presses: Presses, pads: Sequence[Trial]) -> Presses:
+    """The same presses as if each were of the pad of one of these trials (T,)."""
     keys = ("thickness_mm", "geometry", "young_factor", "young_factor_sd")
-    own = {key: getattr(pad, key) for key in keys}
-    trials = tuple(replace(trial, **own) for trial in presses.trials)
-    return replace(presses, trials=trials, thickness_mm=np.full(len(trials), pad.thickness_mm))
+    trials = tuple(replace(t, **{key: getattr(pad, key) for key in keys}) for t, pad in zip(presses.trials, pads))
+    return replace(presses, trials=trials, thickness_mm=np.array([trial.thickness_mm for trial in trials]))
 
 
 def gains(presses: Presses, fit: CampaignFit) -> Own:

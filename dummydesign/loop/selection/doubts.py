@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from dummydesign.core.serialise import Serialised
 from dummydesign.core.user_library import toml_value
 from dummydesign.loop.data.trials import Presses, stack
-from dummydesign.loop.fitting.by_trial import UNDECLARED_HZ, Own, cutoffs, gains, of_pad, zeros
+from dummydesign.loop.fitting.by_trial import UNDECLARED_HZ, Own, cutoffs, gains, of_pads, zeros
 from dummydesign.loop.fitting.fit import CampaignFit, fit_base
 from dummydesign.loop.model.campaign_law import BEYOND, limit_of, within_reach
 from dummydesign.measurement.campaign import Campaign, Trial, held_force
@@ -31,8 +31,9 @@ ODD_SPEED = 0.18
 ODD_TARGET = 0.1
 """ln of the held over the planned force by which a press must be odd to be taken for another's."""
 LEAST_ZERO_N, ZERO_FLOOR_N = 0.04, 0.01
-LEAST_CUTOFF, CUTOFF_FLOOR, CUTOFF_KNOWN = 0.2, 0.04, 0.25
-"""Least ln of the cut-off by which a sensor is another, least scatter, and the standard error up to which it counts."""
+LEAST_CUTOFF, CUTOFF_FLOOR, CUTOFF_KNOWN, SHOWN_TIMES = 0.3, 0.04, 0.25, 5.0
+"""Least ln of the cut-off by which a sensor is another, least scatter, the standard error up to which it counts, and
+how many times that of presses that show it well: where a filter hardly shows, what the model misses looks like one."""
 MOST_CUTOFF = 1.6
 """Largest ln of the cut-off by which a sensor may be another: what asks for more is no filter."""
 SAME_REPEAT = 0.5
@@ -45,6 +46,9 @@ STUDENT, ROUNDS = 3.0, 40
 """Degrees of freedom of what scatters, so that odd presses do not draw the others, and rounds of its regression."""
 GROUP_Z, SINGLE_Z = 4.7, 6.0
 """Difference of two groups of presses over the scatter within, from which they are two; where one is a single press."""
+OWN_LEVEL, DAY_FIRST, GAPS = 1.0, 1.5, 3
+"""How far a group's level may be off (N, or ln of a cut-off), how much clearer than a day other groups must be, and how
+many of the widest gaps are looked at."""
 
 
 @dataclass(frozen=True)
@@ -259,7 +263,7 @@ def as_pads(labels: Labels, use: NDArray) -> list[PadReading]:
     for number in np.unique(presses.pad[own]):
         first = int(np.flatnonzero(presses.pad == number)[0])
         pad = presses.trials[first]
-        gain = gains(of_pad(presses, pad), labels.fit)
+        gain = gains(of_pads(presses, [pad] * len(presses.trials)), labels.fit)
         end = float(labels.columns[:, 1].max())
         share = np.minimum(presses.depth_mm / pad.thickness_mm / USUAL_SHARE - 1.0, end)
         level = labels.columns[first, shared : shared + count]
@@ -276,9 +280,50 @@ def doubts_of(campaign: Campaign, presses: Presses, fit: CampaignFit) -> tuple[D
     """Doubts about the labels of all presses of a campaign, from the base fit of those that its force law reaches."""
     labels, use = undrawn(presses, fit, campaign)
     looked = np.array([trial.confirmed for trial in presses.trials])
-    found = [*of_gains(labels, use, looked), *of_whole_pads(labels, use, looked, campaign)]
+    found = pads_of_a_day(labels, use, looked)
+    if found:
+        use = ~np.isin(np.arange(len(use)), found[0].rows)
+        labels = labels_of(presses, refitted(campaign, presses, use, fit))
+        looked = looked | ~use
+    found += [*of_gains(labels, use, looked), *of_whole_pads(labels, use, looked, campaign)]
     rest = ~looked & ~np.isin(np.arange(len(looked)), [row for one in found for row in one.rows])
     return (*found, *of_sensors(labels, rest & use, campaign), *of_zeros(labels, ~looked))
+
+
+TORN, SEVERAL = 0.05, 3
+"""Scatter of the gains, or presses that would draw the base fit, from which two pads may have been taken for each other
+for a whole day: single presses do not tell then, as no label is that of most presses of a pad."""
+
+
+def pads_of_a_day(labels: Labels, use: NDArray, looked: NDArray) -> list[Doubt]:
+    """Two pads taken for each other for a day: the likeliest pair, if it is by as much as if all scattered so much less
+    (:data:`LEAST_OF_IT`)."""
+    presses, every = labels.presses, np.ones(len(looked), bool)
+    days = presses.history.age_days
+
+    def unlikely(own: Labels) -> tuple[float, float]:
+        """Minus the log likelihood of a press, and the scatter."""
+        near, _ = expected_gains(own, every)
+        z = near.z(own.gain.value, own.columns, own.gain_errors)
+        return float(np.log(near.scale) + 0.5 * (STUDENT + 1.0) * np.mean(np.log1p(z**2 / STUDENT))), near.scale
+
+    usual, torn = unlikely(labels)
+    if torn < TORN and (~use).sum() < SEVERAL:
+        return []
+    tried: list[tuple[float, NDArray, Trial, Trial]] = []
+    for day in np.unique(days[np.isfinite(days)]):
+        for pair in combinations(np.unique(presses.pad[days != day]), 2):
+            rows = (days == day) & np.isin(presses.pad, pair) & ~looked
+            if rows.any() and rows.sum() <= MOST * len(rows):
+                one, two = (presses.trials[int(np.argmax((presses.pad == pad) & (days != day)))] for pad in pair)
+                other = {one.pad: two, two.pad: one}
+                pads = [other[trial.pad] if own else trial for trial, own in zip(presses.trials, rows)]
+                tried.append((unlikely(labels_of(of_pads(presses, pads), labels.fit))[0], rows, one, two))
+    if not tried:
+        return []
+    left, rows, one, two = min(tried, key=lambda own: own[0])
+    share = float(np.exp(left - usual))
+    return [_pads_of_a_day(presses, rows, one, two, 1.0 / share)] if share < LEAST_OF_IT else []
 
 
 LEAST_LEFT = 4
@@ -313,7 +358,7 @@ def of_gains(labels: Labels, use: NDArray, looked: NDArray) -> list[Doubt]:
     """Presses on another pad, exchanged, mistyped or at another speed."""
     presses = labels.presses
     differences, z = odd_gains(labels, use)
-    gain_odd = (np.abs(z) > ODD_Z) & (np.abs(differences) > LEAST_GAIN) & ~looked
+    gain_odd = (np.abs(z) > np.where(labels.between, FITS_Z, ODD_Z)) & (np.abs(differences) > LEAST_GAIN) & ~looked
     gain_odd &= ~_like_its_repeats(presses, differences, gain_odd)
     speed_odd = (np.abs(labels.ln_speed) > ODD_SPEED) & ~looked
     target_odd = _odd_target(labels) & ~looked
@@ -435,37 +480,53 @@ BEYOND_PADS = 1.2
 """ln of the thickness by which a press may be of a pad beyond all others."""
 
 
-def groups(values: NDArray, errors: NDArray, days: NDArray, floor: float, least: float) -> tuple[NDArray, float, bool]:
-    """Which presses (T,) are another group than the rest, how clearly, and whether they are those of a day.
+@dataclass(frozen=True)
+class OddGroup:
+    """Presses (T,) that differ from the rest, by how much, how clearly, and whether they are those of a day."""
 
-    Those of one day, or those above or below the widest difference of means; none where these differ by less than
-    ``least`` or :data:`GROUP_Z` times the scatter within.
+    rows: NDArray
+    apart: float
+    z: float
+    of_day: bool
+
+
+def groups(
+    values: NDArray, errors: NDArray, days: NDArray, floor: float, least: float, columns: NDArray, spreads: NDArray
+) -> OddGroup | None:
+    """The presses that are another group than the rest, if any are.
+
+    Those of a day, or those beyond one of the widest gaps, have a level of their own beside what values follow
+    (``columns``, see :func:`expect`). None where it differs by less than ``least`` or :data:`GROUP_Z` times the scatter
+    within.
     """
-    best, clear, of_day = np.zeros(len(values), bool), 0.0, False
     known = np.isfinite(errors)
     if known.sum() < 5:
-        return best, clear, of_day
-    order = np.flatnonzero(known)[np.argsort(values[known], kind="stable")]
-    cuts = [np.isin(np.arange(len(values)), order[:count]) for count in range(1, len(order))]
-    by_day = [days == day for day in np.unique(days[np.isfinite(days)])]
-    for split, is_day in [*((one, True) for one in by_day), *((one, False) for one in cuts)]:
-        one, two = split & known, ~split & known
-        counts = int(one.sum()), int(two.sum())
-        if min(counts) == 0 or (is_day and min(counts) < 2):
+        return None
+    errors = np.where(known, errors, 1.0)
+    sure = 1.0 / (floor**2 + errors[known] ** 2)
+    left = values - columns @ expect(values, errors, columns, spreads, floor, known)[0].middle
+    tried = [(days == day, True) for day in np.unique(days[np.isfinite(days)])]
+    for order, one in ((np.flatnonzero(known)[np.argsort(one[known], kind="stable")], one) for one in (values, left)):
+        widest = np.argsort(-np.diff(one[order]), kind="stable")[:GAPS]
+        tried += [(np.isin(np.arange(len(known)), order[: place + 1]), False) for place in widest]
+    found = []
+    for rows, of_day in tried:
+        counts = (rows & known).sum(), (~rows & known).sum()
+        if min(counts) < 1 + of_day:
             continue
-        middles = np.median(values[one]), np.median(values[two])
-        left = np.where(one, values - middles[0], values - middles[1])[known]
-        spread = float(np.mean(errors[known] ** 2))
-        within = max(floor, np.sqrt(spread), 1.4826 * float(np.median(np.abs(left))), float(np.sqrt(np.mean(left**2))))
-        apart = abs(middles[1] - middles[0])
+        both = np.c_[columns, rows]
+        near, _ = expect(values, errors, both, np.r_[spreads, OWN_LEVEL], floor, known)
+        within, apart = (values - both @ near.middle)[known], float(near.middle[-1])
+        wide = (float(np.average(squares, weights=sure)) for squares in (within**2, errors[known] ** 2))
+        scatter = max(floor, 1.4826 * float(np.median(np.abs(within))), *(float(np.sqrt(one)) for one in wide))
+        error = float(np.sqrt(near.covariance[-1, -1]))
         # a day is chosen before it is seen: its mean counts, where a split by value must leave two heaps
-        score = apart / within * (np.sqrt(1.0 / (1.0 / counts[0] + 1.0 / counts[1])) / 1.25 if is_day else 1.0)
-        limit = SINGLE_Z if min(counts) == 1 else GROUP_Z
-        if apart > least and score > limit and score * (1.5 if is_day else 1.0) > clear:
-            counted = split if is_day else one
-            fewer = counted if 2 * counted.sum() <= (len(known) if is_day else known.sum()) else ~counted
-            best, clear, of_day = fewer & (known | is_day), score * (1.5 if is_day else 1.0), is_day
-    return best, clear, of_day
+        scatter = 1.25 * scatter * error / near.scale if of_day else max(scatter, error)
+        if abs(apart) > max(least, (SINGLE_Z if min(counts) == 1 else GROUP_Z) * scatter):
+            other = ~rows if of_day else ~rows & known
+            few = (rows, apart) if counts[0] <= counts[1] else (other, -apart)
+            found.append(OddGroup(*few, abs(apart) / scatter, of_day))
+    return max(found, key=lambda one: one.z * (DAY_FIRST if one.of_day else 1.0), default=None)
 
 
 def of_sensors(labels: Labels, use: NDArray, campaign: Campaign) -> list[Doubt]:
@@ -474,36 +535,29 @@ def of_sensors(labels: Labels, use: NDArray, campaign: Campaign) -> list[Doubt]:
     own = cutoffs(presses, labels.fit, campaign.lowpass)
     # what the model misses may look like a filter
     error = own.error * np.sqrt(np.maximum(own.left, 1.0))
-    shows = use & (error < CUTOFF_KNOWN)
+    shows = use & (error < CUTOFF_KNOWN) & (own.error < SHOWN_TIMES * np.quantile(own.error[use], 0.25))
     if shows.sum() < 5:
         return []
     # by pad and depth the model may be off in what looks like a filter
     columns = labels.columns[:, [0, 1, *range(len(WIDE), len(WIDE) + (len(labels.spreads) - len(WIDE)) // 2)]]
     spreads = np.r_[10.0, 0.3, np.full(columns.shape[1] - 2, 0.3)]
-    near, _ = expect(own.value, error, columns, spreads, CUTOFF_FLOOR, shows)
-    values = own.value - columns @ near.middle
-    odd_ones, clear, of_day = groups(
-        values, np.where(shows, error, np.inf), presses.history.age_days, CUTOFF_FLOOR, LEAST_CUTOFF
-    )
-    if not odd_ones.any():
+    days, errors = presses.history.age_days, np.where(shows, error, np.inf)
+    found = groups(own.value, errors, days, CUTOFF_FLOOR, LEAST_CUTOFF, columns, spreads)
+    if found is None or abs(found.apart) > MOST_CUTOFF:
         return []
-    both = [float(np.median(values[shows & part])) for part in (odd_ones, ~odd_ones)]
-    shift = both[0] - both[1]
-    repeats = [shows & (presses.cell == presses.cell[row]) for row in np.flatnonzero(odd_ones & shows)]
-    if not of_day and any(one.sum() > 1 for one in repeats):
+    if not found.of_day:
         # a filter tells repeats apart; what all repeats have in common does not
+        repeats = [shows & (presses.cell == presses.cell[row]) for row in np.flatnonzero(found.rows & shows)]
         apart = [
-            np.median(values[one & odd_ones]) - np.median(values[one & ~odd_ones])
+            np.median(own.value[one & found.rows]) - np.median(own.value[one & ~found.rows])
             for one in repeats
-            if np.any(one & ~odd_ones)
+            if np.any(one & ~found.rows)
         ]
-        if not apart or min(gap / shift for gap in apart) < SAME_REPEAT:
+        alone = not any(one.sum() > 1 for one in repeats)
+        if not alone and (not apart or min(gap / found.apart for gap in apart) < SAME_REPEAT):
             return []
-    if abs(shift) > MOST_CUTOFF:
-        return []
     usual = campaign.lowpass.cutoff_hz if campaign.lowpass else UNDECLARED_HZ
-    hz = usual * float(np.exp(shift))
-    return [_other_sensor(presses, odd_ones, hz, usual, clear, of_day)]
+    return [_other_sensor(presses, found, usual * float(np.exp(found.apart)), usual)]
 
 
 def of_zeros(labels: Labels, use: NDArray) -> list[Doubt]:
@@ -512,11 +566,9 @@ def of_zeros(labels: Labels, use: NDArray) -> list[Doubt]:
     own = zeros(presses, labels.fit)
     # how far zeros scatter is seen; the noise of a hold, by which they would, is drawn by a zero that moved
     errors = np.where(use & np.isfinite(own.error), 0.0, np.inf)
-    odd_ones, clear, of_day = groups(own.value, errors, presses.history.age_days, ZERO_FLOOR_N, LEAST_ZERO_N)
-    if not odd_ones.any():
-        return []
-    shift = float(np.median(own.value[odd_ones & use]) - np.median(own.value[~odd_ones & use]))
-    return [_other_zero(presses, odd_ones, shift, clear, of_day)]
+    level = np.ones((len(errors), 1)), np.array([10.0])
+    found = groups(own.value, errors, presses.history.age_days, ZERO_FLOOR_N, LEAST_ZERO_N, *level)
+    return [] if found is None else [_other_zero(presses, found)]
 
 
 def _lines(files: list[str], **keys: object) -> str:
@@ -530,6 +582,14 @@ def _exchanged(presses: Presses, one: int, two: int, z: float) -> Doubt:
     files = [presses.trials[row].file for row in (one, two)]
     text = f"{files[0]} and {files[1]} look exchanged: each is what is expected of the other's row"
     return Doubt("exchanged", tuple(files), z, text, _lines(files, exchanged=True), (one, two))
+
+
+def _pads_of_a_day(presses: Presses, rows: NDArray, one: Trial, two: Trial, z: float) -> Doubt:
+    trials = [trial for trial, own in zip(presses.trials, rows) if own]
+    text = f"{_named(one)} and {_named(two)} look exchanged at the age of {trials[0].age_days:g} days"
+    files = [[trial.file for trial in trials if trial.pad == pad.pad] for pad in (one, two)]
+    lines = [_lines(own, pad_of=of.file) for own, of in zip(files, (two, one)) if own]
+    return Doubt("exchanged", (*files[0], *files[1]), z, text, "\n\n".join(lines), tuple(np.flatnonzero(rows).tolist()))
 
 
 def _named(trial: Trial) -> str:
@@ -565,24 +625,22 @@ def _other_speed(presses: Presses, row: int, ln_speed: float) -> Doubt:
     return Doubt("speed", (trial.file,), ln_speed / ODD_SPEED * ODD_Z, text, lines, (row,))
 
 
-def _which(presses: Presses, rows: NDArray, of_day: bool) -> tuple[list[str], str]:
-    """Files of some presses, and what to call them."""
-    trials = [trial for trial, own in zip(presses.trials, rows) if own]
+def _of_group(kind: str, presses: Presses, group: OddGroup, looks: str, **keys: object) -> Doubt:
+    """Some presses, or those of a day, that look in some way."""
+    trials = [trial for trial, own in zip(presses.trials, group.rows) if own]
     files = [trial.file for trial in trials]
-    if of_day:
-        return files, f"the {len(files)} presses at the age of {trials[0].age_days:g} days"
-    return files, files[0] if len(files) == 1 else f"{len(files)} presses ({', '.join(files)})"
+    words = files[0] if len(files) == 1 else f"{len(files)} presses ({', '.join(files)})"
+    if group.of_day:
+        words = f"the {len(files)} presses at the age of {trials[0].age_days:g} days"
+    rows = tuple(np.flatnonzero(group.rows).tolist())
+    return Doubt(kind, tuple(files), group.z, f"{words} {looks}", _lines(files, **keys), rows)
 
 
-def _other_sensor(presses: Presses, rows: NDArray, hz: float, usual: float, z: float, of_day: bool) -> Doubt:
-    files, words = _which(presses, rows, of_day)
-    text = f"{words} look filtered at about {hz:.2g} Hz, not {usual:g} Hz as the others"
-    lines = _lines(files, lowpass_hz=float(f"{hz:.2g}"))
-    return Doubt("sensor", tuple(files), z, text, lines, tuple(np.flatnonzero(rows).tolist()))
+def _other_sensor(presses: Presses, group: OddGroup, hz: float, usual: float) -> Doubt:
+    looks = f"look filtered at about {hz:.2g} Hz, not {usual:g} Hz as the others"
+    return _of_group("sensor", presses, group, looks, lowpass_hz=float(f"{hz:.2g}"))
 
 
-def _other_zero(presses: Presses, rows: NDArray, shift: float, z: float, of_day: bool) -> Doubt:
-    files, words = _which(presses, rows, of_day)
-    text = f"{words} read {shift:+.2g} N before contact, beside the others: their zero is another"
-    lines = _lines(files, zero_N=float(f"{shift:.2g}"))
-    return Doubt("zero", tuple(files), z, text, lines, tuple(np.flatnonzero(rows).tolist()))
+def _other_zero(presses: Presses, group: OddGroup) -> Doubt:
+    looks = f"read {group.apart:+.2g} N before contact, beside the others: their zero is another"
+    return _of_group("zero", presses, group, looks, zero_N=float(f"{group.apart:.2g}"))

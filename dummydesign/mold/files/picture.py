@@ -1,7 +1,7 @@
 """Picture of the parts, as a process of its own beside the checks; the mould is as good without one.
 
-Solids are drawn in a parallel view by PyVista without a window, letters by Pillow; where PyVista is not installed or
-finds nothing to draw with, there is no picture.
+Solids are drawn in a parallel view by VTK without a window, letters by Pillow; where VTK (with PyVista) is missing, or
+finds nothing to draw with, there is no picture. PyVista itself would load matplotlib and draw every pixel four times.
 
 ``python -m dummydesign.mold.files.picture meshes.npz picture.png``
 """
@@ -95,27 +95,78 @@ def render(scene: Scene, path: Path, lights: Sequence[tuple[Sequence[float], flo
 
     Edges are drawn, which makes flat faces readable and shows where a shallow crown begins.
     """
-    import pyvista
+    import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  makes the classes below draw
+    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+    from vtkmodules.vtkFiltersCore import vtkFeatureEdges
+    from vtkmodules.vtkRenderingCore import (
+        vtkActor,
+        vtkLight,
+        vtkPolyDataMapper,
+        vtkRenderer,
+        vtkRenderWindow,
+        vtkWindowToImageFilter,
+    )
+
+    def shown(mesh: Any, colour: Sequence[float]) -> Any:
+        mapper, actor = vtkPolyDataMapper(), vtkActor()
+        mapper.SetInputData(mesh)
+        mapper.ScalarVisibilityOff()
+        actor.SetMapper(mapper)
+        actor.GetProperty().SetColor(*colour)
+        stage.AddActor(actor)
+        return actor.GetProperty()
 
     away, right, up = scene.axes
-    plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(scene.window), lighting="none")
-    plotter.set_background(BOTTOM, top=TOP)
+    stage, window = vtkRenderer(), vtkRenderWindow()
+    stage.SetBackground(*_rgb(BOTTOM))
+    stage.SetBackground2(*_rgb(TOP))
+    stage.GradientBackgroundOn()
     for vertices, faces, colour in scene.parts:
-        mesh = pyvista.PolyData.from_regular_faces(vertices, faces)
-        plotter.add_mesh(mesh, color=colour, ambient=AMBIENT, diffuse=DIFFUSE)
-        edges = mesh.extract_feature_edges(EDGE_DEG, boundary_edges=False, non_manifold_edges=False)
-        if edges.n_points:
-            plotter.add_mesh(edges, color=INK, line_width=1.5, lighting=False)
+        points, cells, mesh, edges = vtkPoints(), vtkCellArray(), vtkPolyData(), vtkFeatureEdges()
+        points.SetData(numpy_to_vtk(np.ascontiguousarray(vertices), deep=True))
+        rows = np.column_stack([np.full(len(faces), 3), faces]).astype(np.int64).ravel()
+        cells.ImportLegacyFormat(numpy_to_vtkIdTypeArray(rows, deep=True))
+        mesh.SetPoints(points)
+        mesh.SetPolys(cells)
+        surface = shown(mesh, colour)
+        surface.SetAmbient(AMBIENT)
+        surface.SetDiffuse(DIFFUSE)
+        edges.SetInputData(mesh)
+        edges.SetFeatureAngle(EDGE_DEG)
+        edges.BoundaryEdgesOff()
+        edges.NonManifoldEdgesOff()
+        edges.Update()
+        lines = shown(edges.GetOutput(), _rgb(INK))
+        lines.SetLineWidth(1.5)
+        lines.LightingOff()
     for direction, power in lights:
-        plotter.add_light(pyvista.Light(position=direction, intensity=power))
+        light = vtkLight()
+        light.SetLightTypeToSceneLight()
+        light.SetPosition(*direction)
+        light.SetIntensity(power)
+        stage.AddLight(light)
     far = 10.0 * max(scene.scale, *(float(np.ptp(part[0])) for part in scene.parts))
-    plotter.camera_position = [scene.middle + far * away, scene.middle, up]
-    plotter.enable_parallel_projection()
-    plotter.camera.parallel_scale = scene.scale
-    plotter.reset_camera_clipping_range()
-    plotter.enable_anti_aliasing("ssaa")
-    pixels = plotter.screenshot(return_img=True)
-    plotter.close()
+    camera = stage.GetActiveCamera()
+    camera.SetPosition(*(scene.middle + far * away))
+    camera.SetFocalPoint(*scene.middle)
+    camera.SetViewUp(*up)
+    camera.ParallelProjectionOn()
+    camera.SetParallelScale(scene.scale)
+    stage.ResetCameraClippingRange()
+    stage.UseFXAAOn()
+    window.SetOffScreenRendering(1)
+    window.SetMultiSamples(0)
+    window.SetSize(*scene.window)
+    window.AddRenderer(stage)
+    window.Render()
+    grab = vtkWindowToImageFilter()
+    grab.SetInput(window)
+    grab.ShouldRerenderOff()
+    grab.Update()
+    wide, high, _ = grab.GetOutput().GetDimensions()
+    pixels = vtk_to_numpy(grab.GetOutput().GetPointData().GetScalars()).reshape(high, wide, -1)[::-1]
     width, height = scene.window
     per_mm = height / (2.0 * scene.scale)
 
@@ -124,6 +175,11 @@ def render(scene: Scene, path: Path, lights: Sequence[tuple[Sequence[float], flo
         return width / 2 + float(moved @ right) * per_mm, height / 2 - float(moved @ up) * per_mm
 
     _write(pixels, [(placed(point), text) for point, text in scene.labels], scene.title, path)
+
+
+def _rgb(colour: str) -> tuple[float, ...]:
+    """Shares of red, green and blue of ``#rrggbb``."""
+    return tuple(part / 255.0 for part in bytes.fromhex(colour[1:]))
 
 
 def _write(pixels: Any, labels: Sequence[tuple[tuple[float, float], str]], title: str, path: Path) -> None:
@@ -138,7 +194,7 @@ def _write(pixels: Any, labels: Sequence[tuple[tuple[float, float], str]], title
     for corner, text in labels:
         drawing.text((corner[0] - 10, corner[1]), text, LETTERS, small, anchor="rm")
     drawing.text((24, 40), title, LETTERS, large, anchor="lm")
-    picture.save(path, "PNG")
+    picture.save(path, "PNG", compress_level=4)
 
 
 def scene_of(source: Path) -> Scene:

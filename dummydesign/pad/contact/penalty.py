@@ -41,6 +41,8 @@ class ContactSurface:
     """
 
     dofs: Array
+    # Changes of contact that a step of the linearised solid may meet before the next state.
+    changes = 0
 
     def forces(self, u: Array, punch: Any, depth: float) -> tuple[Array, Array]:
         """Internal force (full length) and its derivative (per side)."""

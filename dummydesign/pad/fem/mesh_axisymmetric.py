@@ -30,6 +30,7 @@ class Quadrature(NamedTuple):
     slope: Array
     position: Array
     area: Array
+    turn: Array
 
 
 def functions(places: Array) -> tuple[Array, Array]:
@@ -60,7 +61,7 @@ def integrate(places: Array, node: Array) -> Quadrature:
     area = turn[..., 0, 0] * turn[..., 1, 1] - turn[..., 0, 1] * turn[..., 1, 0]
     back = np.stack([turn[..., 1, 1], -turn[..., 1, 0], -turn[..., 0, 1], turn[..., 0, 0]], axis=-1)
     back = back.reshape(*area.shape, 2, 2) / area[..., None, None]
-    return Quadrature(value, back @ local, corners @ value.T, np.abs(area) * WEIGHTS)
+    return Quadrature(value, back @ local, corners @ value.T, np.abs(area) * WEIGHTS, back)
 
 
 _TOLERANCE = 1e-9
@@ -154,6 +155,7 @@ def discretise(
         dofs=np.stack([2 * node, 2 * node + 1], axis=2).reshape(elements, 18),
         nodes=places,
         kinematics=Axisymmetric,
+        reference=(np.concatenate([functions(POINTS)[1].transpose(1, 0, 2), at.value[None]]), at.turn),
     )
 
 

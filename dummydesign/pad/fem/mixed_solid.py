@@ -23,7 +23,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.pad.material.hyperelastic import Axisymmetric, HyperelasticLaw, Spatial, Yeoh
+from dummydesign.pad.fem.section import Section
+from dummydesign.pad.material.hyperelastic import HyperelasticLaw, Spatial, Yeoh
 
 Array = np.ndarray
 
@@ -34,71 +35,6 @@ class Tangent(NamedTuple):
     stiffness: Array
     coupling: Array
     half: Array
-
-
-class SectionTangent:
-    """Tangents of elements of a section whose law adds the same to each of them at every state."""
-
-    def __init__(self, rows: Array, basis: Array, inverse: Array, same: Array) -> None:
-        elements, points, pressures = basis.shape
-        nodes = rows.shape[-1]
-        by_slope = rows.reshape(elements, points, 3, nodes)
-        self._along, self._down, self._hoop = (np.ascontiguousarray(by_slope[:, :, k]) for k in range(3))
-        self._across = np.ascontiguousarray(self._along.transpose(0, 2, 1))
-        self._basis, self._inverse = basis, inverse
-        blocks = same.reshape(elements, nodes, 2, nodes, 2)
-        self._same = [np.ascontiguousarray(blocks[:, :, k, :, k]) for k in (0, 1)]
-        # Kept, as making such arrays anew takes as long as filling them. Of radial rows: hoop, U, pressures.
-        self._left = np.empty((elements, 2 * points + pressures, nodes))
-        self._left[:, :points] = self._hoop
-        self._left_axial = np.empty((elements, points + pressures, nodes))
-        self._right = np.empty((elements, 2 * points + pressures, 2 * nodes))
-        self._load = np.empty((elements, 2 * points, pressures))
-        self._work = np.empty((2, *self._along.shape))
-
-    def at(self, F: Array, factor: Array, curvature: Array) -> Tangent:
-        """Tangent of each element."""
-        elements, points, nodes = self._along.shape
-        rr, rz, zr, zz, tt = (np.ascontiguousarray(F[..., k])[..., None] for k in range(5))
-        factor, curvature = factor[..., None], curvature[..., None]
-        area, one, two = rr * zz - rz * zr, *self._work
-        left, axial, right = self._left, self._left_axial, self._right
-        turned, sunk = left[:, points : 2 * points], axial[:, :points]
-        np.subtract(np.multiply(zz, self._along, out=one), np.multiply(zr, self._down, out=two), out=turned)
-        np.subtract(np.multiply(rr, self._down, out=one), np.multiply(rz, self._along, out=two), out=sunk)
-        stretched = curvature * area
-        mixed, plain = stretched * tt + factor, curvature * tt * tt
-        stretched *= area
-        upper, lower = right[:, :points], right[:, points : 2 * points]
-        np.add(np.multiply(stretched, self._hoop, out=one), np.multiply(mixed, turned, out=two), out=upper[..., :nodes])
-        np.add(np.multiply(mixed, self._hoop, out=one), np.multiply(plain, turned, out=two), out=lower[..., :nodes])
-        np.multiply(mixed, sunk, out=upper[..., nodes:])
-        np.multiply(plain, sunk, out=lower[..., nodes:])
-        coupling, half = self._pressures(area, tt)
-        for k, part in enumerate((left[:, 2 * points :], axial[:, points:])):
-            part[:] = coupling[:, k::2].transpose(0, 2, 1)
-            np.negative(half[:, k::2].transpose(0, 2, 1), out=right[:, 2 * points :, k * nodes : (k + 1) * nodes])
-        radial = left.transpose(0, 2, 1) @ right
-        skew = self._across @ np.multiply(factor * tt, self._down, out=one)
-        both = radial[..., nodes:] + skew
-        both -= skew.transpose(0, 2, 1)
-        stiffness = np.empty((elements, nodes, 2, nodes, 2))
-        np.add(radial[..., :nodes], self._same[0], out=stiffness[:, :, 0, :, 0])
-        np.add(axial.transpose(0, 2, 1) @ right[:, points:, nodes:], self._same[1], out=stiffness[:, :, 1, :, 1])
-        stiffness[:, :, 0, :, 1], stiffness[:, :, 1, :, 0] = both, both.transpose(0, 2, 1)
-        return Tangent(stiffness.reshape(elements, 2 * nodes, 2 * nodes), coupling, half)
-
-    def _pressures(self, area: Array, hoop: Array) -> tuple[Array, Array]:
-        """Coupling of displacements and pressures, and the same times the pressures' inverse."""
-        elements, points, nodes = self._along.shape
-        load = self._load
-        np.multiply(area, self._basis, out=load[:, :points])
-        np.multiply(hoop, self._basis, out=load[:, points:])
-        coupling = np.empty((elements, nodes, 2, self._basis.shape[-1]))
-        coupling[:, :, 0] = self._left[:, : 2 * points].transpose(0, 2, 1) @ load
-        coupling[:, :, 1] = self._left_axial[:, :points].transpose(0, 2, 1) @ load[:, points:]
-        side_by_side = coupling.reshape(elements, 2 * nodes, -1)
-        return side_by_side, side_by_side @ self._inverse
 
 
 # Relative compressibility of an "incompressible" pad: changes no reported force by more than 0.001 %.
@@ -128,6 +64,8 @@ class Discretisation:
     nodes: Array
     kinematics: Any
     modulus_factor: Array | None = None
+    # Of a section: functions on the unit square (slopes, value), and what makes slopes there slopes in r and z.
+    reference: tuple[Array, Array] | None = None
 
     @property
     def size(self) -> int:
@@ -166,12 +104,12 @@ class Solid:
         self._back = np.ascontiguousarray(self._rows.transpose(0, 2, 1))
         self._weighted_basis = mesh.weight[:, :, None] * mesh.pressure_basis
         self._same: Array | None = None
-        self._section: SectionTangent | None = None
-        if isinstance(law, Yeoh) and not law.c2_MPa:
-            # The law's own tangent is the same at every state.
-            self._same = self._of_law(law.shear_MPa * mesh.weight)
-            if mesh.kinematics is Axisymmetric:
-                self._section = SectionTangent(self._rows, self._weighted_basis, self.inverse, self._same)
+        self._section = None if mesh.reference is None else Section(mesh, self.inverse, law.shear_MPa)
+        # The law's own tangent is the same at every state.
+        self._constant = isinstance(law, Yeoh) and not law.c2_MPa
+        if self._constant:
+            if self._section is None:
+                self._same = self._of_law(law.shear_MPa * mesh.weight)
         else:
             # Kept, as making such large arrays anew takes as long as filling them.
             self._flat = np.ascontiguousarray(mesh.gradient.reshape(elements, -1, width))
@@ -192,6 +130,8 @@ class Solid:
 
     def deformation(self, u: Array) -> Array:
         """Components of F at the quadrature points, shape (elements, points, components)."""
+        if self._section is not None:
+            return self._section.deformation(u)
         elements, points = self.mesh.weight.shape
         local = u[self.mesh.dofs].reshape(elements, -1, self._along)
         F = (self._rows @ local).reshape(elements, points, -1)[:, :, self.mesh.kinematics.order]
@@ -199,11 +139,14 @@ class Solid:
         return F
 
     def _forces(self, stress: Array) -> Array:
-        """Forces of each element's unknowns from stresses times weight, shape (elements, points, components)."""
+        """Forces on all unknowns from stresses times weight, shape (elements, points, components)."""
+        if self._section is not None:
+            return self._section.forces(stress)
         elements, points, _ = stress.shape
         both = np.zeros((elements, points, self._rows.shape[1] // points * self._along))
         both[:, :, self.mesh.kinematics.order] = stress
-        return (self._back @ both.reshape(elements, -1, self._along)).reshape(elements, -1)
+        force = (self._back @ both.reshape(elements, -1, self._along)).ravel()
+        return np.bincount(self.mesh.dofs.ravel(), force, minlength=self.mesh.size)
 
     def state(self, u: Array, p: Array) -> SolidState | None:
         """Evaluate the solid; None where an element is inverted at a quadrature point (J <= 0)."""
@@ -217,8 +160,7 @@ class Solid:
         slope = -self.law.reference_stress_MPa / J + self.stabilisation * (J - 1.0) + p @ basis.T
         stress = self.law.stress(F) + slope[..., None] * cofactor
         stress *= weight[..., None]
-        force = self._forces(stress)
-        internal = np.bincount(mesh.dofs.ravel(), force.ravel(), minlength=mesh.size)
+        internal = self._forces(stress)
         pressure = (weight * (J - 1.0)) @ basis - np.einsum("eab,eb->ea", self.compliance, p)
         return SolidState(internal, pressure, J, (F, cofactor, slope))
 
@@ -227,8 +169,8 @@ class Solid:
         F, cofactor, slope = state.at
         mesh = self.mesh
         curvature = (self.law.reference_stress_MPa / state.J**2 + self.stabilisation) * mesh.weight
-        if self._section is not None:
-            return self._section.at(F, slope * mesh.weight, curvature)
+        if self._section is not None and self._constant:
+            return Tangent(*self._section.tangent(F, slope * mesh.weight, curvature))
         if self._same is not None:
             stiffness = self._same.copy()
             self._add_second(stiffness, slope * mesh.weight, F)

@@ -19,6 +19,7 @@ Array = np.ndarray
 
 RESIDUAL_TOLERANCE = 1e-6
 MAX_ITERATIONS = 14
+EXHAUSTED = "no equilibrium after"
 SMALLEST_J = 0.02
 # Points that came to touch are tied once the relative residual is below this, so many times at most; the force does
 # not change by more than 0.05 % when it is 1e-3.
@@ -36,6 +37,8 @@ SHORTEN_ABOVE = 0.2
 SHORTEST = 0.25
 # Where contact changes, the solid's tangent is kept for so many factorisations.
 HELD = 3
+# Contact changes within a step of the linearised solid until this share of the forces is out of balance.
+SETTLED = 1e-2
 # Least share of a step taken where a whole one would invert an element.
 LEAST_FRACTION = 0.05
 
@@ -143,7 +146,7 @@ def find_equilibrium(
 ) -> Equilibrium | Failure:
     """Newton's method at one depth, from a predicted state."""
     found = newton_search(problem, u, p, depth, tolerance, without_ties, HELD)
-    if isinstance(found, Failure) and found.iterations >= MAX_ITERATIONS:
+    if isinstance(found, Failure) and found.reason.startswith(EXHAUSTED):
         # Near the end of what can be solved a tangent that is kept wanders: the exact one is tried before giving up.
         other = newton_search(problem, u, p, depth, tolerance, without_ties, 1)
         return replace(other, iterations=other.iterations + found.iterations)
@@ -164,7 +167,7 @@ def newton_search(
         surface.begin()
     at = _met(problem, depth, 1.0, u, p, state)
     residuals: list[float] = []
-    ties = factorised = 0
+    ties = factorised = changed = 0
     contraction, least = problem.pattern.contraction
     tangent: Tangent | None = None
     again = False
@@ -175,15 +178,15 @@ def newton_search(
         if again:
             du = problem.pattern.again(load)
         else:
-            du = problem.pattern.solve([tangent.stiffness, *at.matrices()], load)
-            factorised, held = factorised + 1, held + 1
+            du, changes = _touching(problem, tangent, at, load, depth)
+            factorised, changed, held = factorised + 1, changed + changes, held + 1
         dp = solid.pressure_step(tangent, at.state, du)
         trial = _sound(problem, at, du, dp, depth)
         if trial is None:
             if again or held > 1:
                 tangent, again = None, False
                 continue
-            return Failure("an element would invert", factorised)
+            return Failure("an element would invert", factorised + changed)
         if again and not trial.residual < max(least * at.residual, tolerance):
             # A used tangent that leads away is given up together with its step.
             tangent, again = None, False
@@ -193,24 +196,24 @@ def newton_search(
         last, at = at.residual, trial
         residuals.append(at.residual)
         if not np.isfinite(at.residual):
-            return Failure("the residual is no longer a number", factorised)
+            return Failure("the residual is no longer a number", factorised + changed)
         if at.residual < TIE_TOLERANCE and ties < LARGEST_TIES and surface is not None:
             if surface.tie(at.u, problem.punch, depth):
                 if without_ties:
-                    return Failure(TIED, factorised)
+                    return Failure(TIED, factorised + changed)
                 ties, at = ties + 1, _met(problem, depth, at.fraction, at.u, at.p, at.state)
                 again = False
                 if held >= most_held:
                     tangent = None
                 continue
         if at.residual < tolerance and at.fraction == 1.0:
-            return Equilibrium(at.u, at.p, at.state, tuple(residuals), ties, factorised)
+            return Equilibrium(at.u, at.p, at.state, tuple(residuals), ties, factorised + changed)
         good = at.residual < (contraction * last if again else REUSE_BELOW)
         again = at.fraction == 1.0 and good and factorised <= REUSE_UP_TO
         if not again and (held >= most_held or at.residual < REUSE_BELOW):
             tangent = None
-    reason = f"no equilibrium after {MAX_ITERATIONS} iterations (relative residual {residuals[-1]:.1e})"
-    return Failure(reason, factorised)
+    reason = f"{EXHAUSTED} {MAX_ITERATIONS} iterations (relative residual {residuals[-1]:.1e})"
+    return Failure(reason, factorised + changed)
 
 
 class _Trial(NamedTuple):
@@ -224,6 +227,28 @@ class _Trial(NamedTuple):
     matrices: Callable[[], list[Array]]
     residual: float
     unbalanced: float
+
+
+def _touching(problem: ContactProblem, tangent: Tangent, at: _Trial, load: Array, depth: float) -> tuple[Array, int]:
+    """Step of the linearised solid that meets the contact as it is after the step, and how often that changed.
+
+    Each change of contact takes a factorisation of what lies behind the first place that changed, but no state.
+    """
+    force, matrices, size = at.contact, at.matrices(), _size(at.state.internal_force)
+    step = problem.pattern.solve([tangent.stiffness, *matrices], load)
+    surface, du, changes, before = problem.surface, step, 0, math.inf
+    while surface is not None and changes < surface.changes:
+        new, changed = problem.pressed(at.u + du, depth)
+        own = (matrices[0] @ step[surface.dofs][:, :, None]).ravel()
+        # What the linear contact of the last solve leaves out of balance.
+        rest = force - new + np.bincount(surface.dofs.ravel(), own, minlength=len(du))
+        left = _size(rest[problem.pattern.free])
+        if not SETTLED * size < left < before:
+            break
+        force, matrices, before = new, changed(), left
+        step = problem.pattern.solve([tangent.stiffness, *matrices], rest)
+        du, changes = du + step, changes + 1
+    return du, changes
 
 
 def _met(problem: ContactProblem, depth: float, fraction: float, u: Array, p: Array, state: SolidState) -> _Trial:

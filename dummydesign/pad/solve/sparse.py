@@ -15,9 +15,15 @@ ASYMMETRY = 1e-12
 
 
 class BandLayout:
-    """Places of entries in the lower band of a symmetric matrix, after Cuthill and McKee's order or a narrower one."""
+    """Places of entries in the lower band of a symmetric matrix, after Cuthill and McKee's order or a narrower one.
 
-    def __init__(self, row: Array, column: Array, n: int, orders: Sequence[Array] = ()) -> None:
+    The unknowns ``late`` come in its second half: when entries between them change, columns before stay as they were
+    factorised.
+    """
+
+    def __init__(
+        self, row: Array, column: Array, n: int, orders: Sequence[Array] = (), late: Array | None = None
+    ) -> None:
         from scipy.sparse import csr_matrix
         from scipy.sparse.csgraph import reverse_cuthill_mckee
 
@@ -26,12 +32,16 @@ class BandLayout:
         levels = reverse_cuthill_mckee(csr_matrix((np.ones(len(row)), (row, column)), shape=(n, n)), True)
         places = [np.argsort(order) for order in (levels, *orders)]
         self._to = min(places, key=lambda to: int((to[row] - to[column]).max(initial=0)))
+        if late is not None and len(late) and self._to[late].mean() < 0.5 * n:
+            self._to = n - 1 - self._to
         below = self._to[row] - self._to[column]
         self.width, self._n = int(below.max(initial=0)), n
         lower = np.nonzero(below >= 0)[0]
         self._lower = inside[lower]
         self._takes: list[Array] = []
         self._first: Array | None = None
+        self._factor: Array | None = None
+        self._added = np.array([])
         # LAPACK's lower band storage, column by column.
         self._slot = self._to[column[lower]] * (self.width + 1) + below[lower]
 
@@ -53,18 +63,32 @@ class BandLayout:
             self._takes = [
                 part - end + matrix.size for part, end, matrix in zip(np.split(self._lower, cuts[:-1]), ends, groups)
             ]
-        first = groups[0]
+        first, wide = groups[0], self.width + 1
         count = len(self._takes[0])
+        rest = [matrix.ravel().take(take) for matrix, take in zip(groups[1:], self._takes[1:])]
+        added, slots = np.concatenate([np.array([]), *rest]), self._slot[count:]
+        start = 0
         if first is not self._first:
             values = first.ravel().take(self._takes[0])
-            self._data = np.bincount(self._slot[:count], values, minlength=self._n * (self.width + 1))
-            self._first = first
-        rest = [matrix.ravel().take(take) for matrix, take in zip(groups[1:], self._takes[1:])]
-        data = self._data.copy()
-        np.add.at(data, self._slot[count:], np.concatenate([np.array([]), *rest]))
-        factor, info = dpbtrf(data.reshape(self._n, self.width + 1).T, lower=1, overwrite_ab=1)
+            self._data, self._first = np.bincount(self._slot[:count], values, minlength=self._n * wide), first
+        elif self._factor is not None:
+            start = min(int(slots[added != self._added].min(initial=self._n * wide)) // wide, self._n - self.width)
+        if self._factor is None or start < self.width:
+            start, self._factor = 0, np.empty(self._n * wide)
+        tail = self._factor[start * wide :]
+        tail[:] = self._data[start * wide :]
+        inside = slots >= start * wide
+        np.add.at(tail, slots[inside] - start * wide, added[inside])
+        if start:
+            # Rows of the columns before, and below the diagonal of those after, lie in squares of the band's storage.
+            square, before = self.width**2, (start - self.width) * wide + self.width
+            rows = np.tril(self._factor[before : before + square].reshape(self.width, -1))
+            tail[:square] -= np.triu(rows.T @ rows).ravel()
+        _, info = dpbtrf(tail.reshape(-1, wide).T, lower=1, overwrite_ab=1)
         if info:
+            self._factor = None
             return None
+        self._added, factor = added, self._factor.reshape(self._n, wide).T
 
         def solve(load: Array) -> Array:
             permuted = np.empty(self._n)
@@ -108,7 +132,8 @@ class Pattern:
         self._keep = (row >= 0) & (column >= 0)
         self._row, self._column = row[self._keep], column[self._keep]
         orders = [] if nodes is None else _sweeps(nodes[:, self._kept // len(nodes)])
-        self._band = BandLayout(row, column, len(self._kept), orders)
+        late = np.concatenate([np.array([], dtype=int), *(number[dofs].ravel() for dofs in groups[1:])])
+        self._band = BandLayout(row, column, len(self._kept), orders, late[late >= 0])
         self._order: Array | None = None
         self._to: Array | None = None
         self._whole: Array | None = None

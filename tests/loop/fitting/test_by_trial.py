@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.loop.fitting.by_trial import gains, of_pad, zeros
+from dummydesign.loop.fitting.by_trial import gains, of_pads, zeros
 from tests.support import puck_presses as pucks
 
 
@@ -40,6 +40,6 @@ def test_a_zero_is_the_mean_reading_before_contact_and_is_not_known_without_one(
 def test_presses_as_if_all_were_of_one_pad():
     presses = pucks.planned()
     pad = replace(presses.trials[0], young_factor=1.3)
-    found = of_pad(presses, pad)
+    found = of_pads(presses, [pad] * len(presses.trials))
     assert set(found.thickness_mm) == {pad.thickness_mm} and {one.young_factor for one in found.trials} == {1.3}
     assert [one.trace for one in found.trials] == [one.trace for one in presses.trials]

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dummydesign.loop.fitting.by_trial import of_pads
+from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.result import result_dict
 from dummydesign.loop.run import close_loop
-from dummydesign.loop.selection.doubts import groups, odd
+from dummydesign.loop.selection.doubts import doubts_of, groups, labels_of, odd, pads_of_a_day
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support.refusal import raises_code
 
@@ -27,13 +29,14 @@ def test_one_value_that_the_others_do_not_let_expect_is_odd():
 def test_a_group_is_a_day_or_a_heap_and_noise_is_none():
     rng = np.random.default_rng(5)
     days, noise = np.repeat([9.0, 14.0, 29.0], 10), rng.normal(0.0, 0.02, 30)
-    no_error = np.zeros(30)
-    assert not groups(noise, no_error, days, 0.01, 0.04)[0].any()
-    of_day, _, is_day = groups(noise + 0.1 * (days == 14.0), no_error, days, 0.01, 0.04)
-    assert is_day and np.array_equal(of_day, days == 14.0)
+    level = np.zeros(30), days, 0.01, 0.04, np.ones((30, 1)), np.array([10.0])
+    assert groups(noise, *level) is None
+    of_day = groups(noise + 0.1 * (days == 14.0), *level)
+    assert of_day.of_day and np.array_equal(of_day.rows, days == 14.0)
+    assert of_day.apart == pytest.approx(0.1, abs=0.03)
     heap = np.isin(np.arange(30), [3, 11, 17, 28])
-    own, _, is_day = groups(noise + 0.3 * heap, no_error, days, 0.01, 0.04)
-    assert not is_day and np.array_equal(own, heap)
+    some = groups(noise + 0.3 * heap, *level)
+    assert not some.of_day and np.array_equal(some.rows, heap)
 
 
 @pytest.fixture
@@ -124,11 +127,24 @@ def test_a_wrong_pad_is_doubted_left_out_and_read_as_asked(small):
     assert kept.doubts == () and len(kept.presses.trials) == 36
 
 
-def test_a_campaign_without_a_fault_raises_no_doubt(plain, campaigns):
-    from dummydesign.loop.fitting.fit import fit_base
-    from dummydesign.loop.selection.doubts import doubts_of
-
+@pytest.fixture(scope="module")
+def base(plain):
+    """The base fit of a campaign without an effect."""
     presses, law = plain
-    campaign = read_campaign(campaigns("none", 401))
-    fit = fit_base(presses, law, 1e-3 * campaign.pad.young_kPa_nominal)
-    assert doubts_of(campaign, presses, fit) == ()
+    return fit_base(presses, law, 0.03)
+
+
+def test_a_campaign_without_a_fault_raises_no_doubt(plain, base, campaigns):
+    assert doubts_of(read_campaign(campaigns("none", 401)), plain[0], base) == ()
+
+
+def test_two_pads_taken_for_each_other_for_a_day_are_named(plain, base):
+    presses, days = plain[0], plain[0].history.age_days
+    thin, *_, thick = (presses.trials[int(np.argmax(presses.pad == pad))] for pad in range(len(presses.pads)))
+    rows = (days == np.unique(days)[1]) & np.isin(presses.thickness_mm, (thin.thickness_mm, thick.thickness_mm))
+    other = {thin.pad: thick, thick.pad: thin}
+    sheet = of_pads(presses, [other[t.pad] if row else t for t, row in zip(presses.trials, rows)])
+    labels, none = labels_of(sheet, base), np.zeros(len(rows), bool)
+    (doubt,) = pads_of_a_day(labels, ~rows, none)  # as gross ones are left out
+    assert doubt.kind == "exchanged" and doubt.rows == tuple(np.flatnonzero(rows))
+    assert f'pad_of = "{doubt.files[0]}"' not in doubt.read_as and doubt.read_as.count("[[read_as]]") in (1, 2)

@@ -20,6 +20,7 @@ from dummydesign.loop.effects.learned import SmoothChange
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.noise import NoiseSizes
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
+from dummydesign.loop.next_measurement import SAME_SPEED
 from dummydesign.loop.selection import nonparametric_effect, search, verdict
 from dummydesign.loop.selection.holdout_test import LeftOut, deepest, fastest, predicts_worse
 from dummydesign.loop.selection.residuals import Dependence, ResidualCheck, ResidualDiagnostics
@@ -306,6 +307,7 @@ def test_at_most_the_written_number_of_effects_and_from_the_fourth_on_only_what_
 def test_the_search_and_repeated_presses_end_where_it_is_written():
     assert run.SEARCH_BUDGET_S == written("stop the search (search_stopped)", "after # s of processor time")
     assert 100.0 * SAME_DEPTH == written("next measurement", "within # % of the depth")
+    assert 100.0 * SAME_SPEED == written("next measurement", "within # % of the speed")
 
 
 def test_an_effect_whose_interval_holds_zero_needs_the_written_multiple(monkeypatch):

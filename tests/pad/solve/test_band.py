@@ -37,6 +37,27 @@ def test_a_grid_is_numbered_along_its_columns_where_that_is_narrower():
     assert answers[1] == pytest.approx(answers[0], rel=1e-8, abs=1e-9 * np.abs(answers[0]).max())
 
 
+def test_a_band_goes_on_from_the_first_column_that_changed_as_if_it_began_anew():
+    rng, n = np.random.default_rng(6), 90
+    near = np.where(np.abs(np.subtract.outer(np.arange(n), np.arange(n))) < 4, rng.normal(size=(n, n)), 0.0)
+    whole, load = near @ near.T + np.eye(n), rng.normal(size=n)
+    row, column = np.nonzero(whole)
+    dofs = np.arange(70, 76)
+    rows, columns = (np.concatenate([at, more.ravel()]) for at, more in zip((row, column), np.meshgrid(dofs, dofs)))
+    band = BandLayout(rows, columns, n, late=dofs)
+    solid, before = whole[row, column], -1
+    for stiffness in (np.zeros((6, 6)), 3.0 * np.eye(6), np.diag([0.0, 0.0, 9.0, 9.0, 0.0, 0.0])):
+        matrix = whole.copy()
+        matrix[np.ix_(dofs, dofs)] += stiffness
+        if before >= 0:
+            kept = band._factor[:before].copy()
+        answer = band.factorise([solid, stiffness])(load)
+        assert answer == pytest.approx(np.linalg.solve(matrix, load), rel=1e-9)
+        if before >= 0:
+            assert np.array_equal(kept, band._factor[:before])
+        before = 30 * (band.width + 1)
+
+
 def test_a_band_says_when_a_matrix_is_not_positive_definite():
     row = np.arange(3)
     assert BandLayout(row, row, 3).factorise([np.array([1.0, -1.0, 2.0])]) is None

@@ -26,6 +26,8 @@ class Spring:
             self.force, self.J = depth**2, np.array([J, 1.0])
 
     class Surface:
+        changes = 0
+
         def __init__(self) -> None:
             self.settled, self.state = [], 0
 

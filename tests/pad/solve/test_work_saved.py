@@ -9,6 +9,7 @@ from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.shaped_problem import shaped_problem
 from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface
+from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.spatial.square_punch import CornerCells, SquareProblem, block_problem
 
@@ -25,6 +26,21 @@ def test_matrices_of_contact_are_made_for_tangents_alone(monkeypatch):
     path = follow(crown(), [0.05, 0.1], 0.005, 0.02, 1e-4, lattice=True)
     # One more for the way in which the path begins.
     assert len(matrices) <= path.newton_iterations + 1 < 0.7 * len(states)
+
+
+def test_contact_that_changes_within_a_linear_step_saves_states_and_changes_no_force(monkeypatch):
+    states, forces = [], []
+    whole = Solid.state
+    monkeypatch.setattr(Solid, "state", lambda *words: states.append(1) or whole(*words))
+    for changes in (4, 0):
+        problem = crown()
+        assert problem.surface.changes == 4
+        problem.surface.changes = changes
+        states.clear()
+        forces.append((follow(problem, [0.05, 0.1, 0.2], 0.005, 0.02, 1e-4, lattice=True).force, len(states)))
+    (met, few), (asked, many) = forces
+    assert met == pytest.approx(asked, rel=1e-3)
+    assert few < 0.8 * many
 
 
 def test_the_matrix_of_contact_is_the_slope_of_its_force():

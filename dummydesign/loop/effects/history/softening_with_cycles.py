@@ -38,8 +38,9 @@ class SofteningWithCycles(Effect):
         count = np.zeros_like(depth_mm)
         depth = np.maximum(depth_mm, 1e-9)
         for earlier in presses.history.earlier_depth_mm.T:
-            if np.any(earlier > 0):
-                beyond = depth / np.maximum(earlier[:, None], 1e-9) - values["rejoin_share"]
-                count += 0.5 * (1.0 - np.tanh(beyond / values["width_share"]))
+            later = earlier > 0  # of the same pad
+            if later.any():
+                beyond = depth[later] / earlier[later, None] - values["rejoin_share"]
+                count[later] += 0.5 * (1.0 - np.tanh(beyond / values["width_share"]))
         loss = np.expm1(-count / values["cycles"]) / np.expm1(-1.0 / values["cycles"])
         return 1.0 - values["softening"] * loss

@@ -15,7 +15,7 @@ from dummydesign.loop.next_measurement import NextMeasurement
 from dummydesign.loop.pad_scatter import pad_scatter
 from dummydesign.loop.prior import PooledFit
 from dummydesign.loop.selection.cross_validation import AssessedModel, effect_intervals, lack_of_fit
-from dummydesign.loop.selection.doubts import Doubt
+from dummydesign.loop.selection.doubt_words import Doubt
 from dummydesign.loop.selection.explanations import Among, Explanation, residual_N
 from dummydesign.loop.selection.nonparametric_effect import NonparametricEffect
 from dummydesign.loop.selection.residuals import ResidualDiagnostics

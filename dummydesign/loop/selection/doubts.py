@@ -7,18 +7,29 @@ of its sensor. How far presses that are rightly labelled scatter about that, by 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.serialise import Serialised
-from dummydesign.core.user_library import toml_value
 from dummydesign.loop.data.trials import Presses, stack
 from dummydesign.loop.fitting.by_trial import UNDECLARED_HZ, Own, cutoffs, gains, of_pads, zeros
 from dummydesign.loop.fitting.fit import CampaignFit, fit_base
 from dummydesign.loop.model.campaign_law import BEYOND, limit_of, within_reach
+from dummydesign.loop.selection.doubt_words import (
+    Doubt,
+    OddGroup,
+    PadReading,
+    exchanged,
+    mistyped,
+    other_pad,
+    other_sensor,
+    other_speed,
+    other_zero,
+    pads_exchanged,
+    whole_pad,
+)
 from dummydesign.measurement.campaign import Campaign, Trial, held_force
 from dummydesign.measurement.ramp_detection import approach_velocity
 
@@ -49,19 +60,6 @@ GROUP_Z, SINGLE_Z = 4.7, 6.0
 OWN_LEVEL, DAY_FIRST, GAPS = 1.0, 1.5, 3
 """How far a group's level may be off (N, or ln of a cut-off), how much clearer than a day other groups must be, and how
 many of the widest gaps are looked at."""
-
-
-@dataclass(frozen=True)
-class Doubt(Serialised):
-    """A label that looks wrong: its kind, the presses, how odd they are (standard deviations of what right ones
-    scatter), in words, and the lines of ``campaign.toml`` that read it otherwise."""
-
-    kind: str
-    files: tuple[str, ...]
-    z: float
-    text: str
-    read_as: str
-    rows: tuple[int, ...] = field(default=(), repr=False)
 
 
 @dataclass(frozen=True)
@@ -242,18 +240,6 @@ def expected_gains(labels: Labels, use: NDArray) -> tuple[TrialRegression, NDArr
     return expect(labels.gain.value, labels.gain_errors, labels.columns, labels.spreads, GAIN_FLOOR, own)[0], own
 
 
-@dataclass(frozen=True)
-class PadReading:
-    """Presses as presses of one of the pads: ln of the force and standard deviations by which they differ from what is
-    expected of it, all (T,), the chi-square that is left, and whether the force law reaches so deep."""
-
-    pad: Trial
-    difference: NDArray
-    z: NDArray
-    left: NDArray
-    reached: NDArray
-
-
 def as_pads(labels: Labels, use: NDArray) -> list[PadReading]:
     """All presses read as of each pad that more than a few presses name."""
     presses, shared = labels.presses, len(WIDE)
@@ -323,7 +309,7 @@ def pads_of_a_day(labels: Labels, use: NDArray, looked: NDArray) -> list[Doubt]:
         return []
     left, rows, one, two = min(tried, key=lambda own: own[0])
     share = float(np.exp(left - usual))
-    return [_pads_of_a_day(presses, rows, one, two, 1.0 / share)] if share < LEAST_OF_IT else []
+    return [pads_exchanged(presses, rows, one, two, 1.0 / share)] if share < LEAST_OF_IT else []
 
 
 LEAST_LEFT = 4
@@ -390,17 +376,18 @@ def of_gains(labels: Labels, use: NDArray, looked: NDArray) -> list[Doubt]:
         if not (taken[one] or taken[two]) and has_label_of(one, two) and has_label_of(two, one):
             taken[[one, two]] = True
             worst = max(abs(float(z[one])), abs(float(z[two])))
-            out.append(_exchanged(presses, one, two, worst))
+            out.append(exchanged(presses, one, two, worst))
     for row in np.flatnonzero(gain_odd & ~taken).tolist():
         trial = presses.trials[row]
         options = [pad for pad in pads if pad.pad.pad != trial.pad and fits(row, pad)]
         best = min(options, key=lambda pad: abs(float(pad.z[row])), default=None)
         if best is not None:
-            out.append(_other_pad(presses, row, best, float(z[row])))
+            out.append(other_pad(presses, row, best, float(z[row])))
         elif (mm := _thickness_mm(pads, row)) is not None:
-            out.append(_mistyped(presses, row, mm, float(z[row])))
+            out.append(mistyped(presses, row, mm, float(z[row])))
     for row in np.flatnonzero(speed_odd & ~taken).tolist():
-        out.append(_other_speed(presses, row, float(labels.ln_speed[row])))
+        ln_speed = float(labels.ln_speed[row])
+        out.append(other_speed(presses, row, ln_speed, ln_speed / ODD_SPEED * ODD_Z))
     return out
 
 
@@ -436,7 +423,7 @@ def of_whole_pads(labels: Labels, use: NDArray, looked: NDArray, campaign: Campa
     pads = as_pads(labels_of(presses, refitted(campaign, presses, rest, labels.fit)), rest)
     seen = [mm for row in rows.tolist() if (mm := _thickness_mm(pads, row)) is not None]
     z = float(levels[place] - np.median(np.delete(levels, place))) / near.scale
-    return [_whole_pad(presses, rows, float(np.median(seen)) if seen else None, z)]
+    return [whole_pad(presses, rows, float(np.median(seen)) if seen else None, z)]
 
 
 def _like_its_repeats(presses: Presses, differences: NDArray, odd_ones: NDArray) -> NDArray:
@@ -478,16 +465,6 @@ def _thickness_mm(pads: list[PadReading], row: int) -> float | None:
 
 BEYOND_PADS = 1.2
 """ln of the thickness by which a press may be of a pad beyond all others."""
-
-
-@dataclass(frozen=True)
-class OddGroup:
-    """Presses (T,) that differ from the rest, by how much, how clearly, and whether they are those of a day."""
-
-    rows: NDArray
-    apart: float
-    z: float
-    of_day: bool
 
 
 def groups(
@@ -557,7 +534,7 @@ def of_sensors(labels: Labels, use: NDArray, campaign: Campaign) -> list[Doubt]:
         if not alone and (not apart or min(gap / found.apart for gap in apart) < SAME_REPEAT):
             return []
     usual = campaign.lowpass.cutoff_hz if campaign.lowpass else UNDECLARED_HZ
-    return [_other_sensor(presses, found, usual * float(np.exp(found.apart)), usual)]
+    return [other_sensor(presses, found, usual * float(np.exp(found.apart)), usual)]
 
 
 def of_zeros(labels: Labels, use: NDArray) -> list[Doubt]:
@@ -568,79 +545,4 @@ def of_zeros(labels: Labels, use: NDArray) -> list[Doubt]:
     errors = np.where(use & np.isfinite(own.error), 0.0, np.inf)
     level = np.ones((len(errors), 1)), np.array([10.0])
     found = groups(own.value, errors, presses.history.age_days, ZERO_FLOOR_N, LEAST_ZERO_N, *level)
-    return [] if found is None else [_other_zero(presses, found)]
-
-
-def _lines(files: list[str], **keys: object) -> str:
-    """Lines of ``campaign.toml`` that read some presses in another way."""
-    return "\n".join(
-        ["[[read_as]]", f"files = {toml_value(files)}", *(f"{k} = {toml_value(v)}" for k, v in keys.items())]
-    )
-
-
-def _exchanged(presses: Presses, one: int, two: int, z: float) -> Doubt:
-    files = [presses.trials[row].file for row in (one, two)]
-    text = f"{files[0]} and {files[1]} look exchanged: each is what is expected of the other's row"
-    return Doubt("exchanged", tuple(files), z, text, _lines(files, exchanged=True), (one, two))
-
-
-def _pads_of_a_day(presses: Presses, rows: NDArray, one: Trial, two: Trial, z: float) -> Doubt:
-    trials = [trial for trial, own in zip(presses.trials, rows) if own]
-    text = f"{_named(one)} and {_named(two)} look exchanged at the age of {trials[0].age_days:g} days"
-    files = [[trial.file for trial in trials if trial.pad == pad.pad] for pad in (one, two)]
-    lines = [_lines(own, pad_of=of.file) for own, of in zip(files, (two, one)) if own]
-    return Doubt("exchanged", (*files[0], *files[1]), z, text, "\n\n".join(lines), tuple(np.flatnonzero(rows).tolist()))
-
-
-def _named(trial: Trial) -> str:
-    shape = "" if trial.geometry.plain else f"{trial.geometry} "
-    return f"the {shape}{trial.thickness_mm:g} mm pad"
-
-
-def _other_pad(presses: Presses, row: int, best: PadReading, z: float) -> Doubt:
-    trial = presses.trials[row]
-    text = f"{trial.file} looks like {_named(best.pad)}, not {trial.thickness_mm:g} mm"
-    return Doubt("pad", (trial.file,), z, text, _lines([trial.file], pad_of=best.pad.file), (row,))
-
-
-def _mistyped(presses: Presses, row: int, mm: float, z: float) -> Doubt:
-    trial = presses.trials[row]
-    text = f"{trial.file} looks like a pad of about {mm:.2g} mm, not {trial.thickness_mm:g} mm"
-    return Doubt("thickness", (trial.file,), z, text, _lines([trial.file], thickness_mm=float(f"{mm:.3g}")), (row,))
-
-
-def _whole_pad(presses: Presses, rows: NDArray, mm: float | None, z: float) -> Doubt:
-    files, declared = [presses.trials[row].file for row in rows], presses.trials[rows[0]].thickness_mm
-    like = "look like one of another thickness" if mm is None else f"look like one of about {mm:.2g} mm"
-    text = f"all {len(files)} presses of the {declared:g} mm pad {like}: gauge it"
-    lines = _lines(files, thickness_mm=declared if mm is None else float(f"{mm:.3g}"))
-    return Doubt("thickness", tuple(files), z, text, lines, tuple(rows.tolist()))
-
-
-def _other_speed(presses: Presses, row: int, ln_speed: float) -> Doubt:
-    trial = presses.trials[row]
-    speed = float(f"{trial.velocity_mm_s * np.exp(ln_speed):.3g}")
-    text = f"{trial.file} was pressed at {speed:g} mm/s, not {trial.velocity_mm_s:g} mm/s"
-    lines = _lines([trial.file], velocity_mm_s=speed)
-    return Doubt("speed", (trial.file,), ln_speed / ODD_SPEED * ODD_Z, text, lines, (row,))
-
-
-def _of_group(kind: str, presses: Presses, group: OddGroup, looks: str, **keys: object) -> Doubt:
-    """Some presses, or those of a day, that look in some way."""
-    trials = [trial for trial, own in zip(presses.trials, group.rows) if own]
-    files = [trial.file for trial in trials]
-    words = files[0] if len(files) == 1 else f"{len(files)} presses ({', '.join(files)})"
-    if group.of_day:
-        words = f"the {len(files)} presses at the age of {trials[0].age_days:g} days"
-    rows = tuple(np.flatnonzero(group.rows).tolist())
-    return Doubt(kind, tuple(files), group.z, f"{words} {looks}", _lines(files, **keys), rows)
-
-
-def _other_sensor(presses: Presses, group: OddGroup, hz: float, usual: float) -> Doubt:
-    looks = f"look filtered at about {hz:.2g} Hz, not {usual:g} Hz as the others"
-    return _of_group("sensor", presses, group, looks, lowpass_hz=float(f"{hz:.2g}"))
-
-
-def _other_zero(presses: Presses, group: OddGroup) -> Doubt:
-    looks = f"read {group.apart:+.2g} N before contact, beside the others: their zero is another"
-    return _of_group("zero", presses, group, looks, zero_N=float(f"{group.apart:.2g}"))
+    return [] if found is None else [other_zero(presses, found)]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import tomllib
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -9,6 +12,7 @@ from dummydesign.loop.fitting.by_trial import of_pads
 from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.result import result_dict
 from dummydesign.loop.run import close_loop
+from dummydesign.loop.selection.doubt_words import OddGroup, other_zero
 from dummydesign.loop.selection.doubts import doubts_of, groups, labels_of, odd, pads_of_a_day
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support.refusal import raises_code
@@ -37,6 +41,14 @@ def test_a_group_is_a_day_or_a_heap_and_noise_is_none():
     heap = np.isin(np.arange(30), [3, 11, 17, 28])
     some = groups(noise + 0.3 * heap, *level)
     assert not some.of_day and np.array_equal(some.rows, heap)
+
+
+def test_what_is_said_of_a_group_can_be_read_from_the_campaign_file():
+    trials = [SimpleNamespace(file=f"t{number}.csv", age_days=14.0) for number in range(3)]
+    group = OddGroup(np.array([True, False, True]), 0.123, 7.5, False)
+    doubt = other_zero(SimpleNamespace(trials=trials), group)
+    assert (doubt.kind, doubt.files, doubt.rows, doubt.z) == ("zero", ("t0.csv", "t2.csv"), (0, 2), 7.5)
+    assert tomllib.loads(doubt.read_as) == {"read_as": [{"files": ["t0.csv", "t2.csv"], "zero_N": 0.12}]}
 
 
 @pytest.fixture

@@ -1,0 +1,123 @@
+"""Doubts about labels in words: what each kind says, and the lines of ``campaign.toml`` that read it otherwise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.serialise import Serialised
+from dummydesign.core.user_library import toml_value
+from dummydesign.loop.data.trials import Presses
+from dummydesign.measurement.campaign import Trial
+
+
+@dataclass(frozen=True)
+class Doubt(Serialised):
+    """A label that looks wrong: its kind, the presses, how odd they are (standard deviations of what right ones
+    scatter), in words, and the lines of ``campaign.toml`` that read it otherwise."""
+
+    kind: str
+    files: tuple[str, ...]
+    z: float
+    text: str
+    read_as: str
+    rows: tuple[int, ...] = field(default=(), repr=False)
+
+
+@dataclass(frozen=True)
+class PadReading:
+    """Presses as presses of one of the pads: ln of the force and standard deviations by which they differ from what is
+    expected of it, all (T,), the chi-square that is left, and whether the force law reaches so deep."""
+
+    pad: Trial
+    difference: NDArray
+    z: NDArray
+    left: NDArray
+    reached: NDArray
+
+
+@dataclass(frozen=True)
+class OddGroup:
+    """Presses (T,) that differ from the rest, by how much, how clearly, and whether they are those of a day."""
+
+    rows: NDArray
+    apart: float
+    z: float
+    of_day: bool
+
+
+def _lines(files: list[str], **keys: object) -> str:
+    """Lines of ``campaign.toml`` that read some presses in another way."""
+    return "\n".join(
+        ["[[read_as]]", f"files = {toml_value(files)}", *(f"{k} = {toml_value(v)}" for k, v in keys.items())]
+    )
+
+
+def exchanged(presses: Presses, one: int, two: int, z: float) -> Doubt:
+    files = [presses.trials[row].file for row in (one, two)]
+    text = f"{files[0]} and {files[1]} look exchanged: each is what is expected of the other's row"
+    return Doubt("exchanged", tuple(files), z, text, _lines(files, exchanged=True), (one, two))
+
+
+def pads_exchanged(presses: Presses, rows: NDArray, one: Trial, two: Trial, z: float) -> Doubt:
+    trials = [trial for trial, own in zip(presses.trials, rows) if own]
+    text = f"{_named(one)} and {_named(two)} look exchanged at the age of {trials[0].age_days:g} days"
+    files = [[trial.file for trial in trials if trial.pad == pad.pad] for pad in (one, two)]
+    lines = [_lines(own, pad_of=of.file) for own, of in zip(files, (two, one)) if own]
+    return Doubt("exchanged", (*files[0], *files[1]), z, text, "\n\n".join(lines), tuple(np.flatnonzero(rows).tolist()))
+
+
+def _named(trial: Trial) -> str:
+    shape = "" if trial.geometry.plain else f"{trial.geometry} "
+    return f"the {shape}{trial.thickness_mm:g} mm pad"
+
+
+def other_pad(presses: Presses, row: int, best: PadReading, z: float) -> Doubt:
+    trial = presses.trials[row]
+    text = f"{trial.file} looks like {_named(best.pad)}, not {trial.thickness_mm:g} mm"
+    return Doubt("pad", (trial.file,), z, text, _lines([trial.file], pad_of=best.pad.file), (row,))
+
+
+def mistyped(presses: Presses, row: int, mm: float, z: float) -> Doubt:
+    trial = presses.trials[row]
+    text = f"{trial.file} looks like a pad of about {mm:.2g} mm, not {trial.thickness_mm:g} mm"
+    return Doubt("thickness", (trial.file,), z, text, _lines([trial.file], thickness_mm=float(f"{mm:.3g}")), (row,))
+
+
+def whole_pad(presses: Presses, rows: NDArray, mm: float | None, z: float) -> Doubt:
+    files, declared = [presses.trials[row].file for row in rows], presses.trials[rows[0]].thickness_mm
+    like = "look like one of another thickness" if mm is None else f"look like one of about {mm:.2g} mm"
+    text = f"all {len(files)} presses of the {declared:g} mm pad {like}: gauge it"
+    lines = _lines(files, thickness_mm=declared if mm is None else float(f"{mm:.3g}"))
+    return Doubt("thickness", tuple(files), z, text, lines, tuple(rows.tolist()))
+
+
+def other_speed(presses: Presses, row: int, ln_speed: float, z: float) -> Doubt:
+    trial = presses.trials[row]
+    speed = float(f"{trial.velocity_mm_s * np.exp(ln_speed):.3g}")
+    text = f"{trial.file} was pressed at {speed:g} mm/s, not {trial.velocity_mm_s:g} mm/s"
+    lines = _lines([trial.file], velocity_mm_s=speed)
+    return Doubt("speed", (trial.file,), z, text, lines, (row,))
+
+
+def _of_group(kind: str, presses: Presses, group: OddGroup, looks: str, **keys: object) -> Doubt:
+    """Some presses, or those of a day, that look in some way."""
+    trials = [trial for trial, own in zip(presses.trials, group.rows) if own]
+    files = [trial.file for trial in trials]
+    words = files[0] if len(files) == 1 else f"{len(files)} presses ({', '.join(files)})"
+    if group.of_day:
+        words = f"the {len(files)} presses at the age of {trials[0].age_days:g} days"
+    rows = tuple(np.flatnonzero(group.rows).tolist())
+    return Doubt(kind, tuple(files), group.z, f"{words} {looks}", _lines(files, **keys), rows)
+
+
+def other_sensor(presses: Presses, group: OddGroup, hz: float, usual: float) -> Doubt:
+    looks = f"look filtered at about {hz:.2g} Hz, not {usual:g} Hz as the others"
+    return _of_group("sensor", presses, group, looks, lowpass_hz=float(f"{hz:.2g}"))
+
+
+def other_zero(presses: Presses, group: OddGroup) -> Doubt:
+    looks = f"read {group.apart:+.2g} N before contact, beside the others: their zero is another"
+    return _of_group("zero", presses, group, looks, zero_N=float(f"{group.apart:.2g}"))

@@ -56,12 +56,14 @@ def _lines(files: list[str], **keys: object) -> str:
 
 
 def exchanged(presses: Presses, one: int, two: int, z: float) -> Doubt:
+    """Two presses that look exchanged."""
     files = [presses.trials[row].file for row in (one, two)]
     text = f"{files[0]} and {files[1]} look exchanged: each is what is expected of the other's row"
     return Doubt("exchanged", tuple(files), z, text, _lines(files, exchanged=True), (one, two))
 
 
 def pads_exchanged(presses: Presses, rows: NDArray, one: Trial, two: Trial, z: float) -> Doubt:
+    """Two pads that look exchanged for a day."""
     trials = [trial for trial, own in zip(presses.trials, rows) if own]
     text = f"{_named(one)} and {_named(two)} look exchanged at the age of {trials[0].age_days:g} days"
     files = [[trial.file for trial in trials if trial.pad == pad.pad] for pad in (one, two)]
@@ -75,18 +77,21 @@ def _named(trial: Trial) -> str:
 
 
 def other_pad(presses: Presses, row: int, best: PadReading, z: float) -> Doubt:
+    """A press that looks like one of another pad."""
     trial = presses.trials[row]
     text = f"{trial.file} looks like {_named(best.pad)}, not {trial.thickness_mm:g} mm"
     return Doubt("pad", (trial.file,), z, text, _lines([trial.file], pad_of=best.pad.file), (row,))
 
 
 def mistyped(presses: Presses, row: int, mm: float, z: float) -> Doubt:
+    """A press whose thickness looks mistyped."""
     trial = presses.trials[row]
     text = f"{trial.file} looks like a pad of about {mm:.2g} mm, not {trial.thickness_mm:g} mm"
     return Doubt("thickness", (trial.file,), z, text, _lines([trial.file], thickness_mm=float(f"{mm:.3g}")), (row,))
 
 
 def whole_pad(presses: Presses, rows: NDArray, mm: float | None, z: float) -> Doubt:
+    """All presses of a pad, whose thickness looks wrong; None where it cannot be told."""
     files, declared = [presses.trials[row].file for row in rows], presses.trials[rows[0]].thickness_mm
     like = "look like one of another thickness" if mm is None else f"look like one of about {mm:.2g} mm"
     text = f"all {len(files)} presses of the {declared:g} mm pad {like}: gauge it"
@@ -95,6 +100,7 @@ def whole_pad(presses: Presses, rows: NDArray, mm: float | None, z: float) -> Do
 
 
 def other_speed(presses: Presses, row: int, ln_speed: float, z: float) -> Doubt:
+    """A press of another speed than its row says."""
     trial = presses.trials[row]
     speed = float(f"{trial.velocity_mm_s * np.exp(ln_speed):.3g}")
     text = f"{trial.file} was pressed at {speed:g} mm/s, not {trial.velocity_mm_s:g} mm/s"
@@ -114,10 +120,12 @@ def _of_group(kind: str, presses: Presses, group: OddGroup, looks: str, **keys: 
 
 
 def other_sensor(presses: Presses, group: OddGroup, hz: float, usual: float) -> Doubt:
+    """Presses that look filtered otherwise than the rest."""
     looks = f"look filtered at about {hz:.2g} Hz, not {usual:g} Hz as the others"
     return _of_group("sensor", presses, group, looks, lowpass_hz=float(f"{hz:.2g}"))
 
 
 def other_zero(presses: Presses, group: OddGroup) -> Doubt:
+    """Presses whose zero is another than that of the rest."""
     looks = f"read {group.apart:+.2g} N before contact, beside the others: their zero is another"
     return _of_group("zero", presses, group, looks, zero_N=float(f"{group.apart:.2g}"))

@@ -91,7 +91,7 @@ def mistyped(presses: Presses, row: int, mm: float, z: float) -> Doubt:
 
 
 def whole_pad(presses: Presses, rows: NDArray, mm: float | None, z: float) -> Doubt:
-    """All presses of a pad, whose thickness looks wrong; None where it cannot be told."""
+    """All presses of a pad, whose thickness looks wrong; ``mm`` is None where it is not known."""
     files, declared = [presses.trials[row].file for row in rows], presses.trials[rows[0]].thickness_mm
     like = "look like one of another thickness" if mm is None else f"look like one of about {mm:.2g} mm"
     text = f"all {len(files)} presses of the {declared:g} mm pad {like}: gauge it"

@@ -331,6 +331,12 @@ def _warnings(
             "code": "modulus_beside_curve",
             "message": f"do not use the modulus: {level}; compress a puck of this batch",
         }
+    if answer.verdict == "none" and campaign.pad.shape == "cylinder" and one_shape(presses):
+        text = "pucks of one height can hide plate friction whole: the modulus is then too high"
+        yield {
+            "code": "friction_hidden",
+            "message": f"{text}; unless the plates were lubricated, press pucks of another height",
+        }
     if beyond:
         yield {"code": "beyond_table", "message": beyond}
     yield from campaign.warnings

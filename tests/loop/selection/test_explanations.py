@@ -110,6 +110,15 @@ def test_the_loop_says_what_one_height_cannot_tell_and_names_it_with_two(tmp_pat
 
 
 @pytest.mark.slow
+def test_pucks_of_one_height_without_a_cause_are_said_to_hide_friction_and_those_of_two_are_not(tmp_path):
+    plain = replace(RUBBED, friction=0.0)
+    for heights, said in (((30.0,), True), ((30.0, 15.0), False)):
+        found = close_loop(press_pucks(tmp_path / str(len(heights)), plain, heights, np.random.default_rng(73)))
+        assert found.verdict == "none"
+        assert ("friction_hidden" in [one["code"] for one in found.warnings]) is said
+
+
+@pytest.mark.slow
 def test_drawn_pucks_of_one_height_have_their_cause_in_the_answer(tmp_path):
     """New rubbers in every run: of eight that rub, stiffen or do both, one may fail."""
     seed = int(np.random.SeedSequence().entropy % 2**31)

@@ -173,7 +173,7 @@ def run_one(number: int, seed: int, folder: Path) -> dict[str, Any]:
         base_s, began = time.process_time() - began, time.process_time()
         doubts = doubts_of(campaign, every, fit)
     except InputError as problem:
-        return {**row, "refused": str(problem), "doubts": []}
+        return {**row, "refused": str(problem).replace(f"{folder / 'a'}/", ""), "doubts": []}
     seconds = round(time.process_time() - began, 2)
     kept = [{"kind": one.kind, "files": list(one.files), "text": one.text} for one in doubts]
     return {**row, "base_s": round(base_s, 2), "cpu_s": seconds, "doubts": kept}

@@ -265,8 +265,8 @@ class Result(Values):
     verdict, a list of numbers as an array, else the plain value.
     """
 
-    def __init__(self, outcome: Any, result: dict[str, Any], call: str = "answer") -> None:
-        self.outcome, self.result, self.call = outcome, result, call
+    def __init__(self, outcome: Any, result: dict[str, Any], call: str = "") -> None:
+        self.outcome, self.result, self.call = outcome, result, call or self.call
         for name, value in result.items():
             if not hasattr(type(self), name):
                 typed = getattr(outcome, name, None)
@@ -319,9 +319,7 @@ class Answer(Result):
     shares: Shares
     choice: Choice
     measure_first: MeasureFirst
-
-    def __init__(self, outcome: Suggestion, result: dict[str, Any]) -> None:
-        super().__init__(outcome, result, "suggest")
+    call = "suggest"
 
     @property
     def design(self) -> DesignCandidate:
@@ -347,18 +345,14 @@ class Predicted(Result):
     peak_force_N: float
     steady_force_N: float
     verdict: Verdict
-
-    def __init__(self, outcome: Any, result: dict[str, Any]) -> None:
-        super().__init__(outcome, result, "predict")
+    call = "predict"
 
 
 class Fitted(Result):
     """What ``fit`` found. ``outcome`` is the fit with all its objects, ``result`` the whole answer in values."""
 
     outcome: TissueFit
-
-    def __init__(self, outcome: TissueFit, result: dict[str, Any]) -> None:
-        super().__init__(outcome, result, "fit")
+    call = "fit"
 
     def to_frame(self) -> Any:
         """Return the parameters with their intervals as a DataFrame, one row a parameter (needs pandas)."""

@@ -164,7 +164,7 @@ def suggest(
             shape=shape,
             mould=mould,
             calibration=calibration,
-            effects=tuple(fspath(path) for path in effects),
+            effects=effects,
             verify=verify,
             cad=cad,
             punch=punch,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
 
@@ -16,34 +17,29 @@ def add_options(parser: argparse._ActionsContainer, table: type, names: Iterable
     known = options_of(table)
     for name in names:
         default, spec = known[name]
-        given: dict[str, Any] = {"dest": spec.argument or name, "metavar": spec.metavar, "default": default}
+        given: dict[str, Any] = {"metavar": spec.metavar, "default": default}
         if default is MISSING:
-            given = {"dest": spec.argument or name, "metavar": spec.metavar, "required": True}
+            given = {"metavar": spec.metavar, "required": True}
         elif isinstance(default, bool):
-            given = {"dest": name, "action": "store_false" if default else "store_true"}
-        parser.add_argument(f"--{spec.flag}", help=spec.help if isinstance(spec.help, str) else spec.help(), **given)
+            given = {"action": "store_false" if default else "store_true"}
+        words = spec.help if isinstance(spec.help, str) else spec.help()
+        parser.add_argument(f"--{spec.flag}", dest=spec.argument or name, help=words, **given)
 
 
 def number(quantity: str) -> Callable[[str], float]:
     """How argparse reads a number of a quantity, "mass in g" with its unit: by :func:`read_number`."""
-
-    def read(text: str) -> float:
-        from dummydesign.core.parsing import read_number
-
-        return read_number(text, quantity)
-
-    return read
+    return partial(_read, "read_number", quantity)
 
 
 def count(quantity: str) -> Callable[[str], int]:
     """How argparse reads a whole number."""
+    return partial(_read, "read_count", quantity)
 
-    def read(text: str) -> int:
-        from dummydesign.core.parsing import read_count
 
-        return read_count(text, quantity)
+def _read(reader: str, quantity: str, text: str) -> Any:
+    from dummydesign.core import parsing
 
-    return read
+    return getattr(parsing, reader)(text, quantity)
 
 
 def name_of(action: argparse.Action) -> str:

@@ -247,7 +247,7 @@ class Request:
     @classmethod
     def read(cls, **given: Any) -> Request:
         """Read texts or values by the names of the arguments of ``suggest``."""
-        return read_options(cls, given)
+        return read_options(cls, given | {"effects": tuple(fspath(path) for path in given.get("effects", ()))})
 
     def to_dict(self) -> dict[str, Any]:
         """Return what was asked, defaults included; a drive where one was given."""

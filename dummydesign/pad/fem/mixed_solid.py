@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.pad.fem.section import Section
+from dummydesign.pad.fem.section import SectionElements
 from dummydesign.pad.material.hyperelastic import HyperelasticLaw, Spatial, Yeoh
 
 Array = np.ndarray
@@ -104,7 +104,7 @@ class Solid:
         self._back = np.ascontiguousarray(self._rows.transpose(0, 2, 1))
         self._weighted_basis = mesh.weight[:, :, None] * mesh.pressure_basis
         self._same: Array | None = None
-        self._section = None if mesh.reference is None else Section(mesh, self.inverse, law.shear_MPa)
+        self._section = None if mesh.reference is None else SectionElements(mesh, self.inverse, law.shear_MPa)
         # The law's own tangent is the same at every state.
         self._constant = isinstance(law, Yeoh) and not law.c2_MPa
         if self._constant:

@@ -19,7 +19,7 @@ ALIKE = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
 CROSSED = ((0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1))
 
 
-class Section:
+class SectionElements:
     """All elements of one mesh of a section; ``mesh.reference`` has functions and matrices of the points."""
 
     def __init__(self, mesh: Any, inverse: Array, shear_MPa: float) -> None:

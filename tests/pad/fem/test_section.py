@@ -8,7 +8,7 @@ import pytest
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.shaped_problem import shaped_problem
-from dummydesign.pad.fem.section import Section
+from dummydesign.pad.fem.section import SectionElements
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +18,7 @@ def solid():
 
 def test_slopes_and_forces_are_those_of_the_gradient(solid):
     mesh, rng = solid.mesh, np.random.default_rng(3)
-    section = Section(mesh, solid.inverse, 1.0)
+    section = SectionElements(mesh, solid.inverse, 1.0)
     u = 1e-3 * rng.standard_normal(mesh.size)
     F = np.einsum("eqcd,ed->eqc", mesh.gradient, u[mesh.dofs]) + mesh.kinematics.identity
     assert section.deformation(u) == pytest.approx(F, abs=1e-12)

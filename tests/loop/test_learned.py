@@ -116,6 +116,7 @@ def test_what_acts_after_the_stop_keeps_its_level_and_what_acts_always_leaves_it
     assert nonparametric_effect._without_modulus(always, step) == pytest.approx([-0.1, 0.0, 0.1])
 
 
+@pytest.mark.slow
 def test_a_hold_is_said_in_a_form_that_begins_at_zero():
     """After the stop a constant is seen: it is neither free nor taken out of the form, as it is of a depth."""
     knots = np.geomspace(0.002, 8.0, 30)

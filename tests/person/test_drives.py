@@ -139,6 +139,7 @@ def test_a_trace_that_begins_at_contact_has_the_speed_of_its_energy(mass, veloci
     assert found.peak_N == pytest.approx([velocity * np.sqrt(20.0 * 1e-3 * mass)], rel=6e-3)
 
 
+@pytest.mark.slow
 def test_a_mass_that_does_not_have_the_energy_of_the_press_is_doubted():
     run = by_mass(gel_pad(), 90.0, 1.2, rebound=0.5)
     lead = np.linspace(-0.03, 0.0, 61)[:-1]

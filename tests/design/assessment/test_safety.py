@@ -70,6 +70,7 @@ def pads(layer_law):
     return make_slabs(curves, np.array([0, 1]), load_resin(), np.array([16.0, 16.0]))
 
 
+@pytest.mark.slow
 def test_the_mass_gives_all_its_energy_to_pad_and_tissue(pads, finger):
     found = impact(pad_body(pads), 1.5, 150.0)
     np.testing.assert_allclose(found.energy_mJ, 0.5 * 1.5e-3 * 150.0**2, rtol=2e-3)

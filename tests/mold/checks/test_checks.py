@@ -19,6 +19,7 @@ from dummydesign.mold.pour.warnings import pour_warnings
 from tests.support.mould_checks import failed
 
 
+@pytest.mark.slow
 def test_all_checks_of_an_open_mould_pass(open_parts):
     checks = check.check_solids(open_parts)
     assert failed(checks) == []
@@ -130,6 +131,7 @@ def test_lid_with_symmetric_keys_fails_the_one_way_check(lidded_parts):
     assert check.lid_one_way(lid, mould).status == "fail"
 
 
+@pytest.mark.slow
 def test_lid_moved_sideways_fails_interference(lidded_parts):
     import cadquery as cq
 

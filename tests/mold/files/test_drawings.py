@@ -113,6 +113,7 @@ def test_a_crowned_pad_shows_foot_and_tip_with_their_dimensions(crowned):
     assert (False, pytest.approx(2 * shape["foot"], abs=0.01)) in found
 
 
+@pytest.mark.slow
 def test_hole_patterns_have_number_diameter_and_distances(open_parts):
     box = open_parts.spec.box
     (rims,) = projection.holes(open_parts.solid("master"))

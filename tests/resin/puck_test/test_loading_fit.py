@@ -50,6 +50,7 @@ def test_what_made_the_curves_is_found_within_its_interval(table, plates, fricti
         assert fit.offset_mm[name] == pytest.approx(offset, abs=0.06 if offset >= 0.0 else 0.2)
 
 
+@pytest.mark.slow
 def test_taking_the_plates_for_frictionless_would_have_overestimated_the_modulus(table):
     fit = fit_pucks(made(30.0, 2.0, "bonded", [("A1", 0.0, 1.0)], 0.0), 50.0, 30.0, table, WINDOW)
     assert fit.young_frictionless_kPa > 1.25 * fit.young_bonded_kPa

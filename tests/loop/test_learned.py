@@ -95,9 +95,9 @@ def test_a_curve_is_used_in_the_range_seen_and_fades_out_beyond():
 @pytest.mark.parametrize(
     ("name", "curve", "said"),
     [
-        ("linear", lambda u: 0.02 * u, "0.02 u"),
-        ("power", lambda u: -0.003 * u**2, "-0.003 u^2"),
-        ("step", lambda u: 0.1 * (u > 5.0), "0.1 beyond"),
+        pytest.param("linear", lambda u: 0.02 * u, "0.02 u", marks=pytest.mark.slow),
+        pytest.param("power", lambda u: -0.003 * u**2, "-0.003 u^2", marks=pytest.mark.slow),
+        pytest.param("step", lambda u: 0.1 * (u > 5.0), "0.1 beyond", marks=pytest.mark.slow),
         ("bump", lambda u: 0.2 * np.exp(-(((u - 4.0) / 1.0) ** 2)), "exp(-((u - 4"),
     ],
 )

@@ -240,7 +240,14 @@ def test_the_largest_change_is_named_where_the_campaign_says_something():
 
 @pytest.mark.parametrize(
     ("name", "scale"),
-    [("linear", 1e3), ("power", 1e-3), ("exponential", 1.0), ("saturation", 1e3), ("bump", 1e-3), ("step", 1.0)],
+    [
+        pytest.param("linear", 1e3, marks=pytest.mark.slow),
+        ("power", 1e-3),
+        ("exponential", 1.0),
+        pytest.param("saturation", 1e3, marks=pytest.mark.slow),
+        pytest.param("bump", 1e-3, marks=pytest.mark.slow),
+        ("step", 1.0),
+    ],
 )
 def test_a_form_is_found_whatever_the_unit_of_the_quantity(name, scale):
     u = np.linspace(0.0, 10.0, 30)

@@ -304,11 +304,11 @@ WIDE = {"geometry": read_shape("crowned:21.2,2,9.4")}
 @pytest.mark.parametrize(
     ("more", "depths"),
     [
-        (WIDE, [0.2, 1.5, 2.0]),
+        pytest.param(WIDE, [0.2, 1.5, 2.0], marks=pytest.mark.slow),
         ({}, [0.05, 1.5]),
         ({"edge_radius_mm": 1.0}, [2.0]),
         (WIDE | {"edge_radius_mm": 1.0}, [2.0]),
-        ({"base": "friction:0.5"}, [0.4]),
+        pytest.param({"base": "friction:0.5"}, [0.4], marks=pytest.mark.slow),
         ({"condition": "frictionless"}, [0.2]),
     ],
 )

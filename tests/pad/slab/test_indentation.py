@@ -210,7 +210,7 @@ def test_a_sticking_flat_punch_agrees_with_the_glued_one_solved_the_other_way():
     assert np.all(np.abs(stick - glued) < 0.6 * (half - glued))
 
 
-@pytest.mark.parametrize("young_MPa", [0.03, 0.06])
+@pytest.mark.parametrize("young_MPa", [0.03, pytest.param(0.06, marks=pytest.mark.slow)])
 def test_under_a_ball_a_slab_that_lies_by_friction_is_between_a_free_and_a_glued_one_at_its_own_modulus(young_MPa):
     ball = read_punch("ball:20")
     curves = [

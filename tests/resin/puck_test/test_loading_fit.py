@@ -57,7 +57,7 @@ def test_taking_the_plates_for_frictionless_would_have_overestimated_the_modulus
     assert fit.rmse_frictionless > 5.0 * fit.rmse
 
 
-@pytest.mark.parametrize(("alpha", "friction"), [(2.5, 0.12), (3.5, 0.08)])
+@pytest.mark.parametrize(("alpha", "friction"), [pytest.param(2.5, 0.12, marks=pytest.mark.slow), (3.5, 0.08)])
 def test_between_its_grid_the_table_agrees_with_a_solve(table, alpha, friction):
     compression = np.array([0.05, 0.21, 0.37, 0.5])
     law = Ogden([2.0 / alpha], [alpha])

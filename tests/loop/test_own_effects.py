@@ -274,7 +274,7 @@ def test_a_missing_file_and_another_kind_of_file_are_refused(tmp_path, campaigns
     [
         pytest.param("raise ZeroDivisionError('oh')", marks=pytest.mark.slow),
         "skin = np.nan",
-        "raise SystemExit(0)",
+        pytest.param("raise SystemExit(0)", marks=pytest.mark.slow),
         pytest.param("skin = np.random.rand()", marks=pytest.mark.slow),
         pytest.param("return 1j * law(depth_mm, thickness_mm)", marks=pytest.mark.slow),
         pytest.param("return law(depth_mm, thickness_mm)[:, 1:]", marks=pytest.mark.slow),

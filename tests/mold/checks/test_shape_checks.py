@@ -101,6 +101,7 @@ def test_spacer_at_the_wrong_height_is_seen(layered):
     assert found["spacer_height"].status == found["interference_spacer_layer_top"].status == "fail"
 
 
+@pytest.mark.slow
 def test_layers_that_leave_a_gap_are_seen(layered):
     from dummydesign.mold.cad.solids import drafted_prism
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -134,6 +135,14 @@ def test_a_modulus_that_the_campaign_leaves_undetermined_is_refused(tmp_path):
     """0.2 to 2e4 kPa: ln of it is known to 2.9 (95 % within a factor of 300)."""
     path = str(write_calibration(_known_to([2.9, 0.01, 0.01, 0.01, 0.01]), tmp_path / "c.json"))
     with raises_code("not_enough_data", "calibration.young_kPa"):
+        _resolved(path, "square:14")
+
+
+@pytest.mark.parametrize(("factor", "refused"), [(2.95, False), (3.05, True)])
+def test_a_modulus_is_used_when_it_is_known_within_a_factor_of_three(tmp_path, factor, refused):
+    own = np.sqrt((np.log(factor) / NORMAL_95) ** 2 - 0.004**2)
+    path = str(write_calibration(_known_to([own, 0.01, 0.01, 0.01, 0.01]), tmp_path / "c.json"))
+    with raises_code("not_enough_data", "calibration.young_kPa") if refused else nullcontext():
         _resolved(path, "square:14")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -195,6 +196,15 @@ def test_every_damaged_file_is_refused_or_read_whole_and_nothing_else_happens(tm
             continue
         assert np.all(np.isfinite(law.force(1.0, np.array([5.0, 20.0]), 0.025, 7.9)))
     assert 0.5 * MUTATIONS < refused < MUTATIONS
+
+
+@pytest.mark.parametrize(("change", "refused"), [(0.5, False), (-0.5, False), (0.505, True), (-0.505, True)])
+def test_a_term_of_the_law_s_error_beyond_the_bound_of_the_fit_is_refused(tmp_path, change, refused):
+    whole = made()
+    table = np.array([[0.01, change], [0.0, 0.1], [-0.03, 0.0]])
+    path = write_calibration(replace(whole, after=replace(whole.after, law=table)), tmp_path / "c.json")
+    with raises_code("malformed", "calibration") if refused else nullcontext():
+        read_calibration(path)
 
 
 def test_commands_refuse_damaged_files_in_one_line_and_status_two(tmp_path, capsys):

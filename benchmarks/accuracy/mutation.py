@@ -209,6 +209,10 @@ def caught_by(copy: Copy, lines: Lines, mutant: tuple[str, int, str, str]) -> di
             finally:
                 path.write_text(whole, encoding="utf-8")
             rows = [one for one in seen.splitlines() if one.startswith(("FAILED", "ERROR"))]
+            gone = re.search(r"not found: \S*/tree/(\S+)", rows[0]) if rows else None
+            if gone:  # its name has a number of the module that was changed
+                left = [one for one in left if lines.tests[one].partition("[")[0] != gone[1].partition("[")[0]]
+                continue
             if not rows:
                 break
             index = next((one for one in left if f" {lines.tests[one]} " in f"{rows[0]} "), None)

@@ -146,7 +146,7 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
         forces_N=grids,
         pad_depth_mm=depth,
         limit_mm=answer.best.limit_mm,
-        castings_mm=answer.castings.depth_band_mm(grids.pad),
+        castings_mm=answer.castings.few.depth_band_mm(grids.pad),
         pad_depth_at_needed_mm=float(np.interp(targets.protocol.needed_N, grids.pad, depth)),
         other_depths_mm=tuple(other.steady_depth_mm(grids.pad) for other in answer.alternatives),
         subjects_extrapolated_mm=targets.depth_range_mm(grids.extrapolated),

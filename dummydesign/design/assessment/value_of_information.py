@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.assessment.pad_castings import PadCastings
-from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, MODULUS, RELAXATION, RESIN, TISSUE, Pours, joined
+from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, MODULUS, RELAXATION, RESIN, TISSUE, Pours
 from dummydesign.design.scoring.verdict import (
     CLASSES,
     STANDS_FOR,
@@ -175,8 +175,10 @@ def _two_ratios(cast: PadCastings, worst: int) -> tuple[Pair, Pair, float] | tup
 
 def _usable(cast: PadCastings, pours: list[Pours], worst: int) -> NDArray:
     """Which castings of several ratios are acceptable, shape (ratios, castings)."""
-    every = joined(pours)
-    targets = cast.space.targets
+    targets, one = cast.space.targets, cast.slabs(pours[0])
+    # thickness and crown are the same at every ratio, and so are the curves
+    young, beta = np.concatenate([each.young_MPa for each in pours]), np.concatenate([each.beta for each in pours])
+    every = replace(one, slab=np.tile(one.slab, len(pours)), young_MPa=young, beta=beta)
     grid, sampling = targets.protocol.steady_grid_N, cast.space.sampling.coarse
-    readings = readings_along(cast.slabs(every), targets, grid, sampling)
+    readings = readings_along(every, targets, grid, sampling)
     return (classes(deviations(ranges_of(targets), readings), targets.limits) <= worst).reshape(len(pours), -1)

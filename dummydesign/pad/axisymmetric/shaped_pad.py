@@ -162,12 +162,10 @@ def solve_shaped_pad(pad: Pad, depth_mm: ArrayLike, cells: int = CELLS, solved: 
     paths = [one.at(asked) for one in climbs]
     fine, half, *large = (padded(path, len(asked)) for path in paths)
     value, mesh = _by_both(fine, half, large[0] if large else half)
-    added = sharp(large[0], half)[1] if large else np.zeros(len(asked))
+    added = sharp(large[0], fine)[1] if large else np.zeros(len(asked))
     value, own = value * (1.0 + added), at[:, -1]
     doubt = _doubt(paths[0], len(asked))
-    # Where large cells fold early, the addition is held, and doubted by how much deeper it is taken.
-    edge = EDGE_ERROR + np.maximum(depths / min(one.reached for one in climbs[1:]) - 1.0, 0.0)
-    error = LEAST_ERROR + edge * np.abs(added[own]) + MESH_ERROR * mesh[at].max(axis=1) + doubt[own]
+    error = LEAST_ERROR + EDGE_ERROR * np.abs(added[own]) + MESH_ERROR * mesh[at].max(axis=1) + doubt[own]
     stops = [path.stop for path in paths if path.stop]
     return _curve(case, depths, value[own] * pad.shear_MPa * pad.thickness_mm**2, error, paths, stops)
 

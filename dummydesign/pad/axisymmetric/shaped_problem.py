@@ -321,14 +321,13 @@ def first_depth(depths: Array) -> float:
 def grids(cells: int, case: Case) -> list[tuple[int, float]]:
     """Cells and fillet of the solves: small fillet, the same on cells of twice the size, large fillet.
 
-    A real fillet is solved as it is, without the last. A crown's large fillet has the large cells: what lies between
-    two fillets differs by at most a seventh of it from that on small ones.
+    A real fillet is solved as it is, without the last.
     """
     coarse = max(4, cells // 2)
     if case.edge:
         rim = case.edge / case.scale
         return [(cells, rim), (coarse, rim)]
-    return [(cells, RIMS[1]), (coarse, RIMS[1]), (cells if case.shape.flat_top else coarse, RIMS[0])]
+    return [(cells, RIMS[1]), (coarse, RIMS[1]), (cells, RIMS[0])]
 
 
 @dataclass(frozen=True)

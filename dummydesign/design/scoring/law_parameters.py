@@ -14,8 +14,6 @@ from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.parameters import Parameters
 
 STEPS, TOLERANCE, DIFFERENCE = 40, 1e-4, 1e-5
-# Of the largest spring: what one that would be negative has.
-LEAST_SPRING = 1e-9
 _FIT_SAMPLING = (16, 8, 24)
 FIRST_HOLD_S = 0.002
 # Bounds of gamma / c; a faster arm is a plain damper at the speeds of the protocol. [1/(mm2 s)]
@@ -100,11 +98,11 @@ class _Problem:
         x = self.start.copy()
         size = x[0].size
         responses = self.responses(np.exp(x))
-        springs, residual = self.fit(responses)
+        residual = self.fit(responses)[1]
         cost = (residual**2).sum(-1)
         damping, moving = np.full(len(x), 1e-2), np.ones(len(x), bool)
         for _ in range(STEPS):
-            jacobian = self._jacobian(x, responses, springs)
+            jacobian = np.stack([self._column(x, k, responses, residual) for k in range(size)], axis=-1)
             normal = np.einsum("dnk,dnl->dkl", jacobian, jacobian)
             gradient = np.einsum("dnk,dn->dk", jacobian, residual)
             diagonal = np.einsum("dkk->dk", normal)
@@ -113,12 +111,11 @@ class _Problem:
             step = np.where(moving[:, None], np.clip(step, -2.0, 2.0), 0.0).reshape(x.shape)
             tried = np.clip(x + step, *np.log(RATES))
             new_responses = self.responses(np.exp(tried))
-            new_springs, new = self.fit(new_responses)
+            new = self.fit(new_responses)[1]
             new_cost = (new**2).sum(-1)
             better = moving & (new_cost < cost)
             settled = better & (new_cost > (1.0 - TOLERANCE) * cost)
-            x, springs = np.where(better[:, None, None], tried, x), np.where(better[:, None], new_springs, springs)
-            residual = np.where(better[:, None], new, residual)
+            x, residual = np.where(better[:, None, None], tried, x), np.where(better[:, None], new, residual)
             responses = [np.where(better[:, None, None], n, o) for n, o in zip(new_responses, responses)]
             cost = np.where(better, new_cost, cost)
             damping = np.clip(np.where(better, damping / 5, damping * 5), 1e-9, 1e6)
@@ -127,26 +124,15 @@ class _Problem:
                 break
         return np.exp(x)
 
-    def _jacobian(self, x: NDArray, responses: list[NDArray], springs: NDArray) -> NDArray:
-        """Derivatives (D, n, rates) of the residuals by ln rates, without what turns the space of the springs.
-
-        References
-        ----------
-        Kaufman, BIT 15 (1975) 49. Springs that are held at zero do not answer.
-        """
-        matrix, columns = np.concatenate(responses, axis=1), np.zeros((len(x), self.wanted.shape[1], x[0].size))
-        ends = np.cumsum([0, *(own.shape[1] for own in responses)])
-        for k in range(x[0].size):
-            speed, arm = divmod(k, self.arms)
-            moved = self.drives[speed].arm(np.exp(x[:, speed, arm] + DIFFERENCE)[:, None]) * self.weight[speed]
-            change = moved.reshape(len(x), -1) - responses[speed][..., 1 + arm]
-            columns[:, ends[speed] : ends[speed + 1], k] = change * (springs[:, [1 + arm]] / DIFFERENCE)
-        free = springs > 2.0 * LEAST_SPRING * springs.max(-1, keepdims=True)
-        held = matrix * free[:, None, :]
-        turned = held.transpose(0, 2, 1)
-        normal = turned @ held
-        normal += np.eye(free.shape[-1]) * np.where(free, 1e-12 * np.einsum("dkk->dk", normal), 1.0)[:, None, :]
-        return np.asarray(columns - held @ np.linalg.solve(normal, turned @ columns))
+    def _column(self, x: NDArray, k: int, responses: list[NDArray], residual: NDArray) -> NDArray:
+        """Derivative of the residuals by ln rate k: only the presses at its speed answer to it."""
+        speed, arm = divmod(k, self.arms)
+        moved = np.exp(x[:, speed, arm] + DIFFERENCE)
+        changed = list(responses)
+        changed[speed] = changed[speed].copy()
+        column = self.drives[speed].arm(moved[:, None]) * self.weight[speed]
+        changed[speed][..., 1 + arm] = column.reshape(len(x), -1)
+        return (self.fit(changed)[1] - residual) / DIFFERENCE
 
 
 def _weights(time_s: NDArray, stop_s: NDArray) -> NDArray:
@@ -181,7 +167,7 @@ def _nonnegative(matrix: NDArray, right: NDArray) -> NDArray:
         full = np.zeros_like(best)
         full[:, chosen] = value
         best = np.where(good[:, None], full, best)
-    return np.maximum(best, LEAST_SPRING * best.max(-1, keepdims=True))
+    return np.maximum(best, 1e-9 * best.max(-1, keepdims=True))
 
 
 def parametric_score(fitted: list[Parameters | None], targets: Targets) -> NDArray:

@@ -96,7 +96,7 @@ class PadCastings:
 
     @cached_property
     def few(self) -> PadCastings:
-        """As many castings as were asked for: more are drawn for what decides the level alone."""
+        """As many castings as were requested: more are drawn for what decides the level alone."""
         number = self.space.castings.n
         return self if self.castings.n <= number else replace(self, castings=replace(self.castings, n=number))
 

@@ -77,7 +77,7 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
 
     A group that is known has its deviates at the centre. The tissue is no part of the castings, which are judged
     against its subjects as stated; it comes first where no group of the castings helps and its own doubt costs most.
-    What a group is worth is found on the castings that were asked for, and added to the share of all.
+    What a group is worth is found on the castings that were requested, and added to the share of all.
     """
     few, targets = cast.few, cast.space.targets
     ranges, limits = ranges_of(targets), targets.limits

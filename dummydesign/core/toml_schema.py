@@ -115,10 +115,9 @@ class TomlTable:
 
     def quantity(self, key: str, kinds: tuple[str, ...] = KINDS) -> Quantity:
         """Return a number with interval, kind and source; refuse one that lacks any of them."""
-        where = f"{self.where(key)}: "
 
         def wrong(code: str, message: str, quantity: str = key) -> InputError:
-            return InputError(f"{where}'{key}' {message}", code, quantity)
+            return InputError(f"{self.where(key)}: '{key}' {message}", code, quantity)
 
         if key not in self.data:
             message = f"{self.path.name}: '{key}' is missing; it needs value, low, high, kind and source"

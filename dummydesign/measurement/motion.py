@@ -115,7 +115,7 @@ def ramp_and_hold(
     straight, braking = np.maximum(straight, floor)[..., None], np.maximum(braking, floor)[..., None]
     share = np.linspace(0.0, 1.0, ramp_points + 1)
     left = 1.0 - np.linspace(0.0, 1.0, brake_points + 1)[1:]
-    after = np.geomspace(min(1e-4, hold_s / (10 * hold_points)), hold_s, hold_points)
+    after = np.geomspace(min(1e-4, hold_s / (10 * max(hold_points, 1))), hold_s, hold_points)
     stopped = straight + braking
     time = np.concatenate([straight * share, straight + braking * (1.0 - left), stopped + after], axis=-1)
     distance, stop = 0.5 * touch[..., None] * braking, depth[..., None]

@@ -370,8 +370,10 @@ def _setup(pad: Pad, case: Case, depths: Array, coarse: bool) -> Setup:
         return Setup(edge_problem(replace(case, edge=rim)), 0.1 * rim, 0.05 * scale, 0.002 * scale)
     if pad.edge_radius_mm:
         return Setup(filleted.filleted_problem(case), FIRST_STEP, LATTICE, LATTICE / 256.0, True)
-    made = rimmed_problem(case, RIM * scale, meshes.Resolution(cells=3 if coarse else 6))
-    return Setup(made, RIM * scale, 0.05 * scale, 0.005 * scale)
+    # Of a picture, whose stresses this moves by 1 % (at most 3.5 %), the fillet is twice as large.
+    rim, cells = (2.0 * RIM * scale, 3) if coarse else (RIM * scale, 6)
+    made = rimmed_problem(case, rim, meshes.Resolution(cells=cells))
+    return Setup(made, rim, 0.05 * scale, 0.005 * scale, coarse)
 
 
 def _pressed(problem: ContactProblem, solution: Equilibrium, depth: float, pad: Pad, shear: float) -> Pressed:

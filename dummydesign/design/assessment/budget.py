@@ -396,7 +396,7 @@ def budget_of_castings(cast: PadCastings) -> Budget | None:
     """Make the budget of a designed pad: each group of its castings alone, then the subjects."""
     targets, every = cast.space.targets, frozenset(GROUPS)
     ranges = ranges_of(targets)
-    parts = {name: cast.readings(every - {group}) for group, name in OF_GROUPS.items()}
+    parts = {name: cast.few.readings(every - {group}) for group, name in OF_GROUPS.items()}
     ends = spread_of_ends([ranges_of(one) for one in targets.drawn])
     limits = usable_limits(targets.limits, ranges.strict)
     return budget_of_pad(ranges, cast.candidate.readings, limits, parts, cast.readings(), ends)

@@ -83,9 +83,22 @@ class PadCastings:
     def readings(self, known: Collection[str] = (), ratio: float | NDArray | None = None) -> Readings:
         """Readings of all castings, shapes (n, c) and (n, g)."""
         if not known and ratio is None:
-            return readings_of(self.every)
+            return readings_of(self.every) if self.few is self else self._poured
+        return self._pressed(known, ratio)
+
+    def _pressed(self, known: Collection[str] = (), ratio: float | NDArray | None = None) -> Readings:
         slabs, targets = self.slabs(self.pours(known, ratio)), self.space.targets
         return readings_along(slabs, targets, targets.protocol.steady_grid_N, self.space.sampling.coarse)
+
+    @cached_property
+    def _poured(self) -> Readings:
+        return self._pressed()
+
+    @cached_property
+    def few(self) -> PadCastings:
+        """As many castings as were requested: more are drawn for what decides the level alone."""
+        number = self.space.castings.n
+        return self if self.castings.n <= number else replace(self, castings=replace(self.castings, n=number))
 
     @cached_property
     def resin_known(self) -> Readings:
@@ -95,7 +108,7 @@ class PadCastings:
     @cached_property
     def after_puck(self) -> Readings:
         """Readings of the search's castings, with the ratio chosen anew for each batch after one puck."""
-        return replace(self, castings=self.space.castings).readings((), self.outlook.ratios)
+        return self.few.readings((), self.outlook.ratios)
 
     @cached_property
     def every(self) -> Evaluation:
@@ -240,7 +253,7 @@ class PourYield(Serialised):
 
 def pour_yield(cast: PadCastings) -> PourYield:
     """Share of the castings of a pad whose steady depths at the slowest speed lie among the subjects'."""
-    targets, best = cast.space.targets, cast.candidate
+    cast, targets, best = cast.few, cast.space.targets, cast.candidate
     known = (MODULUS, RELAXATION, FORCE_LAW)
     inside, making = (_inside(evaluation, targets) for evaluation in (cast.every, cast.pressed(known)))
     nominal = _inside(best.evaluation, targets)[best.index]

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.assessment.pad_castings import PadCastings
-from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, MODULUS, RELAXATION, RESIN, TISSUE, Pours, joined
+from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, MODULUS, RELAXATION, RESIN, TISSUE, Pours
 from dummydesign.design.scoring.verdict import (
     CLASSES,
     STANDS_FOR,
@@ -77,25 +77,30 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
 
     A group that is known has its deviates at the centre. The tissue is no part of the castings, which are judged
     against its subjects as stated; it comes first where no group of the castings helps and its own doubt costs most.
+    What a group is worth is found on the castings that were requested, and added to the share of all.
     """
-    targets = cast.space.targets
+    few, targets = cast.few, cast.space.targets
     ranges, limits = ranges_of(targets), targets.limits
 
     def judged(readings: Readings) -> NDArray:
         return classes(deviations(ranges, readings), limits)
 
-    known = {group: judged(cast.readings((group,))) for group in (MODULUS, RELAXATION, MAKING, FORCE_LAW)}
-    both = judged(cast.readings(RESIN))
+    known = {group: judged(few.readings((group,))) for group in (MODULUS, RELAXATION, MAKING, FORCE_LAW)}
+    both = judged(few.readings(RESIN))
     means = STANDS_FOR if ranges.strict or (both == 0).mean() > 0.5 else USABLE
     worst = CLASSES.index(means)
-    fit = judged(cast.readings()) <= worst
-    now = float(fit.mean())
-    listed = {group: float((kinds <= worst).mean()) for group, kinds in known.items()}
-    gains = {group: share - now for group, share in listed.items()}
-    listed["modulus+relaxation"] = resin = float((both <= worst).mean())
+    fit = judged(few.readings()) <= worst
+    now = float((judged(cast.readings()) <= worst).mean())
+
+    def share(kinds: NDArray) -> float:
+        return float(np.clip(now + ((kinds <= worst).mean() - fit.mean()), 0.0, 1.0))
+
+    listed = {group: share(kinds) for group, kinds in known.items()}
+    gains = {group: of_group - now for group, of_group in listed.items()}
+    listed["modulus+relaxation"] = resin = share(both)
     if resin - now >= GAIN and max(gains.values()) < GAIN:
         gains[max(sorted(RESIN), key=lambda group: gains[group])] = resin - now  # only both together help
-    over_tissues = _over_tissues(cast, fit, worst)
+    over_tissues = _over_tissues(few, fit, now, worst)
     listed[TISSUE] = now
     group = max(gains, key=lambda name: gains[name])
     if gains[group] < GAIN:
@@ -110,11 +115,11 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
     then = f"{100 * (now + gains[group]):.0f} % of castings {words}"
     crowned = group == MAKING and cast.tolerances.crown is not None
     text = f"measure {CROWN if crowned else NAMES[group]}: then {then} (now {100 * now:.0f} %)"
-    pair = _two_ratios(cast, worst) if group in RESIN else (None, None, None)
+    pair = _two_ratios(few, worst) if group in RESIN else (None, None, None)
     return MeasureFirst(group, *shares, *_how(group, cast), text, *pair)
 
 
-def _over_tissues(cast: PadCastings, fit: NDArray, worst: int) -> float | None:
+def _over_tissues(cast: PadCastings, fit: NDArray, now: float, worst: int) -> float | None:
     """Share of castings that are acceptable for the tissues that the data allow; None where none can be drawn."""
     targets = cast.space.targets
     if not targets.drawn:
@@ -124,7 +129,7 @@ def _over_tissues(cast: PadCastings, fit: NDArray, worst: int) -> float | None:
     others = [classes(deviations(ranges_of(one), first), one.limits) <= worst for one in targets.drawn]
     # the first castings alone are judged for other tissues: what they lose there is taken off the share of all
     lost = float(fit[:POURS].mean() - np.mean(others))
-    return min(max(float(fit.mean()) - lost, 0.0), 1.0)
+    return min(max(now - lost, 0.0), 1.0)
 
 
 def _how(group: str, cast: PadCastings) -> tuple[str, str]:
@@ -170,8 +175,10 @@ def _two_ratios(cast: PadCastings, worst: int) -> tuple[Pair, Pair, float] | tup
 
 def _usable(cast: PadCastings, pours: list[Pours], worst: int) -> NDArray:
     """Which castings of several ratios are acceptable, shape (ratios, castings)."""
-    every = joined(pours)
-    targets = cast.space.targets
+    targets, one = cast.space.targets, cast.slabs(pours[0])
+    # thickness and crown are the same at every ratio, and so are the curves
+    young, beta = np.concatenate([each.young_MPa for each in pours]), np.concatenate([each.beta for each in pours])
+    every = replace(one, slab=np.tile(one.slab, len(pours)), young_MPa=young, beta=beta)
     grid, sampling = targets.protocol.steady_grid_N, cast.space.sampling.coarse
-    readings = readings_along(cast.slabs(every), targets, grid, sampling)
+    readings = readings_along(every, targets, grid, sampling)
     return (classes(deviations(ranges_of(targets), readings), targets.limits) <= worst).reshape(len(pours), -1)

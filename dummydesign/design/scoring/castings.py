@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -54,17 +54,6 @@ class Pours:
         """The first of them."""
         crowns = None if self.crowns is None else self.crowns.first(count)
         return Pours(self.thickness_mm[:count], self.young_MPa[:count], self.beta[:count], crowns)
-
-
-def joined(pours: Sequence[Pours]) -> Pours:
-    """Pours of one design, at several ratios, one after the other."""
-
-    def column(parts: Sequence[Pours | Crowns], name: str) -> NDArray:
-        return np.concatenate([getattr(one, name) for one in parts])
-
-    pads = Pours(column(pours, "thickness_mm"), column(pours, "young_MPa"), column(pours, "beta"))
-    crowns = [one.crowns for one in pours if one.crowns is not None]
-    return replace(pads, crowns=Crowns(column(crowns, "higher_mm"), column(crowns, "blunter"))) if crowns else pads
 
 
 @dataclass(frozen=True)

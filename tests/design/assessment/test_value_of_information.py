@@ -167,3 +167,18 @@ def test_one_subject_is_not_asked_to_be_measured_around(tmp_path):
     path.write_text(tissue_toml(make_tissue((1.2,))), encoding="utf-8")
     found = measure_first(cast_pad(*space_of(str(path)), ("slab", 8.0, 15.3)))
     assert found.group is None and found.text == ""
+
+
+def test_more_castings_change_the_share_of_all_and_not_what_a_group_is_worth(palm):
+    """what more castings are drawn for is the level; the gain of a group is that on those that were asked for"""
+    few = cast_pad(*palm)
+    more = dataclasses.replace(few, castings=dataclasses.replace(few.castings, n=2 * few.castings.n))
+    assert more.few.castings == few.castings and few.few is few and len(more.readings().peak_N) == 2 * few.castings.n
+    one, other = measure_first(few), measure_first(more)
+    assert other.acceptable_now == pytest.approx(one.acceptable_now, abs=0.04)
+    gain = {name: share - one.acceptable_now for name, share in one.acceptable_if_known.items()}
+    found = {name: share - other.acceptable_now for name, share in other.acceptable_if_known.items()}
+    assert found == pytest.approx(gain, abs=1e-9) and (other.ratios, other.each_fraction) == (
+        one.ratios,
+        one.each_fraction,
+    )

@@ -10,7 +10,7 @@ from dummydesign.design.assessment.pad_castings import poured_slabs
 from dummydesign.design.pad_evaluator import law_of_shape
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
-from dummydesign.design.scoring.castings import MAKING, Castings, Tolerances, joined
+from dummydesign.design.scoring.castings import MAKING, Castings, Tolerances
 from dummydesign.design.scoring.crowns import Crowns, crown_scatter, crowned_curves
 from dummydesign.design.scoring.press_simulation import make_curves
 from dummydesign.design.scoring.settings import STEPS, CrownMaking, crown_making
@@ -104,10 +104,7 @@ def test_a_slab_draws_no_crown_and_what_it_draws_does_not_depend_on_one(castings
     assert plain.crowns is None and len(crowned.crowns.higher_mm) == castings.n
     frozen = castings.pours(10.0, 15.3, Tolerances(60.0, crown=crown_making()), known=(MAKING,))
     assert frozen.crowns is None
-    two = joined([crowned.first(3), crowned.first(2)])
-    off = crowned.crowns.higher_mm
-    np.testing.assert_array_equal(two.crowns.higher_mm, np.r_[off[:3], off[:2]])
-    assert joined([plain, plain]).crowns is None
+    np.testing.assert_array_equal(crowned.first(3).crowns.higher_mm, crowned.crowns.higher_mm[:3])
 
 
 def test_pours_of_a_crown_have_a_curve_each_and_without_errors_of_the_crown_that_of_their_thickness(space):

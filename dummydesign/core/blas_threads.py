@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import lru_cache
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from threadpoolctl import LibController
@@ -73,27 +72,9 @@ def _set(wanted: list[tuple[LibController, int]]) -> list[tuple[LibController, i
 def _libraries() -> tuple[list[LibController], list[LibController]]:
     """BLAS libraries with one limit for the process, and those with a limit for each of its threads (OpenMP)."""
     # scipy's wheel brings a BLAS library of its own, which could not be limited before it is loaded
-    _without_tools("scipy._lib.array_api_compat.numpy")
     import scipy.linalg  # noqa: F401
     from threadpoolctl import ThreadpoolController
 
     libraries = ThreadpoolController().select(user_api="blas").lib_controllers
     own = [library for library in libraries if getattr(library, "threading_layer", None) == "openmp"]
     return [library for library in libraries if library not in own], own
-
-
-# Parts of NumPy that it loads when they are named, which no array needs.
-_TOOLS = ("f2py", "testing", "ctypeslib")
-
-
-def _without_tools(copy: str) -> None:
-    """Load a module that copies all names of NumPy without its tools: two fifths of the time that SciPy takes."""
-    numpy: Any = import_module("numpy")
-    listed, names = numpy.__all__, numpy.__dir__
-    numpy.__all__ = [name for name in listed if name not in _TOOLS]
-    numpy.__dir__ = lambda: [name for name in names() if name not in _TOOLS]
-    try:
-        with suppress(ImportError):
-            import_module(copy)
-    finally:
-        numpy.__all__, numpy.__dir__ = listed, names

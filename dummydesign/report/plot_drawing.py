@@ -1,15 +1,12 @@
-"""A plot on a sheet: its table of series as paths and texts, with axes and round numbers beside them."""
+"""A plot on a sheet: matplotlib draws its table of series, and what it draws becomes paths and texts of the sheet."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from dummydesign.core.interpolation import true_runs
 from dummydesign.report.plot import Plot, Series
 from dummydesign.report.vector_sheet import (
     BAND,
@@ -24,17 +21,13 @@ from dummydesign.report.vector_sheet import (
     Item,
     Path,
     Text,
-    rectangle,
     shortened,
     text_width_mm,
 )
 
+PX_MM = 0.1
+"""Of the figures; positions on the sheet are no finer than what a printer shows."""
 DOT_MM, MOST_DOTS = 0.9, 40
-FLAT_MM = 0.01
-"""A point that lies nearer to the straight line between its neighbours is left out."""
-MARGIN = 0.05
-"""Room of an axis beyond its values, as a share of them, where the plot names no range."""
-ROUND = (1.0, 2.0, 2.5, 5.0, 10.0)
 
 
 def plot_drawing(plot: Plot, size_pt: float = 7.5) -> Callable[[Box], list[Item]]:
@@ -52,28 +45,6 @@ def plot_drawing(plot: Plot, size_pt: float = 7.5) -> Callable[[Box], list[Item]
         return items
 
     return drawn
-
-
-@dataclass(frozen=True)
-class _Frame:
-    """The rectangle between the axes and the values at its sides, those of x as logarithms on a logarithmic axis."""
-
-    box: Box
-    x: tuple[float, float]
-    y: tuple[float, float]
-    log_x: bool
-
-    def place(self, x: NDArray, y: NDArray) -> NDArray:
-        """Places of values, shape (n, 2). [mm]"""
-        left, high, right, low = self.box
-        across = np.log10(np.maximum(x, 1e-300)) if self.log_x else x
-        return np.stack(
-            [
-                left + (right - left) * (across - self.x[0]) / (self.x[1] - self.x[0]),
-                low - (low - high) * (y - self.y[0]) / (self.y[1] - self.y[0]),
-            ],
-            axis=-1,
-        )
 
 
 def draw_plot(
@@ -110,191 +81,181 @@ def draw_plot(
         What is drawn.
     """
     left, high, right, low = box
-    line = PITCH * size_pt * PT_MM
+    wide, tall, line = right - left, low - high, PITCH * size_pt * PT_MM
     curves = {one.label: one for one in reversed(plot.series) if one.kind in ("line", "dots")} if named else {}
     names_mm = max((text_width_mm(name, size_pt) for name in curves), default=-1.5)
-    names_mm = min(names_mm, 0.35 * (right - left)) + 1.5
-    bars = next((one for one in plot.series if one.kind == "bars"), None)
-    x, y = (_range(plot, side, y_range) for side in (0, 1))
-    if bars is not None:
-        places = len(bars.names) - 0.5 - np.arange(len(bars.names))
-        up = [(float(at), shortened(name, 40.0, size_pt)) for at, name in zip(places, bars.names)]
-    else:
-        up = [(at, f"{at:g}") for at in _round_numbers(*y, max(min(round((low - high) / 8.0), 6), 4))]
-    widest = max((text_width_mm(text, size_pt) for _, text in up), default=0.0)
-    start = min(max(widest + 1.5, 5.0), 0.45 * (right - left - names_mm))
-    frame = _Frame((left + start, high + 0.3, right - names_mm - 1.5, low - line - 0.4), x, y, plot.log_x)
-    items = [rectangle(frame.box, PAPER, None), *_along_x(frame, (right - left - names_mm) / 16.0, unit, size_pt)]
-    items += _along_y(frame, up, bars is None, size_pt)
-    for kind in ("band", "bars", "line", "dots"):
-        for one in plot.series:
-            if one.kind == kind and one.seen:
-                items += _drawn(frame, one)
-    x0, y0, x1, y1 = frame.box
-    items += [Path(((x0, y0), (x0, y1)), SOFT), Path(((x0, y1), (x1, y1)), SOFT)]
-    if words:
-        at = 0.5 * (x0 + x1), y1 - 0.15 * (y1 - y0)
-        items.append(Text(*at, words, size_pt + 2.5, anchor="middle", colour=INK))
-    return items + _names(frame, curves, names_mm, size_pt)
+    names_mm = min(names_mm, 0.35 * wide) + 1.5
+    figure = _figure()((wide / 25.4, tall / 25.4), dpi=25.4 / PX_MM, frameon=False)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    for one in sorted(plot.series, key=lambda one: one.kind == "dots"):
+        _draw_series(axes, one, plot.log_x)
+    widest = _scale(axes, plot, y_range, unit, size_pt, (wide - names_mm, tall))
+    start = min(max(widest + 1.5, 5.0), 0.45 * (wide - names_mm))
+    room = max(wide - names_mm - start - 1.5, 1.0), max(tall - line - 0.7, 1.0)
+    axes.set_position((start / wide, (line + 0.4) / tall, room[0] / wide, room[1] / tall))
+    axes.text(0.5, 0.15, words, transform=axes.transAxes, ha="center", size=size_pt, color=INK)
+    sheet = _sheet(left, low, wide, tall)
+    figure.draw(sheet)
+    top = low - (line + 0.4) - room[1]
+    return sheet.items + _name_curves(axes, curves, (left + start + room[0] + 1.0, top, low), names_mm, size_pt)
 
 
-def _range(plot: Plot, side: int, y_range: tuple[float, float] | None) -> tuple[float, float]:
-    """Values at both ends of the axis of x (0) or y (1); logarithms of a logarithmic one."""
-    log, own = plot.log_x and side == 0, (plot.x_range, y_range or plot.y_range)[side]
-    if own is not None:
-        return (math.log10(own[0]), math.log10(own[1])) if log else own
-    drawn = [one for one in plot.series if one.kind in ("band", "bars", "line", "dots") and one.seen]
-    values = np.concatenate([np.zeros(0), *(np.ravel(one.extent()[side]) for one in drawn)])
-    values = values[np.isfinite(values) & ((values > 0.0) | (not log))]
-    if log:
-        values = np.log10(values)
-    first, last = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
-    room = MARGIN * (last - first) or 0.5
-    bars = any(one.kind == "bars" for one in drawn)
-    low = 0.0 if plot.zero and not bars and not log and first >= 0.0 else first - room
-    return low, last + room
+def _figure() -> Any:
+    """Matplotlib's class of figures, loaded without the help of its hundreds of properties: two fifths of its time."""
+    from matplotlib.artist import Artist
+
+    name = "_update_set_signature_and_docstring"
+    helped = Artist.__dict__.get(name)
+    if helped is not None:
+        setattr(Artist, name, classmethod(lambda cls: None))
+    from matplotlib.figure import Figure
+
+    if helped is not None:
+        setattr(Artist, name, helped)
+    return Figure
 
 
-def _round_numbers(low: float, high: float, count: int) -> list[float]:
-    """Round numbers inside a range, at most so many steps of it, but at least two numbers."""
-    wanted = (high - low) / max(count, 1)
-    power = math.floor(math.log10(wanted))
-    steps = [step * 10.0 ** (power + more) for more in (-1, 0, 1) for step in ROUND[:-1]]
-    first = next(number for number, step in enumerate(steps) if step >= wanted * (1.0 - 1e-9))
-    found: list[float] = []
-    for step in reversed(steps[: first + 1]):
-        ends = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-        found = [round(number * step, 12) for number in range(ends[0], ends[1] + 1)]
-        if len(found) > 1:
-            break
-    return found
-
-
-def _along_y(frame: _Frame, numbers: list[tuple[float, str]], ruled: bool, size_pt: float) -> list[Item]:
-    """Numbers or names beside the axis of y, and lines across."""
-    x0, _, x1, _ = frame.box
-    items: list[Item] = []
-    for value, text in numbers:
-        at = float(frame.place(np.array([10.0 ** frame.x[0] if frame.log_x else frame.x[0]]), np.array([value]))[0, 1])
-        if ruled:
-            items.append(Path(((x0, at), (x1, at)), RULE, width_mm=0.15))
-        items.append(Text(x0 - 1.0, at + 0.36 * size_pt * PT_MM, text, size_pt, anchor="end", colour=SOFT))
-    return items
-
-
-def _along_x(frame: _Frame, count: float, unit: str, size_pt: float) -> list[Item]:
-    """Numbers under the axis of x, every second one where they are too many, with their ticks."""
-    x0, _, x1, y1 = frame.box
-    if frame.log_x:
-        values = [10.0**n for n in range(math.ceil(frame.x[0] - 1e-9), math.floor(frame.x[1] + 1e-9) + 1)]
-    else:
-        values = _round_numbers(*frame.x, max(round(count), 2))
-    if values and 16.0 * count / len(values) < 1.6 * max(text_width_mm(f"{value:g}", size_pt) for value in values):
-        values = values[::2]
-    items: list[Item] = []
-    for value in values:
-        at = float(frame.place(np.array([value]), np.array([frame.y[0]]))[0, 0])
-        last = value == values[-1]
-        anchor = "end" if last and at > x1 - 0.05 * (x1 - x0) else "middle"
-        text = f"{value:g}{unit if last else ''}"
-        under = y1 + 1.3 + 0.72 * size_pt * PT_MM
-        items += [Path(((at, y1), (at, y1 + 0.7)), SOFT, width_mm=0.2),
-                  Text(at, under, text, size_pt, anchor=anchor, colour=SOFT)]  # fmt: skip
-    return items
-
-
-def _drawn(frame: _Frame, one: Series) -> Iterator[Item]:
-    """One series inside the frame."""
+def _draw_series(axes: Any, one: Series, log_x: bool) -> None:
     colour, dash = STYLES.get(one.style, STYLES["other"])
-    if one.kind == "band":
-        tint, at = (BAND if one.style == "band" else RULE), one.y if one.sideways else one.x
-        for first, end in true_runs(np.isfinite(at) & np.isfinite(one.low) & np.isfinite(one.high)):
-            run = slice(first, end)
-            place, ends = np.r_[at[run], at[run][::-1]], np.r_[one.low[run], one.high[run][::-1]]
-            yield from _area(frame, frame.place(ends, place) if one.sideways else frame.place(place, ends), tint)
+    if one.kind == "band" and one.seen:
+        fill = axes.fill_betweenx if one.sideways else axes.fill_between
+        tint = BAND if one.style == "band" else RULE
+        fill(one.y if one.sideways else one.x, one.low, one.high, color=tint, linewidth=0.0, zorder=1.5)
     elif one.kind == "bars":
-        for number, (low, high) in enumerate(zip(one.low, one.high)):
-            up = len(one.names) - 0.5 - number + np.array([-0.3, -0.3, 0.3, 0.3])
-            yield from _area(frame, frame.place(np.array([low, high, high, low]), up), STYLES["main"][0])
+        places = len(one.names) - 0.5 - np.arange(len(one.names))
+        axes.barh(places, one.high - one.low, left=one.low, height=0.6, color=STYLES["main"][0])
     elif one.kind == "dots":
         x, y = one.x, one.y
         shown = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
         if len(shown) > MOST_DOTS:
             # of very many a part, evenly along the axis
-            along = np.log(np.maximum(x[shown], 1e-12)) if frame.log_x else x[shown]
+            along = np.log(np.maximum(x[shown], 1e-12)) if log_x else x[shown]
             wanted = np.linspace(along.min(), along.max(), MOST_DOTS)
             shown = shown[np.unique(np.abs(along[:, None] - wanted).argmin(axis=0))]
-        half = 0.5 * DOT_MM
-        for across, down in frame.place(x[shown], y[shown]):
-            corners = np.array([[-half, -half], [half, -half], [half, half], [-half, half]])
-            yield from _area(frame, corners + (across, down), colour)
-    else:
-        for first, end in true_runs(np.isfinite(one.x) & np.isfinite(one.y)):
-            for points in _inside(frame.box, frame.place(one.x[first:end], one.y[first:end])):
-                yield Path(_plain(points), colour, None, 0.5, dash)
+        axes.plot(x[shown], y[shown], "s", color=colour, markersize=DOT_MM / PT_MM, markeredgewidth=0.0)
+    elif one.kind == "line":
+        width = 0.5 / PT_MM
+        style = (0, [part / 0.5 for part in dash]) if dash else "solid"
+        axes.plot(one.x, one.y, color=colour, linewidth=width, linestyle=style)
 
 
-def _area(frame: _Frame, points: NDArray, fill: str) -> Iterator[Path]:
-    """A filled area, what is outside the frame cut off side by side (Sutherland and Hodgman 1974)."""
-    for axis, limit, sign in zip(
-        (0, 0, 1, 1), (frame.box[0], frame.box[2], frame.box[1], frame.box[3]), (1, -1, 1, -1)
-    ):
-        room = sign * (points[:, axis] - limit)
-        if (room >= 0.0).all():
-            continue
-        kept: list[NDArray] = []
-        for here, after, own, other in zip(points, np.roll(points, -1, axis=0), room, np.roll(room, -1)):
-            if own >= 0.0:
-                kept.append(here)
-            if (own >= 0.0) != (other >= 0.0):
-                kept.append(here + own / (own - other) * (after - here))
-        points = np.array(kept).reshape(-1, 2)
-    if len(points) > 2:
-        yield Path(_plain(points), None, fill, 0.25, closed=True)
+def _scale(
+    axes: Any,
+    plot: Plot,
+    y_range: tuple[float, float] | None,
+    unit: str,
+    size_pt: float,
+    room_mm: tuple[float, float],
+) -> float:
+    """Ranges, numbers and lines of the axes; returns the width of the widest number of y. [mm]"""
+    from matplotlib.ticker import LogLocator, MaxNLocator
+
+    bars = next((one for one in plot.series if one.kind == "bars"), None)
+    if plot.log_x:
+        axes.set_xscale("log")
+    for side, own in (("x", plot.x_range), ("y", y_range or plot.y_range)):
+        limits = getattr(axes, f"set_{side}lim")
+        if own is not None:
+            limits(*own)
+        elif plot.zero and bars is None and not (side == "x" and plot.log_x):
+            if getattr(axes.dataLim, f"{side}0") >= 0.0:
+                limits(0.0)
+
+    def ticks(ends: tuple[float, float], locator: Any) -> list[float]:
+        return [
+            float(value)
+            for value in locator.tick_values(*ends)
+            if ends[0] <= value * (1 + 1e-9) + 1e-12 and value <= ends[1] * (1 + 1e-9) + 1e-12
+        ]
+
+    steps = [1, 2, 2.5, 5, 10]
+    count = max(round(room_mm[0] / 16.0), 2)
+    across = ticks(axes.get_xlim(), LogLocator() if plot.log_x else MaxNLocator(count, steps=steps))
+    numbers = [f"{value:g}" for value in across]
+    if across and room_mm[0] / len(across) < 1.6 * max(text_width_mm(text, size_pt) for text in numbers):
+        across, numbers = across[::2], numbers[::2]
+    axes.set_xticks(across, [*numbers[:-1], *(f"{text}{unit}" for text in numbers[-1:])])
+    axes.minorticks_off()
+    places = ticks(axes.get_ylim(), MaxNLocator(max(min(round(room_mm[1] / 8.0), 6), 4), steps=steps))
+    texts = [f"{value:g}" for value in places]
+    if bars is not None:
+        places = (len(bars.names) - 0.5 - np.arange(len(bars.names))).tolist()
+        texts = [shortened(name, 40.0, size_pt) for name in bars.names]
+    axes.set_yticks(places, texts)
+    thin = {"width": 0.2 / PT_MM, "color": SOFT, "labelcolor": SOFT, "labelsize": size_pt}
+    axes.tick_params(axis="x", length=0.7 / PT_MM, pad=0.6 / PT_MM, **thin)
+    axes.tick_params(axis="y", length=0.0, pad=1.0 / PT_MM, **thin)
+    if bars is None:
+        axes.grid(axis="y", color=RULE, linewidth=0.15 / PT_MM)
+    axes.set_axisbelow(True)
+    axes.patch.set_facecolor(PAPER)
+    for side, spine in axes.spines.items():
+        spine.set_visible(side in ("left", "bottom"))
+        spine.set(color=SOFT, linewidth=0.25 / PT_MM)
+    if across and across[-1] > axes.get_xlim()[1] - 0.05 * np.ptp(axes.get_xlim()):
+        axes.get_xticklabels()[-1].set_ha("right")
+    return max((text_width_mm(text, size_pt) for text in texts), default=0.0)
 
 
-def _inside(box: Box, points: NDArray) -> Iterator[NDArray]:
-    """The pieces of a curve inside a box (Liang and Barsky 1984)."""
-    start, way = points[:-1], np.diff(points, axis=0)
-    low, high = np.array(box[:2]), np.array(box[2:])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ends = np.stack([(low - start) / way, (high - start) / way])
-    still = (way == 0.0) & (start >= low) & (start <= high)
-    enter = np.where(still, 0.0, np.fmin(*ends)).max(axis=-1).clip(0.0)
-    leave = np.where(still, 1.0, np.fmax(*ends)).min(axis=-1).clip(None, 1.0)
-    for first, end in true_runs((enter < leave) & np.isfinite(enter) & np.isfinite(leave)):
-        run = slice(first, end)
-        into, out = (start[run] + share[run, None] * way[run] for share in (enter, leave))
-        breaks = np.flatnonzero((leave[run][:-1] < 1.0) | (enter[run][1:] > 0.0)) + 1
-        for begins, one in zip(np.split(into, breaks), np.split(out, breaks)):
-            yield np.vstack([begins[:1], one])
-
-
-def _plain(points: NDArray) -> tuple[tuple[float, float], ...]:
-    """Points of a run without those that lie on the line between the last one kept and the next."""
-    kept: list[tuple[float, float]] = []
-    run = [(float(x), float(y)) for x, y in points]
-    for here, after in zip(run, [*run[1:], None]):
-        if kept and after is not None:
-            (x0, y0), (x, y), (x1, y1) = kept[-1], here, after
-            along = math.hypot(x1 - x0, y1 - y0)
-            off = abs((x - x0) * (y1 - y0) - (y - y0) * (x1 - x0))
-            if off <= FLAT_MM * along and (x - x0) * (x1 - x) + (y - y0) * (y1 - y) >= 0.0:
-                continue
-        kept.append(here)
-    return tuple(kept)
-
-
-def _names(frame: _Frame, curves: dict[str, Series], room_mm: float, size_pt: float) -> list[Item]:
+def _name_curves(
+    axes: Any, curves: dict[str, Series], place: tuple[float, float, float], room_mm: float, size_pt: float
+) -> list[Item]:
     """Write the names of curves and points right of the axes, at the height of their ends and clear of each other."""
-    _, top, right, _ = frame.box
+    left, top, bottom = place
     step, ends = PITCH * size_pt * PT_MM, list[tuple[float, str, str]]()
     for name, one in curves.items():
-        known = np.flatnonzero(np.isfinite(one.x) & np.isfinite(one.y))[-1:]
-        heights = frame.place(one.x[known], one.y[known])[:, 1].tolist()
-        ends += [(height, name, STYLES.get(one.style, STYLES["other"])[0]) for height in heights]
+        known = np.flatnonzero(np.isfinite(one.x) & np.isfinite(one.y))
+        if len(known):
+            at = axes.transData.transform((one.x[known[-1]], one.y[known[-1]]))[1]
+            ends.append((bottom - PX_MM * float(at), name, STYLES.get(one.style, STYLES["other"])[0]))
     items, low = list[Item](), np.inf
     for height, name, colour in sorted(ends, reverse=True):
         low = min(max(height, top) + 0.25 * size_pt * PT_MM, low - step)
-        items.append(Text(right + 1.0, low, shortened(name, room_mm, size_pt), size_pt, colour=colour))
+        items.append(Text(left, low, shortened(name, room_mm, size_pt), size_pt, colour=colour))
     return items
+
+
+def _sheet(left_mm: float, low_mm: float, wide_mm: float, tall_mm: float) -> Any:
+    """What matplotlib draws on: it keeps paths and texts in millimetres, y downwards."""
+    from matplotlib.backend_bases import RendererBase
+    from matplotlib.colors import to_hex
+
+    class Sheet(RendererBase):
+        def __init__(self) -> None:
+            super().__init__()
+            self.items: list[Item] = []
+
+        def get_canvas_width_height(self) -> tuple[float, float]:
+            return wide_mm / PX_MM, tall_mm / PX_MM
+
+        def points_to_pixels(self, points: Any) -> Any:
+            return points * PT_MM / PX_MM
+
+        def get_text_width_height_descent(self, s: str, prop: Any, ismath: Any) -> tuple[float, float, float]:
+            size = prop.get_size_in_points()
+            return text_width_mm(s, size) / PX_MM, 0.72 * size * PT_MM / PX_MM, 0.0
+
+        def draw_text(self, gc: Any, x: float, y: float, s: str, prop: Any, *more: Any, **others: Any) -> None:
+            at = left_mm + PX_MM * x, low_mm - PX_MM * (tall_mm / PX_MM - y)
+            self.items.append(Text(*at, s, prop.get_size_in_points(), colour=to_hex(gc.get_rgb())))
+
+        def draw_path(self, gc: Any, path: Any, transform: Any, rgbFace: Any = None) -> None:
+            clip = gc.get_clip_rectangle()
+            width = PT_MM * gc.get_linewidth()
+            drawn = path.cleaned(transform, True, None, simplify=True)
+            if clip is not None:
+                drawn = (
+                    drawn.clip_to_bbox(clip)
+                    if rgbFace is not None
+                    else path.cleaned(transform, True, clip.extents, simplify=True)
+                )
+            stroke = to_hex(gc.get_rgb()) if width > 0.0 else None
+            dash = tuple(PT_MM * part for part in gc.get_dashes()[1] or ())
+            for run in drawn.to_polygons(closed_only=rgbFace is not None):
+                if len(run) > 1:
+                    run = run if rgbFace is None else run[:-1]  # it ends where it begins
+                    points = tuple((left_mm + PX_MM * float(x), low_mm - PX_MM * float(y)) for x, y in run)
+                    fill = None if rgbFace is None else to_hex(rgbFace)
+                    self.items.append(Path(points, stroke, fill, width or 0.25, dash, fill is not None))
+
+    return Sheet()

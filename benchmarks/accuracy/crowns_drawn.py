@@ -2,9 +2,9 @@
 
     python -m benchmarks.accuracy.crowns_drawn --count 44 --seed 88127 --out FILE.csv
 
-Half of the pads are even in s = R c / b^2, half in ln s (pointed ones). A row has the pad's numbers (punch radius a) and
-F / (E a^2) under a sharp edge at each depth over the thickness, empty where the solve did not get to. Ten seconds of
-processor time a pad.
+Half of the pads are even in s = R c / b^2, half in ln s (pointed ones). A row has the pad's numbers (punch radius a)
+and F / (E a^2) under a sharp edge at each depth over the thickness, empty where the solve did not get to. Ten seconds
+of processor time a pad.
 """
 
 from __future__ import annotations

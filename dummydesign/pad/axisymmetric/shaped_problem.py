@@ -318,14 +318,6 @@ def radius_touched(problem: ContactProblem, depth: float, u: Array) -> tuple[flo
     return radius, isinstance(punch, FlatPunch) and radius >= punch.flat_radius
 
 
-FIRST_DEPTH = 0.02
-
-
-def first_depth(depths: Array) -> float:
-    """Depth that an apex is meshed for in space: 0.02, halved until no wanted depth is smaller."""
-    return FIRST_DEPTH * 0.5 ** max(0, int(np.ceil(np.log2(FIRST_DEPTH / float(depths[0])) - 1e-9)))
-
-
 def grids(cells: int, case: Case) -> list[tuple[int, float]]:
     """Cells and fillet of the solves: small fillet, the same on cells of twice the size, large fillet.
 

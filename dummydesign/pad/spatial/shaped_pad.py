@@ -46,7 +46,7 @@ from dummydesign.pad.solve.continuation import ForcePath, cost, follow
 from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium
 from dummydesign.pad.solve.multifrontal import Dissection
 from dummydesign.pad.spatial.round_twin import RoundTwin
-from dummydesign.pad.tables.bumped import RIM
+from dummydesign.pad.tables.bumped import RIM, edge_left
 
 Array = np.ndarray
 
@@ -394,8 +394,8 @@ def solve_shaped_block(
 
     Cells in space are large and stand for a fillet. A flat top is solved beside a homogeneous ``slab`` on the same
     cells: its force is the ratio times the slab's under this punch. Round pads under a centred punch are corrected by
-    what cells and fillet do under the circle of the punch's area, in a meridian plane. What is known of neither counts
-    the largest change that a correction would make as its error.
+    what cells and fillet do under the circle of the punch's area, in a meridian plane. For all others the error
+    has what a sharp edge may carry more.
     """
     h, depths, grid = pad.thickness_mm, relative_depths(depth_mm, pad.thickness_mm), grid or GridFineness()
     load = Load.of(pad, float(depths[0]), offset_mm)
@@ -424,7 +424,7 @@ def solve_shaped_block(
     if slab is not None:
         share += slab.relative_error(reached * h)
     elif not load.shape.plain:
-        share += LEAST_ERROR
+        share += LEAST_ERROR + (_edge_left(load, reached) if twin is None else 0.0)
     stop = next((path.stop for path in paths[::-1] if path.stop), None) or (None if twin is None else twin.stop)
     notes = end_note(reached[-1], depths[-1], stop) if stop and len(reached) < len(depths) else ()
     return PadCurve(reached * h, fine, fine * share, cost(paths), notes)
@@ -439,6 +439,16 @@ def _round_twin(load: Load, depths: Array) -> RoundTwin | None:
         return None
     face = load.base, load.condition, load.law, load.poisson
     return RoundTwin.solve(Case(radius, extent, *face, shape=load.shape, thickness_mm=load.thickness_mm), depths)
+
+
+def _edge_left(load: Load, depths: Array) -> Array:
+    """What the fillet may take from a force that is not corrected, over it, from where the edge is near the face."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 65)
+    plan = np.stack([np.cos(turn), np.sin(turn)])
+    if not load.is_round:
+        plan = plan / np.abs(plan).max(axis=0)
+    x, y = plan * np.array(load.half_sides)[:, None] + np.array(load.offset)[:, None]
+    return edge_left(depths, -load.heights(x, y)[1].max())
 
 
 def _circle(half_sides: tuple[float, float]) -> float:

@@ -137,17 +137,14 @@ class ShapeTable:
         return base * factor, (steep + base * bend / thickness_mm) * factor
 
     def force_error(self, inputs: Array, row: Array, depth_mm: Array, thickness_mm: Array, radius_mm: Array) -> Array:
-        """Error of the force over the force: of the factor, of the slab's table where it is over a slab, and of the
-        depth at which a crown's contact reaches the punch's edge.
+        """Error of the force over the force: of the factor, and of the slab's table or of what the punch's edge does.
 
         Arguments as those of :meth:`area_and_slope`.
         """
-        error = self.relative_error(depth_mm / thickness_mm)
-        if isinstance(self.response, CrownResponse):
-            return np.hypot(error, self.response.doubt(self.coordinates(inputs), row, depth_mm / thickness_mm))
-        if self.similarity.over_tip:
-            return error
-        return error + load_table("bonded").relative_error(depth_mm, thickness_mm, radius_mm)
+        x = depth_mm / thickness_mm
+        if isinstance(self.response, Response):
+            return self.relative_error(x) + load_table("bonded").relative_error(depth_mm, thickness_mm, radius_mm)
+        return np.hypot(self.relative_error(x), self.response.doubt(self.coordinates(inputs), row, x))
 
 
 class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):

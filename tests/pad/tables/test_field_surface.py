@@ -101,7 +101,7 @@ def test_a_field_doubts_its_force_from_where_the_punchs_edge_comes_near_a_cap(pi
     inputs = table.coordinates(ratios(shape, np.array([h]), np.array([PUNCH_RADIUS_MM])))
     along = np.linspace(0.0, 7.0, 400)
     fall = float(shape.drop_mm(np.full(400, 7.0), along).min()) / h
-    assert fall_at_edge(inputs) == pytest.approx(fall, rel=0.03)
+    assert fall_at_edge(inputs) == pytest.approx(fall, rel=0.06)  # a paraboloid for the cap
     doubt = table.response.doubt(inputs, np.zeros(4, int), np.array([0.4 * fall, 1.01 * fall, 0.25, 0.58]))
     assert doubt == pytest.approx([0.0, 0.15, 0.15, 0.0369], abs=1e-3)
     law = TabulatedShapeLaw(shape)

@@ -92,7 +92,7 @@ NOTHING = 1e-9
 
 
 def edge_left(depth: Array, fall: Array) -> Array:
-    """What is left out at the punch's edge over the force, at depths over the thickness.
+    """What a sharp edge carries more than the fillet, over the force, at depths over the thickness.
 
     It begins where the face comes near, which is ``fall`` below the highest point along the edge.
     """

@@ -214,6 +214,9 @@ DATA_FILES = (
         for part in ("", "-classes")
     ),
     DataFile(
+        "crowns-drawn.csv", "python -m benchmarks.accuracy.crowns_drawn --count 44 --seed 88127 --out FILE", WRITTEN
+    ),
+    DataFile(
         "fit-coverage.csv",
         "python -m benchmarks.accuracy.fit_coverage --draws 400 --seed SEED SEED --csv FILE",
         f"{COPIED}; two seeds, not recorded",

@@ -229,5 +229,12 @@ def _shape_in_space(pad: Pad, deepest_mm: float | None, depths_mm: Array | None)
 
     grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
     grid = solvable_depths(pad, grid[1::2] if depths_mm is None else grid, in_space=True)
-    solved = _of_unit_modulus("shape-3d", pad, {"depth": grid}, lambda own: solve_shaped_block(own, grid))
-    return _through(pad, solved)
+
+    def solve(own: Pad) -> PadCurve:
+        if not own.geometry.flat_top:
+            return solve_shaped_block(own, grid)
+        plain = replace(own, geometry=SLAB)
+        slab = (_by_elements if own.sides_mm is None else _in_space)(plain, float(grid[-1]), grid)
+        return solve_shaped_block(own, grid[grid <= slab.limit_mm * (1.0 + 1e-9)], slab=slab)
+
+    return _through(pad, _of_unit_modulus("shape-3d", pad, {"depth": grid}, solve))

@@ -94,7 +94,7 @@ def build_shapes(sets: dict[str, tuple[PronyTerm, ...]]) -> dict[str, list[dict[
         design = designs()[kind]
         for number, point in enumerate(design.fresh(PRESSES)):
             share, speed, arms = rng.uniform(*DEPTHS), float(rng.choice(SPEEDS_MM_S)), str(rng.choice(list(sets)))
-            press = design._press(point)
+            press = design.press(point)
             try:
                 row = measure_shape(press, float(share), speed, sets[arms])
             except NoAnswerError as problem:

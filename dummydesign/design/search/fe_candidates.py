@@ -141,15 +141,17 @@ def _solve_field(pad: Pad, depth_mm: NDArray) -> dict[str, Any]:
     """In space under the 14 x 14 mm punch; with a table, on its grid, whose stated error of the solves it has."""
     from dummydesign.geometry.shapes.bumped import Bumped
     from dummydesign.pad.spatial.shaped_pad import COARSE, HALF_SIDE_MM, press_field, solve_shaped_block
-    from dummydesign.pad.tables.shape import load_shape_table
+    from dummydesign.pad.tables.bumped import FieldResponse
+    from dummydesign.pad.tables.shape import load_shape_table, ratios
 
     shape, h = pad.geometry, pad.thickness_mm
     if not shape.tabulated:
         sides_mm = (2.0 * HALF_SIDE_MM, 2.0 * HALF_SIDE_MM)
         return vars(solve_shaped_block(Pad(h, 1.0, PUNCH_RADIUS_MM, geometry=shape, sides_mm=sides_mm), depth_mm))
     depth, area, stop = press_field(cast(Bumped, shape), h, depth_mm / h, COARSE)
-    table = load_shape_table(shape.name)
-    error = np.interp(depth, table.error_depth, table.solve_error)
+    table, inputs = load_shape_table(shape.name), ratios(shape, np.array([h]), np.array([PUNCH_RADIUS_MM]))
+    edge = cast(FieldResponse, table.response).doubt(table.coordinates(inputs), np.zeros(len(depth), int), depth)
+    error = np.interp(depth, table.error_depth, table.solve_error) + edge
     return {"depth_mm": depth * h, "force_N": area, "error_N": area * error, "notes": (stop,) if stop else ()}
 
 

@@ -279,7 +279,10 @@ class TableFamily:
 
     def relative_error(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
         """Stated error of the force over the force; see :class:`Family`."""
-        return self.table.force_error(depth_mm, designs.thickness_mm[:, None], radius_mm)
+        depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), designs.thickness_mm[:, None])
+        row = np.broadcast_to(np.arange(len(thickness))[:, None], depth.shape)
+        inputs = self._inputs(designs, radius_mm)
+        return self.table.force_error(inputs, row, depth, thickness, np.full(depth.shape, radius_mm))
 
     def _inputs(self, designs: Designs, radius_mm: float) -> NDArray:
         """Inputs of the table, shape (M, k); those a little outside, as of a pad poured too thin, are at its end."""

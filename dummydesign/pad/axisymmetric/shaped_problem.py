@@ -43,9 +43,17 @@ FAR, FAR_SLOPE = 1.0, 0.5
 
 
 def shaped_problem(
-    case: Case, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False, refinement: float = EDGE_REFINEMENT
+    case: Case,
+    cells: int = CELLS,
+    rim: float = RIMS[-1],
+    twin: bool = False,
+    refinement: float = EDGE_REFINEMENT,
+    lines: tuple[Array, Array] | None = None,
 ) -> ContactProblem:
-    """The pad under a punch with an edge fillet; its ``twin`` is the slab on the same cells."""
+    """The pad under a punch with an edge fillet; its ``twin`` is the slab on the same cells.
+
+    ``lines`` are radii and shares of the column to take instead of its own.
+    """
     face = Interface.parse(case.condition, "condition", FACES)
     one_of("base", case.base, BASES)
     shape, shear, coarse = case.shape, case.law.shear_MPa, case.radius / cells
@@ -53,7 +61,7 @@ def shaped_problem(
     punch = FilletedPunch(case.radius, case.edge or rim * case.scale, sides=case.edge > 0.0)
     # A crown has the same cells under every fillet that stands for a sharp edge: what they leave out cancels.
     finest = punch.rim if case.edge or shape.flat_top else RIMS[-1] * case.scale
-    r, share, interface = _grid(case, cells, finest, refinement)
+    r, share, interface = (*lines, None) if lines else _grid(case, cells, finest, refinement)
     points, quads, row = columns(r, share)
     nothing = np.zeros_like
     move = stretch(nothing, nothing) if twin else stretch(case.drop, case.bone)
@@ -308,14 +316,6 @@ def radius_touched(problem: ContactProblem, depth: float, u: Array) -> tuple[flo
     moved = problem.solid.mesh.nodes[0, glued] + u.reshape(-1, 2)[glued, 0]
     radius = float(max(np.max(points[..., 0], where=touching, initial=0.0), np.max(moved, initial=0.0)))
     return radius, isinstance(punch, FlatPunch) and radius >= punch.flat_radius
-
-
-FIRST_DEPTH = 0.02
-
-
-def first_depth(depths: Array) -> float:
-    """Depth that an apex is meshed for in space: 0.02, halved until no wanted depth is smaller."""
-    return FIRST_DEPTH * 0.5 ** max(0, int(np.ceil(np.log2(FIRST_DEPTH / float(depths[0])) - 1e-9)))
 
 
 def grids(cells: int, case: Case) -> list[tuple[int, float]]:

@@ -32,21 +32,21 @@ from dummydesign.geometry.interface import BASES, CONDITIONS
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.pad.axisymmetric.case import Case, end_note, relative_depths, unsolved
-from dummydesign.pad.axisymmetric.self_contact import FOLDED, FoldWatch, opening_deg
-from dummydesign.pad.axisymmetric.shaped_problem import CELLS, RIMS, first_depth
-from dummydesign.pad.axisymmetric.shaped_problem import solve_path as solve_round_path
+from dummydesign.pad.axisymmetric.self_contact import FoldWatch, opening_deg
+from dummydesign.pad.axisymmetric.shaped_pad import EDGE_ERROR
 from dummydesign.pad.contact.penalty import SHAPED_PAD_IN_SPACE
 from dummydesign.pad.contact.spatial import BeadedPunch, FaceContact
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mesh_axisymmetric import Sizes, lines_by_size
 from dummydesign.pad.fem.mixed_solid import Solid
-from dummydesign.pad.force_law import PadCurve
+from dummydesign.pad.force_law import ForceCurve, PadCurve
 from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, HyperelasticLaw
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import ForcePath, cost, follow
 from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium
 from dummydesign.pad.solve.multifrontal import Dissection
-from dummydesign.pad.tables.bumped import RIM
+from dummydesign.pad.spatial.round_twin import RoundTwin
+from dummydesign.pad.tables.bumped import RIM, edge_left
 
 Array = np.ndarray
 
@@ -325,8 +325,6 @@ def levels(load: Load, grid: GridFineness) -> Array:
 
 # How far beyond the punch the surface may come to touch it, in units of the smaller of punch and thickness.
 REACH = 0.8
-# Depths at which a round twin is checked for folds, in thicknesses.
-CHECKED_AT = 0.02
 
 
 def shaped_problem(load: Load, grid: GridFineness) -> ContactProblem:
@@ -381,62 +379,92 @@ def solve_path(load: Load, depths: Array, grid: GridFineness) -> ForcePath:
     return watched(problem, face, depths, 0.05 * load.scale)
 
 
+# What a corrected force is off by that neither the cells nor the correction show: contact gives way, steps are long.
+LEAST_ERROR = 0.01
+
+
 def solve_shaped_block(
     pad: Pad,
     depth_mm: Sequence[float] | Array,
     grid: GridFineness | None = None,
     offset_mm: tuple[float, float] = (0.0, 0.0),
+    slab: ForceCurve | None = None,
 ) -> PadCurve:
-    """Static force of a shaped pad under a flat punch with a filleted edge."""
+    """Static force of a shaped pad under a flat punch with a sharp edge.
+
+    Cells in space are large and stand for a fillet. A flat top is solved beside a homogeneous ``slab`` on the same
+    cells: its force is the ratio times the slab's under this punch. Round pads under a centred punch are corrected by
+    what cells and fillet do under the circle of the punch's area, in a meridian plane. For all others the error
+    has what a sharp edge may carry more.
+    """
     h, depths, grid = pad.thickness_mm, relative_depths(depth_mm, pad.thickness_mm), grid or GridFineness()
     load = Load.of(pad, float(depths[0]), offset_mm)
-    wanted, folds = _open_depths(load, depths)
-    paths: list[ForcePath] = []
+    twin = _round_twin(load, depths)
+    wanted = depths if twin is None else twin.depths
+    paths, forces = [], []
     for fineness in (grid.coarser(), grid):
-        paths.append(solve_path(load, wanted, fineness))
-        if not len(paths[-1].depth):
-            raise unsolved(paths[-1].stop)
-    coarse, fine = paths
+        pair = [solve_path(load, wanted, fineness)]
+        if slab is not None:
+            pair.append(solve_path(replace(load, homogeneous=True), wanted, fineness))
+        if not all(len(path.depth) for path in pair):
+            raise unsolved(next(path.stop for path in pair if not len(path.depth)))
+        paths += pair
+        count = min(len(path.force) for path in pair)
+        force = pair[0].force[:count] * load.multiplicity * pad.shear_MPa * h**2
+        if slab is not None:
+            force = slab.force(wanted[:count] * h) * pair[0].force[:count] / pair[1].force[:count]
+        correction = np.zeros(count) if twin is None else _correction(load, fineness, twin)[:count]
+        forces.append((force * np.exp(correction), correction))
+    (coarse, _), (fine, correction) = forces
     # Where the coarse grid did not get to, the error is the largest change that was seen.
-    both = min(len(coarse.force), len(fine.force))
-    change = np.abs(coarse.force[:both] / fine.force[:both] - 1.0)
-    share = np.concatenate([change, np.full(len(fine.force) - both, change.max())])
-    force = fine.force * load.multiplicity * pad.shear_MPa * h**2
-    stop = fine.stop or folds
-    notes = end_note(fine.depth[-1], depths[-1], stop) if stop else ()
-    return PadCurve(fine.depth * h, force, force * share, cost(paths), notes)
+    both = min(len(coarse), len(fine))
+    change = np.abs(coarse[:both] / fine[:both] - 1.0)
+    share = np.concatenate([change, np.full(len(fine) - both, change.max())]) + EDGE_ERROR * np.abs(correction)
+    reached = wanted[: len(fine)]
+    if slab is not None:
+        share += slab.relative_error(reached * h)
+    elif not load.shape.plain:
+        share += LEAST_ERROR + (_edge_left(load, reached) if twin is None else 0.0)
+    stop = next((path.stop for path in paths[::-1] if path.stop), None) or (None if twin is None else twin.stop)
+    notes = end_note(reached[-1], depths[-1], stop) if stop and len(reached) < len(depths) else ()
+    return PadCurve(reached * h, fine, fine * share, cost(paths), notes)
 
 
-def _open_depths(load: Load, depths: Array) -> tuple[Array, str | None]:
-    """Depths at which a round pad under the circle of the punch's area is open, and why the others are left out.
-
-    Cells in space round a foot that is narrow beside them; those in a meridian plane resolve it, at little cost.
-    """
-    radius, extent = (2.0 * float(np.sqrt(np.prod(sides) / np.pi)) for sides in (load.half_sides, load.half_extents))
+def _round_twin(load: Load, depths: Array) -> RoundTwin | None:
+    """The pad under the circle of the punch's area; None of a flat top, and of what is not round or not centred."""
+    radius, extent = _circle(load.half_sides), _circle(load.half_extents)
     radius = load.half_sides[0] if load.is_round else radius
     centred = load.offset == (0.0, 0.0) and extent >= 1.5 * radius
     if load.shape.flat_top or not load.shape.axisymmetric or not centred:
-        return depths, None
-    case = Case(
-        radius,
-        extent,
-        load.base,
-        load.condition,
-        load.law,
-        load.poisson,
-        shape=load.shape,
-        thickness_mm=load.thickness_mm,
-        first=first_depth(depths),
-    )
-    # Checked often, as a notch that is narrow shows in the state before.
-    ends = np.union1d(depths, np.arange(CHECKED_AT, depths[-1], CHECKED_AT))
-    path = solve_round_path(case, ends, CELLS, RIMS[0])
-    if path.stop is None or not path.stop.startswith(FOLDED):
-        return depths, None
-    open_ones = depths[depths <= (path.depth[-1] if len(path.depth) else 0.0)]
-    if not len(open_ones):
-        raise unsolved(path.stop)
-    return open_ones, f"under the circle of the punch's area {path.stop}"
+        return None
+    face = load.base, load.condition, load.law, load.poisson
+    return RoundTwin.solve(Case(radius, extent, *face, shape=load.shape, thickness_mm=load.thickness_mm), depths)
+
+
+def _edge_left(load: Load, depths: Array) -> Array:
+    """What the fillet may take from a force that is not corrected, over it, from where the edge is near the face."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 65)
+    plan = np.stack([np.cos(turn), np.sin(turn)])
+    if not load.is_round:
+        plan = plan / np.abs(plan).max(axis=0)
+    x, y = plan * np.array(load.half_sides)[:, None] + np.array(load.offset)[:, None]
+    return edge_left(depths, -load.heights(x, y)[1].max())
+
+
+def _circle(half_sides: tuple[float, float]) -> float:
+    return float(2.0 * np.sqrt(np.prod(half_sides) / np.pi))
+
+
+def _correction(load: Load, grid: GridFineness, twin: RoundTwin) -> Array:
+    """ln of what cells and fillet in space take from the force.
+
+    Both act along the punch's edge, which a square has more of than the circle of its area.
+    """
+    radius, extent = twin.case.radius, twin.case.extent
+    plane = replace(load, half_sides=(radius, radius), half_extents=(extent, extent), is_round=True)
+    lines = axis_lines(plane, grid, 0), -levels(plane, grid)[::-1]
+    edge = 1.0 if load.is_round else 2.0 * sum(load.half_sides) / (np.pi * radius) * load.scale / plane.scale
+    return edge * twin.change_on(lines, grid.cells, grid.rim * plane.scale / twin.case.scale)
 
 
 HALF_SIDE_MM = 0.5 * PUNCH_SIDE_MM

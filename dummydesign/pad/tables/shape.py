@@ -136,11 +136,15 @@ class ShapeTable:
         factor = np.where(depth_mm > limit_mm * (1.0 + 1e-9), np.nan, np.exp(value))
         return base * factor, (steep + base * bend / thickness_mm) * factor
 
-    def force_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
-        """Error of the force over the force: of the factor and, where it is over a slab, of the slab's table."""
-        depth, h, a = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, radius_mm)))
-        error = self.relative_error(depth / h)
-        return error if self.similarity.over_tip else error + load_table("bonded").relative_error(depth, h, a)
+    def force_error(self, inputs: Array, row: Array, depth_mm: Array, thickness_mm: Array, radius_mm: Array) -> Array:
+        """Error of the force over the force: of the factor, and of the slab's table or of what the punch's edge does.
+
+        Arguments as those of :meth:`area_and_slope`.
+        """
+        x = depth_mm / thickness_mm
+        if isinstance(self.response, Response):
+            return self.relative_error(x) + load_table("bonded").relative_error(depth_mm, thickness_mm, radius_mm)
+        return np.hypot(self.relative_error(x), self.response.doubt(self.coordinates(inputs), row, x))
 
 
 class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
@@ -171,9 +175,7 @@ class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
         """
         values = (np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, young_MPa, radius_mm))
         d, h, young, a = np.broadcast_arrays(*values)
-        # Each of the pads that differ is looked up once.
-        pads, at = np.unique(np.stack([h.ravel(), a.ravel()], axis=1), axis=0, return_inverse=True)
-        inputs, row = ratios(self.shape, *pads.T), np.asarray(at).reshape(h.shape)
+        inputs, row, pads = self._inputs(h, a)
         self.table.check(inputs, self.shape.fidelity)
         limit = self.table.limit_mm(inputs, *pads.T)[row]
         tip = np.full(h.shape, self.shape.tip_radius_mm or 0.0)
@@ -192,7 +194,14 @@ class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
         """Error of the force over the force: finite elements and regression; see
         :class:`dummydesign.pad.force_law.ForceLaw`.
         """
-        return self.table.force_error(depth_mm, thickness_mm, radius_mm)
+        d, h, a = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, radius_mm)))
+        inputs, row, _ = self._inputs(h, a)
+        return self.table.force_error(inputs, row, d, h, a)
+
+    def _inputs(self, thickness_mm: Array, radius_mm: Array) -> tuple[Array, Array, Array]:
+        """Numbers of the pads that differ, which of them each one is, and their thickness and punch radius."""
+        pads, at = np.unique(np.stack([thickness_mm.ravel(), radius_mm.ravel()], axis=1), axis=0, return_inverse=True)
+        return ratios(self.shape, *pads.T), np.asarray(at).reshape(thickness_mm.shape), pads
 
 
 @lru_cache(maxsize=8)

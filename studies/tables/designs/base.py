@@ -115,13 +115,14 @@ class Design:
             ``point``; ``force``: the factor over the slab at the depths that were reached, or F / (E a^2), one list a
             fillet; ``stop``: why they ended.
         """
-        press, cells = self._press(point), self.cells * 2 if finer else self.cells
+        press, cells = self.press(point), self.cells * 2 if finer else self.cells
         rim = RIMS[1] if finer else RIMS[0]
         paths = [solve_path(press, self.depths, cells, rim, twin) for twin in (False, True)]
         count = min(len(path.force) for path in paths)
         return self._answer(point, [paths[0].force[:count] / paths[1].force[:count]], [path.stop for path in paths])
 
-    def _press(self, point: Array) -> Case:
+    def press(self, point: Array) -> Case:
+        """The pad of a point under the punch."""
         shape, h = self.shape(point)
         return Case(RADIUS_MM / h, EXTENT_OVER_RADIUS * RADIUS_MM / h, shape=shape, thickness_mm=h)
 

@@ -64,7 +64,7 @@ class CrownedDesign(Design):
         dict
             As of :class:`Design`; ``edge``: d / h at which the contact reaches the edge and what is not known of it.
         """
-        press, cells = self._press(point), self.cells * 2 if finer else self.cells
+        press, cells = self.press(point), self.cells * 2 if finer else self.cells
         watch, fillet = EdgeWatch(press), RIMS[1] * press.scale / press.radius
         paths = [solve_path(press, LATTICE, cells, rim, visit=watch if rim == RIMS[1] else None) for rim in RIMS]
         values = [path.force / 3.0 * (press.thickness_mm / RADIUS_MM) ** 2 for path in paths]

@@ -21,6 +21,9 @@ from dummydesign.design.search.fe_candidates import (
     solved_shares,
 )
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
+from dummydesign.geometry.shapes.bumped import Bumped
+from dummydesign.pad.tables.bumped import edge_left
+from dummydesign.pad.tables.shape import load_shape_table
 
 
 @dataclass(frozen=True)
@@ -168,7 +171,6 @@ def test_a_round_solve_keeps_where_the_face_has_touched_in_millimetres(monkeypat
 
 def test_a_field_with_a_table_is_solved_on_its_grid_in_units_of_the_thickness(monkeypatch):
     from dummydesign.pad.spatial import shaped_pad
-    from dummydesign.pad.tables import shape as tables
 
     asked = []
 
@@ -177,15 +179,18 @@ def test_a_field_with_a_table_is_solved_on_its_grid_in_units_of_the_thickness(mo
         return shares[:2], 3.0 * shares[:2], "stopped"
 
     monkeypatch.setattr(shaped_pad, "press_field", press)
-    table = SimpleNamespace(error_depth=np.array([0.0, 0.4]), solve_error=np.array([0.0, 0.04]))
-    monkeypatch.setattr(tables, "load_shape_table", lambda name: table)
-    pad = SimpleNamespace(geometry=SimpleNamespace(tabulated=True, name="bumped"), thickness_mm=8.0)
+    table, field = load_shape_table("bumped"), Bumped.proportioned(4.5, 0.64)
+    pad = SimpleNamespace(geometry=field, thickness_mm=8.0)
     made = fe_candidates._solve_field(pad, np.array([0.8, 1.6, 2.4]))
     np.testing.assert_allclose(asked[0][1], [0.1, 0.2, 0.3])
     assert asked[0][0] == 8.0 and made["notes"] == ("stopped",)
     np.testing.assert_allclose(made["depth_mm"], [0.8, 1.6])
     np.testing.assert_allclose(made["force_N"], [0.3, 0.6])
-    np.testing.assert_allclose(made["error_N"], [0.3 * 0.01, 0.6 * 0.02])
+    # The error of the cells, and what a sharp edge may carry more once the face is near it.
+    edge = made["error_N"] / made["force_N"] - np.interp([0.1, 0.2], table.error_depth, table.solve_error)
+    fall = field.drop_mm(np.full(99, 7.0), np.linspace(0.0, 7.0, 99)).min() / 8.0
+    np.testing.assert_allclose(edge, edge_left(np.array([0.1, 0.2]), fall), atol=0.01)
+    assert 0.0 < edge[0] < edge[1] == pytest.approx(0.15)
 
 
 def test_a_field_without_a_table_is_solved_under_the_square_of_fourteen_millimetres(monkeypatch):

@@ -20,7 +20,7 @@ from dummydesign.pad.axisymmetric.profile_punch import (
     indentation_problem,
     tip_region,
 )
-from dummydesign.pad.axisymmetric.shaped_problem import Touch, first_depth, shaped_problem
+from dummydesign.pad.axisymmetric.shaped_problem import Touch, shaped_problem
 from dummydesign.pad.fem import mesh_axisymmetric as plane
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution, Sizes
@@ -222,13 +222,6 @@ def test_a_rimmed_problem_moves_the_face_far_from_the_edge_and_glues_the_rest(ri
     assert mesh.nodes[0, problem.carried // 2].max() == pytest.approx(flat)
     assert sharp.solid.mesh.nodes[0, sharp.driven // 2].max() == pytest.approx(0.8)
     assert mesh.weight.sum() == pytest.approx(sharp.solid.mesh.weight.sum()) == pytest.approx(np.pi * 2.4**2)
-
-
-def test_the_depth_that_an_apex_is_meshed_for_is_halved_until_none_is_smaller():
-    for depth in (0.5, 0.02, 0.019, 0.0051, 0.005, 1e-4):
-        first = first_depth(np.array([depth, 0.6]))
-        assert first <= max(depth, 1e-12) * (1.0 + 1e-9) and (first == 0.02 or 2.0 * first > depth * (1.0 - 1e-9))
-        assert np.log2(0.02 / first) == pytest.approx(round(np.log2(0.02 / first)))
 
 
 def test_a_smaller_first_depth_takes_smaller_cells_at_an_apex_and_a_layer_has_a_line_of_nodes():

@@ -172,7 +172,7 @@ def test_contact_that_flickers_at_a_glued_edge_is_followed(kind, number, twin):
     # Whole Newton steps threw the points round the fillet from touching to not touching and back without end here.
     design = designs()[kind]
     depths = design.depths[design.depths < 0.35]
-    path = solve_path(design._press(design.points(number + 1)[number]), depths, design.cells, 0.1, twin)
+    path = solve_path(design.press(design.points(number + 1)[number]), depths, design.cells, 0.1, twin)
     assert path.stop is None
     assert np.all(np.diff(np.log(path.force)) / np.diff(np.log(path.depth)) > 0.9)
 

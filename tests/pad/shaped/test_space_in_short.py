@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,9 +15,10 @@ from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.geometry.shapes.slab import Slab
+from dummydesign.pad.axisymmetric.shaped_pad import EDGE_ERROR, LEFT_TO_SHARP
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import ForcePath
-from dummydesign.pad.spatial import shaped_pad
+from dummydesign.pad.spatial import round_twin, shaped_pad
 from dummydesign.pad.spatial.shaped_pad import (
     HALF_SIDE_MM,
     GridFineness,
@@ -182,28 +184,30 @@ def test_a_curve_is_the_finer_path_of_the_whole_in_newtons_with_what_the_coarser
 
 @pytest.mark.parametrize("is_round", [True, False])
 def test_a_round_pad_is_asked_in_a_meridian_plane_under_the_circle_of_the_punch_s_area(monkeypatch, is_round):
-    asked, ends = [], {"stop": None, "count": 99}
+    asked, ends = [], {"stop": None, "reached": 0.9}
 
-    def solve_round(case, depths, cells, rim):
-        asked.append((case, depths))
-        return made(depths[: ends["count"]], depths[: ends["count"]], ends["stop"])
+    def climb(case, deepest, cells, rim, smaller=None):
+        asked.append(case)
+        force = {0.05: 1.1, 0.1: 1.0}[rim]
+        path = made([], [], ends["stop"])
+        at = lambda depths: made(depths, force * depths[depths <= ends["reached"]])  # noqa: E731
+        return SimpleNamespace(path=path, reached=ends["reached"], at=at)
 
-    monkeypatch.setattr(shaped_pad, "solve_round_path", solve_round)
+    monkeypatch.setattr(round_twin, "climb", climb)
     here, depths = load(half=(7.0, 7.0), is_round=is_round), np.array([0.05, 0.11, 0.3])
-    assert shaped_pad._open_depths(here, depths) == (pytest.approx(depths), None)
-    case, checked = asked[0]
-    assert case.radius == pytest.approx(1.4 * (1.0 if is_round else 2.0 / np.sqrt(np.pi)))
-    assert case.extent == pytest.approx(2.0 * np.sqrt(6.0 * 4.8 / np.pi)) and case.thickness_mm == 5.0
-    assert set(np.round(depths, 9)) <= set(np.round(checked, 9)) and np.diff([0.0, *checked]).max() < 0.0201
-    assert checked[-1] == pytest.approx(0.3) and case.first <= 0.05
-    ends.update(stop="no equilibrium", count=3)
-    assert shaped_pad._open_depths(here, depths)[1] is None
-    ends.update(stop=f"{shaped_pad.FOLDED[0]} folds", count=int(np.searchsorted(checked, 0.2)))
-    kept, why = shaped_pad._open_depths(here, depths)
-    assert kept == pytest.approx(depths[:2]) and "folds" in why
-    ends.update(count=0)
+    twin = shaped_pad._round_twin(here, depths)
+    assert twin.depths == pytest.approx(depths) and twin.stop is None
+    assert twin.force == pytest.approx(1.1 * depths * 1.1**LEFT_TO_SHARP)
+    assert twin.case.radius == pytest.approx(1.4 * (1.0 if is_round else 2.0 / np.sqrt(np.pi)))
+    assert twin.case.extent == pytest.approx(2.0 * np.sqrt(6.0 * 4.8 / np.pi)) and twin.case.thickness_mm == 5.0
+    ends.update(stop="no equilibrium", reached=0.2)
+    assert shaped_pad._round_twin(here, depths).stop is None
+    ends.update(stop=f"{round_twin.FOLDED[0]} folds")
+    folded = shaped_pad._round_twin(here, depths)
+    assert folded.depths == pytest.approx(depths[:2]) and "folds" in folded.stop
+    ends.update(reached=0.0)
     with pytest.raises(NoAnswerError):
-        shaped_pad._open_depths(here, depths)
+        shaped_pad._round_twin(here, depths)
     count = len(asked)
     for other in (
         load(half=(7.0, 7.0), offset=(1.0, 0.0)),
@@ -211,8 +215,47 @@ def test_a_round_pad_is_asked_in_a_meridian_plane_under_the_circle_of_the_punch_
         load(Bumped.proportioned(5.0, 0.3), half=(7.0, 7.0)),
         load(half=(7.0, 7.0), slab=(9.2, 9.2)),
     ):
-        assert shaped_pad._open_depths(other, depths) == (pytest.approx(depths), None)
+        assert shaped_pad._round_twin(other, depths) is None
     assert len(asked) == count
+
+
+def test_a_round_pad_is_corrected_by_what_like_cells_do_in_the_plane_and_states_a_share_of_it(monkeypatch):
+    """Half of the force is left out on the cells in space: the force doubles, and more along a square's longer edge."""
+    depths = np.array([0.1, 0.3])
+    twin = SimpleNamespace(depths=depths, stop=None, case=SimpleNamespace(radius=1.58, extent=6.0, scale=1.0))
+    twin.change_on = lambda lines, cells, rim: np.full(2, np.log(2.0))
+    monkeypatch.setattr(shaped_pad, "_round_twin", lambda load, depths: twin)
+    monkeypatch.setattr(shaped_pad, "solve_path", lambda load, wanted, grid: made(wanted, wanted))
+    pad = Pad(5.0, 0.03, 7.9, geometry=CROWN)
+    disc, square = (
+        solve_shaped_block(one, 5.0 * depths, GridFineness(5))
+        for one in (pad, replace(pad, sides_mm=(7.9 * np.pi**0.5,) * 2))
+    )
+    assert disc.force_N == pytest.approx(2.0 * 4.0 * 0.01 * 25.0 * depths)
+    assert disc.error_N / disc.force_N == pytest.approx(0.01 + EDGE_ERROR * np.log(2.0))
+    assert square.force_N == pytest.approx(0.5 * disc.force_N * 2.0 ** (2.0 / np.pi**0.5))
+
+
+def test_a_flat_top_is_its_ratio_to_a_homogeneous_pad_on_the_same_cells_times_the_slab(monkeypatch):
+    def solve(load, depths, grid):
+        return made(depths, depths * (1.0 if load.homogeneous else 3.0 - 0.1 * (grid.cells == 3)))
+
+    monkeypatch.setattr(shaped_pad, "solve_path", solve)
+    slab = SimpleNamespace(force=lambda depth: 7.0 * depth, relative_error=lambda depth: 0.02 + 0.0 * depth)
+    depth = np.array([0.5, 1.5])
+    found = solve_shaped_block(Pad(5.0, 0.03, 7.9, geometry=Layered(2.0, 3.0)), depth, GridFineness(5), slab=slab)
+    assert found.force_N == pytest.approx(21.0 * depth)
+    assert found.error_N / found.force_N == pytest.approx(0.02 + 0.1 / 3.0)
+
+
+def test_what_is_not_corrected_doubts_its_edge_from_where_the_face_is_near_it():
+    """A crown's face at the edge is 2 of 5 mm below the top, less beside the middle; a ridge's is its top."""
+    ridge = Crowned(10.0, 2.0, ridge=1.0)
+    pads = load(half=(7.0, 7.0)), load(half=(7.0, 7.0), offset=(2.0, 0.0)), load(ridge, half=(7.0, 7.0))
+    centred, beside, on_top = (shaped_pad._edge_left(one, np.array([0.01, 0.15, 0.3, 0.45, 0.6])) for one in pads)
+    assert centred == pytest.approx([0.0, 0.0, 0.0664, 0.0814, 0.03], abs=1e-4)
+    assert on_top == pytest.approx([0.15, 0.15, 0.1329, 0.0814, 0.03], abs=1e-4)
+    assert beside[0] == 0.0 < beside[1] < on_top[1] and centred[2] < beside[2]
 
 
 FIELD = Bumped.proportioned(5.0, 0.3)

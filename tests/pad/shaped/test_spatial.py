@@ -13,6 +13,7 @@ from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.axisymmetric.case import Case
+from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 from dummydesign.pad.axisymmetric.shaped_problem import shaped_problem as round_problem
 from dummydesign.pad.axisymmetric.shaped_problem import solve_path
 from dummydesign.pad.fem.mesh_axisymmetric import lines_by_size
@@ -136,6 +137,16 @@ def test_a_crown_in_space_carries_what_it_does_in_a_meridian_plane():
     flat = follow(round_problem(press, 24, 0.1), depths, 0.02, 0.01, 3e-4).force
     space = pressed(Crowned(10.0, 2.0), 5.0, depths, RADIUS, GridFineness(5))
     assert space[:2] == pytest.approx(flat[:2], rel=0.01) and space[2:] == pytest.approx(flat[2:], rel=0.03)
+
+
+@pytest.mark.slow
+def test_a_crown_on_large_cells_in_space_is_within_its_error_of_one_under_a_sharp_edge():
+    """Pointed, past the punch's edge: 5 % were left out at d/h 0.4 by cells and fillet, 1 % stated."""
+    pad, depth = Pad(10.0, 1.0, RADIUS, geometry=Crowned(2.6, 3.2, 7.8)), np.array([1.0, 2.5, 4.0])
+    space = solve_shaped_block(pad, depth, GridFineness(4, slope=1.0, height_growth=2.0))
+    flat = solve_shaped_pad(pad, depth)
+    assert np.all(np.abs(space.force_N / flat.force_N - 1.0) < space.error_N / space.force_N)
+    assert space.force_N[1:] == pytest.approx(flat.force_N[1:], rel=0.025)
 
 
 @pytest.mark.slow

@@ -42,7 +42,7 @@ def test_an_edge_that_is_far_off_is_not_known():
 
 def test_the_edge_of_a_solved_crown_is_where_its_force_begins_to_rise():
     design = designs()["crowned"]
-    press = design._press(np.array([-0.1, 0.25, -0.7, 0.4]))
+    press = design.press(np.array([-0.1, 0.25, -0.7, 0.4]))
     watch, depth = EdgeWatch(press), np.round(np.arange(0.02, 0.301, 0.01), 4)
     force = solve_path(press, depth, 8, 0.05, visit=watch).force
     found = watch.reached(float(np.exp(-0.7)), 0.05 * press.scale / press.radius)

@@ -81,6 +81,7 @@ class DesignPage:
 
     def _controls(self) -> None:
         """Build the controls, empty of what the state says."""
+        html("<h2>The pad that is shown</h2>")
         kinds = {name: words for name, words in select_options.shapes().items() if name != "auto"}
         self.kind = widgets.select("Shape", kinds, self.state.kind, "kind")
         self.thickness = Slider("Thickness", "mm", 3.0, 30.0, 0.1, self.state.thickness_mm, self.moved)

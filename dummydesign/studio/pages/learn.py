@@ -25,7 +25,6 @@ INTERVAL = ("value", "low", "high")
 def show_learning(project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page."""
     root = project.root
-    html("<p>The model against a pressed campaign: what it lacks, how large that is, and what to measure next.</p>")
     undo_bar(root)
     known = select_options.campaigns(root)
     if known:

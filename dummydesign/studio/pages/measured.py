@@ -15,7 +15,6 @@ from dummydesign.project.folder import Project
 from dummydesign.project.status import TEXTS
 from dummydesign.studio import jobs, widgets
 from dummydesign.studio import trash as bin
-from dummydesign.studio.access import LARGEST_BYTES
 from dummydesign.studio.file_actions import DropList, manage, undo_bar
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.project_index import presses_text
@@ -45,16 +44,12 @@ class MeasuredPage:
         self._folder = self._root / "measured"
         self._let_go: set[str] = set()
         wanted, last = query.get("files"), jobs.latest(self._root, "import")
-        chosen = wanted.split(SEPARATOR) if wanted else [Path(name).name for name in _sources(last)] if last else []
+        usual = [Path(name).name for name in _sources(last)] if last else self._names()
+        chosen = wanted.split(SEPARATOR) if wanted else usual
         for name in chosen:
             if wanted and name not in self._names():
                 widgets.tell_problem(f"'{name}' is not in measured/ (any more). Choose another file, or bring it back.")
         self._bar = undo_bar(self._root)
-        words = (
-            "Files of your test machine: text with columns of time, displacement and force, or .xlsx; "
-            f"up to {LARGEST_BYTES // 2**20} MB each."
-        )
-        html(f"<p>{words}</p>")
         self._drop = DropList(self._take, lambda: None, test="measured")
         self._chosen = widgets.select_several("Files to read", {}, [], "files")
         self._work = JobPanel(
@@ -68,7 +63,7 @@ class MeasuredPage:
             needs="files",
         )
         self._open = widgets.Form("open")
-        with widgets.fold("What the file leaves open (only when asked)"), widgets.fields():
+        with widgets.fold("Columns, units and signs (only where a reading asks for them)"), widgets.fields():
             for name, text in OPEN.items():
                 self._open.text(name, text)
         self._change = widgets.fold("Rename, replace or delete files", "change-files", self._list_files)

@@ -31,6 +31,7 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.report.plot import PLOTLY
 from dummydesign.studio import figures, file_transfer
 from dummydesign.studio.access import FRAME_POLICY, VIEW, Guard, same_secret
+from dummydesign.studio.file_actions import undo_bar
 from dummydesign.studio.pages import campaign, cast, design, learn, measured, mould, overview, pucks, tissue
 from dummydesign.studio.widgets import Body, lay_out
 
@@ -53,7 +54,7 @@ PAGES: dict[str, tuple[str, str, Body]] = {
     "/learn": (
         "Learn",
         "The model against a pressed campaign: what it lacks, how large that is, and what to measure next.",
-        learn.show_learning,
+        learn.LearnPage,
     ),
     "/resin": (
         "Resin batch",
@@ -146,6 +147,7 @@ def _add_page(root: Path, path: str) -> None:
 
     @ui.page(path)
     def page(request: Request) -> None:
+        undo_bar(root)
         lay_out(root, step, title, purpose, request.query_params, body, overview.make_new if path == "/" else None)
 
 

@@ -6,7 +6,7 @@ import json
 import math
 import re
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from html import escape
@@ -451,6 +451,11 @@ def table(
     text = re.sub(r"(<th[^>]*>)([^<&]+)(</th>)", lambda match: match[1] + marked(match[2]) + match[3], text)
     text = f'<div class="words">{text}</div>' if words else text
     html(f"<details><summary>{escape(under)}</summary>{text}</details>" if under else text)
+
+
+def records(columns: Mapping[str, str], rows: Iterable[Mapping[str, Any]], **more: Any) -> None:
+    """Show a table of values by key: a column for each head, with its key."""
+    table(list(columns), [[one.get(key) for key in columns.values()] for one in rows], **more)
 
 
 def go(path: str, words: str, state: State | None = None, test: str = "") -> None:

@@ -29,6 +29,23 @@ if TYPE_CHECKING:
 
 TABS = {"record": "1 Record", "compare": "2 Compare", "people": "3 On people"}
 
+ERRORS = {
+    "press": "file",
+    "calibrated, rms N": "rmse_N",
+    "plain model, rms N": "base_rmse_N",
+    "peak off by N": "peak_error_N",
+}
+COMPARED = {
+    "press": "file",
+    "mm/s": "velocity_mm_s",
+    "steady N": "steady_force_N",
+    "depth mm": "depth_mm",
+    "peak N": "peak_force_N",
+    "subjects from N": "range_peak_low_N",
+    "subjects to N": "range_peak_high_N",
+    "fraction in range": "inside_fraction",
+}
+
 
 def show_cast_pad(project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page."""
@@ -179,9 +196,7 @@ class PressComparison:
             elif mine:
                 html(f"<p>{escape(str(one.get('reason') or 'no verdict'))}</p>")
         names = {path.rpartition("/")[2] for path in pad.files}
-        keys = ("file", "rmse_N", "base_rmse_N", "peak_error_N")
-        rows = [[one[key] for key in keys] for one in answer["trials"] if one["file"] in names]
-        widgets.table(["press", "calibrated, rms N", "plain model, rms N", "peak off by N"], rows)
+        widgets.records(ERRORS, (one for one in answer["trials"] if one["file"] in names))
         widgets.warnings(answer)
 
     def show(self, job: Job) -> None:
@@ -193,27 +208,7 @@ class PressComparison:
         if pad := answer.get("pad"):
             size = f"{pad['thickness_mm']:.2f} mm (standard error {pad['thickness_sd_mm']:.2f} mm)"
             html(f"<p>Cast: {size}, {'accepted' if pad['accepted'] else 'not accepted'}.</p>")
-        head = [
-            "press",
-            "mm/s",
-            "steady N",
-            "depth mm",
-            "peak N",
-            "subjects from N",
-            "subjects to N",
-            "fraction in range",
-        ]
-        keys = (
-            "velocity_mm_s",
-            "steady_force_N",
-            "depth_mm",
-            "peak_force_N",
-            "range_peak_low_N",
-            "range_peak_high_N",
-            "inside_fraction",
-        )
-        rows = [[Path(one["file"]).name, *(one[key] for key in keys)] for one in answer.get("by_trace", [])]
-        widgets.table(head, rows)
+        widgets.records(COMPARED, ({**one, "file": Path(one["file"]).name} for one in answer.get("by_trace", [])))
         widgets.warnings(answer)
         widgets.show_report(self.root, files, "report of the comparison")
 

@@ -15,7 +15,7 @@ from dummydesign.project.folder import Project
 from dummydesign.project.status import TEXTS
 from dummydesign.studio import jobs, widgets
 from dummydesign.studio import trash as bin
-from dummydesign.studio.file_actions import DropList, manage, undo_bar
+from dummydesign.studio.file_actions import DropList, manage, thing, undo_bar
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.project_index import presses_text
 from dummydesign.studio.state import State, page_link
@@ -31,6 +31,15 @@ OPEN = {
     "tare": "reading at no force: auto, none or a number",
     "contact": "reading at contact: auto, none or a number",
     "split": "parts: auto, or none for one press",
+}
+COLUMNS = {
+    "press": "file",
+    "samples": "samples",
+    "mm/s": "velocity_mm_s",
+    "hold s": "hold_s",
+    "depth mm": "depth_mm",
+    "peak N": "peak_force_N",
+    "steady N": "steady_force_N",
 }
 SEPARATOR = "\n"
 """Between names in the address; no file name has one."""
@@ -145,10 +154,7 @@ class MeasuredPage:
         names = self._names() if self._change.value else []
         with widgets.fresh(self._change):
             for name in names:
-                with ui.element("div").classes("thing"):
-                    html(f"<span>{escape(name)}</span>")
-                    with ui.element("div"):
-                        manage(self._root, f"measured/{name}", "file", self._moved)
+                thing(f"<span>{escape(name)}</span>", self._root, f"measured/{name}", "file", self._moved)
 
     def _moved(self, old: str, new: str) -> None:
         """Follow a file that was renamed, replaced, deleted or brought back; what was chosen stays chosen."""
@@ -190,11 +196,9 @@ class MeasuredPage:
             html(f'<p title="{escape(names)}"><b>{escape(presses_text(traces))}</b> read from {escape(read)}</p>')
         if doubts:
             widgets.fold(f"{doubts} doubt{'s' * (doubts > 1)}", "doubts", lambda: widgets.warnings(answer))
-        keys = ("file", "samples", "velocity_mm_s", "hold_s", "depth_mm", "peak_force_N", "steady_force_N")
-        head = ["press", "samples", "mm/s", "hold s", "depth mm", "peak N", "steady N"]
         with ui.element("div").classes("pair"):
             with ui.element("div"):
-                widgets.table(head, [[trace[key] for key in keys] for _, trace in traces])
+                widgets.records(COLUMNS, (trace for _, trace in traces))
             if answer.get("preview") and (self._root / answer["preview"]).is_file():
                 widgets.shown_file(f"/files/{answer['preview']}", "preview of the presses")
         made = [(Path(one["source"]).name, each) for one in files for each in one["decisions"]]

@@ -15,7 +15,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.project.folder import Project
 from dummydesign.studio import figures, project_index, select_options, widgets
-from dummydesign.studio.file_actions import manage, undo_bar
+from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, holds_answer, options
 from dummydesign.studio.state import State, design_state, design_summary, page_link
@@ -30,7 +30,6 @@ class MouldPage:
 
     def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
         self.root, self.state = project.root, state
-        undo_bar(self.root)
         self.source = widgets.area()
         mine = [one for one in project_index.moulds(self.root) if one.is_of(state)]
         length_mm, width_mm = (mine[-1].length_mm, mine[-1].width_mm) if mine else OUTLINE_MM
@@ -117,10 +116,8 @@ class MouldPage:
 
     def _files(self, folder: str, label: str = "", test: str = "") -> None:
         """Buttons, solids, files and checks of a mould; of a pad that must not be cast, folded away."""
-        with ui.element("div").classes("thing"):
-            html(f'<h2 data-test="{escape(test)}">{escape(folder)}</h2><p>{escape(label)}</p>')
-            with ui.element("div"):
-                manage(self.root, folder, "mould", lambda old, new: open_page("/mould", self.chosen()))
+        words = f'<h2 data-test="{escape(test)}">{escape(folder)}</h2><p>{escape(label)}</p>'
+        thing(words, self.root, folder, "mould", lambda old, new: open_page("/mould", self.chosen()))
         if red := verdict_of(self.root, self.chosen()):
             html(f'<p class="problem" data-test="do-not-cast">Do not cast. {escape(red)}</p>')
             with widgets.fold("Files of this mould, for the record", "files-for-the-record"):

@@ -16,7 +16,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project, change_project, project_of
 from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, file_transfer, jobs, project_index, select_options, widgets
-from dummydesign.studio.file_actions import manage, undo_bar
+from dummydesign.studio.file_actions import manage
 from dummydesign.studio.job_panel import JobPanel, Steps
 from dummydesign.studio.state import State, absolute, page_link
 from dummydesign.studio.widgets import html, keep_state, open_page
@@ -33,7 +33,6 @@ class TissuePage:
         self.root, self.query = project.root, query
         self._project, self._state = project, state
         self._own = {name: query[name] for name in OWN if name in query}
-        undo_bar(self.root)
         with widgets.fields():
             self._chosen = widgets.select("Tissue that the dummy imitates", {}, "", "tissue")
             with ui.element("div"):
@@ -391,8 +390,9 @@ class _People:
             return
         html(f"<p><b>{escape(name)}</b>: {len(fits)} people. It is in your own library, for all projects.</p>")
         self._page.use_button(name)
-        keys = ("rmse_N", "noise_floor_N")
-        rows = [[Path(fit["inputs"]["out"]).stem, len(fit["by_trace"]), *(fit[key] for key in keys)] for fit in fits]
+        rows = [
+            [Path(fit["inputs"]["out"]).stem, len(fit["by_trace"]), fit["rmse_N"], fit["noise_floor_N"]] for fit in fits
+        ]
         widgets.table(["person", "presses", "residual N rms", "noise N"], rows)
         widgets.warnings(answer)
         for fit in fits:

@@ -147,8 +147,8 @@ def _add_page(root: Path, path: str) -> None:
 
     @ui.page(path)
     def page(request: Request) -> None:
-        undo_bar(root)
         lay_out(root, step, title, purpose, request.query_params, body, overview.make_new if path == "/" else None)
+        undo_bar(root)
 
 
 def _readable(root: Path, path: str) -> Path:

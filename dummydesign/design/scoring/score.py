@@ -108,9 +108,7 @@ def press_all(
     # of one design all conditions at once: the recursion costs by its steps, not by its presses
     count = len(pressed)
     every = press_to_depth(slabs.take(np.zeros(count, int)), depth[0], pressed[:, 1], sampling)
-    columns = every.time_s, every.force_N, every.stop_s, every.depth_mm, every.displacement_mm
-    rows = (slice(number, number + 1) for number in range(count))
-    return reached, tuple(SimulatedPress(*(one[row] for one in columns), stopped=every.stopped) for row in rows)
+    return reached, tuple(every.press(number) for number in range(count))
 
 
 def scored_for(evaluation: Evaluation, targets: Targets) -> Evaluation:

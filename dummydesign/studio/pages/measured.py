@@ -53,14 +53,14 @@ class MeasuredPage:
         self._folder = self._root / "measured"
         self._let_go: set[str] = set()
         wanted, last = query.get("files"), jobs.latest(self._root, "import")
-        usual = [Path(name).name for name in _sources(last)] if last else self._names()
-        chosen = wanted.split(SEPARATOR) if wanted else usual
+        chosen = wanted.split(SEPARATOR) if wanted else [Path(name).name for name in _sources(last)] if last else []
         for name in chosen:
             if wanted and name not in self._names():
                 widgets.tell_problem(f"'{name}' is not in measured/ (any more). Choose another file, or bring it back.")
         self._bar = undo_bar(self._root)
         self._drop = DropList(self._take, lambda: None, test="measured")
         self._chosen = widgets.select_several("Files to read", {}, [], "files")
+        self._all = widgets.button("Choose all files", lambda: self._choose(self._names()), "all-files")
         self._work = JobPanel(
             self._root,
             "import",
@@ -123,6 +123,7 @@ class MeasuredPage:
         there = self._names()
         self._chosen.set_options(there, value=[name for name in names if name in there])
         self._chosen.set_enabled(bool(there))
+        self._all.set_visibility(bool(there) and not self._chosen.value)
         self._work.renew()
 
     def _add(self, name: str) -> None:
@@ -132,6 +133,7 @@ class MeasuredPage:
 
     def _renew(self) -> None:
         keep_state(self._state, files=SEPARATOR.join(self._chosen.value or []))
+        self._all.set_visibility(bool(self._chosen.options) and not self._chosen.value)
         self._work.renew()
 
     def _words(self) -> list[str]:

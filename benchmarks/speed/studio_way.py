@@ -1,8 +1,7 @@
 """Where the seconds go from an empty folder to a mould's archive: ``python -m benchmarks.speed.studio_way``.
 
 Clicks as a user does, in Chromium. Of each command: the time from the click until its process was started, until it
-ran, until it ended, and until its answer was on the page, by the clock; and its processor time, which a busy machine
-does not lengthen. All steps of the command are listed with when they began.
+ran, until it ended, and until its answer was on the page, by the clock. All steps are listed with when they began.
 """
 
 from __future__ import annotations
@@ -51,8 +50,7 @@ def main() -> None:
                     asked, status = (json.loads((job / one).read_text()) for one in ("command.json", "status.json"))
                     times = asked["start"] - clicked, status["start"] - asked["start"], status["end"] - status["start"]
                     words = "{:.2f} s to the job, {:.2f} s to its process, {:.2f} s at work".format(*times)
-                    spent = f"; processor {status['processor_s']:.1f} s" if "processor_s" in status else ""
-                    print(f"          {words}, {seen - status['end']:.2f} s to the page{spent}")
+                    print(f"          {words}, {seen - status['end']:.2f} s to the page")
                 page.locator(f"{by(f'found-{name}')} {by(found)}").first.click()
             note("the archive is asked for")
             ended.set()

@@ -30,7 +30,7 @@
     const narrow = div.clientWidth < NARROW_PX;
     if (narrow) {
       for (const one of [layout.xaxis, layout.yaxis]) delete one.title;
-      if (layout.xaxis.dtick) Object.assign(layout.xaxis, { dtick: div.clientWidth < 0.6 * NARROW_PX ? 2 : 1, tickangle: 0 });
+      if (layout.xaxis.dtick) Object.assign(layout.xaxis, { dtick: div.clientWidth < 0.7 * NARROW_PX ? 2 : 1, tickangle: 0 });
     }
     const axis = { color: of("--soft"), gridcolor: of("--rule"), linecolor: of("--other"), showline: true, mirror: true,
       zeroline: false, zerolinecolor: of("--other"), automargin: true, hoverformat: ".4~g", title: { font: { color: of("--ink") }, standoff: 6 } };

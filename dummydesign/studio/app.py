@@ -31,19 +31,37 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.report.plot import PLOTLY
 from dummydesign.studio import figures, file_transfer
 from dummydesign.studio.access import FRAME_POLICY, VIEW, Guard, same_secret
+from dummydesign.studio.file_actions import undo_bar
 from dummydesign.studio.pages import campaign, cast, design, learn, measured, mould, overview, pucks, tissue
 from dummydesign.studio.widgets import Body, lay_out
 
-PAGES: dict[str, tuple[str, Body]] = {
-    "/": ("Overview", overview.show_status),
-    "/measured": ("Measured files", measured.MeasuredPage),
-    "/tissue": ("Tissue", tissue.TissuePage),
-    "/design": ("Design", design.DesignPage),
-    "/mould": ("Mould", mould.MouldPage),
-    "/cast": ("Check a cast pad", cast.show_cast_pad),
-    "/campaign": ("Campaign", campaign.show_campaigns),
-    "/learn": ("Learn", learn.show_learning),
-    "/resin": ("Resin batch", pucks.PuckPage),
+PAGES: dict[str, tuple[str, str, Body]] = {
+    "/": ("Overview", "", overview.show_status),
+    "/measured": (
+        "Measured files",
+        "Presses that your test machine wrote: text with columns of time, displacement and force, or .xlsx.",
+        measured.MeasuredPage,
+    ),
+    "/tissue": ("Tissue", "What the pad imitates: how deep people give way under a force.", tissue.TissuePage),
+    "/design": ("Design", "Find the pad that feels like the tissue, or try one by the sliders.", design.DesignPage),
+    "/mould": ("Mould", "What to print, what to weigh and how to pour one pad.", mould.MouldPage),
+    "/cast": ("Check a cast pad", "Is the pad as designed, and does it feel like the tissue?", cast.show_cast_pad),
+    "/campaign": (
+        "Campaign",
+        "Press cast pads by a plan. Their presses teach the model what it lacks.",
+        campaign.show_campaigns,
+    ),
+    "/learn": (
+        "Learn",
+        "The model against a pressed campaign: what it lacks, how large that is, and what to measure next.",
+        learn.LearnPage,
+    ),
+    "/resin": (
+        "Resin batch",
+        "Press a puck of the batch slowly between two plates, by a third of its height or more. "
+        "Its modulus makes a resin of the batch.",
+        pucks.PuckPage,
+    ),
 }
 
 
@@ -124,12 +142,13 @@ def _unexpected(record: logging.LogRecord) -> bool:
 
 
 def _add_page(root: Path, path: str) -> None:
-    title, body = PAGES[path]
+    title, purpose, body = PAGES[path]
     step = "/measured" if path == "/resin" else path
 
     @ui.page(path)
     def page(request: Request) -> None:
-        lay_out(root, step, title, request.query_params, body, overview.make_new if path == "/" else None)
+        lay_out(root, step, title, purpose, request.query_params, body, overview.make_new if path == "/" else None)
+        undo_bar(root)
 
 
 def _readable(root: Path, path: str) -> Path:

@@ -15,6 +15,7 @@ import numpy as np
 from dummydesign.core.errors import InputError
 from dummydesign.design.plot_data import force_grids
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.report.page import figure_values, log_start
 from dummydesign.report.plot import Plot, Series, keys_html, press_plot, steady_plot
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from dummydesign.design.scoring.targets import Targets
     from dummydesign.geometry.pad_shape import PadShape
     from dummydesign.geometry.punch import Punch
+    from dummydesign.studio.state import State
 
 
 SMALL_PX, WIDE_PX = (300.0, 222.0), (600.0, 300.0)
@@ -58,6 +60,14 @@ def _people(targets: Targets) -> tuple[Series, ...]:
     )
 
 
+def depth_text(targets: Targets) -> str:
+    """How deep the highest steady force presses the subjects and the aim, in a sentence."""
+    force_N = force_grids(targets.protocol).measured[-1:]
+    (low,), (high,) = targets.depth_range_mm(force_N)
+    (aim,) = targets.aim_depth_mm(force_N)
+    return f"At {force_N[0]:g} N they give way by {low:.1f} to {high:.1f} mm; the pad aims at {aim:.1f} mm."
+
+
 @lru_cache(maxsize=8)
 def _behind(problem: Problem) -> list[tuple[Series, ...]]:
     """What stands behind the pads of a question in each plot, once: a page is then sent what changed."""
@@ -84,11 +94,11 @@ def pad_plots(problem: Problem, shape: PadShape, pad: EvaluatedPad) -> list[Plot
         if np.isfinite(press.depth_mm[0]):
             own, reached = (
                 [Series.line("this pad", press.time_s[0], press.force_N[0])],
-                f"{press.force_N[0].max():.1f} N",
+                f"peak\u00a0{press.force_N[0].max():.1f}\u00a0N",
             )
         title = f"{condition.steady_force_N:g} N, {condition.velocity_mm_s:g} mm/s: {reached}"
         ends = 1e-2 if condition.velocity_mm_s < 50 else 1e-3, float(condition.range.time_s[-1])
-        alt = f"Force over time of the press to {title} at the peak."
+        alt = f"Force over time of the press to {title}."
         plots.append(replace(press_plot(f"press-{number}", title, alt, [*series, *own], ends), size=SMALL_PX))
     return plots
 
@@ -100,6 +110,7 @@ def pad_html(plots: Sequence[Plot]) -> str:
     strip = "".join(plot.html(keyed=False) for plot in presses)
     return (
         f'{keys_html(keys)}<div class="plots large">{first.html(keyed=False)}{across.html()}</div>'
+        '<p class="source">Force [N] over time [s] of each press</p>'
         f'<div class="plots small strip" role="group" aria-label="force [N] over time [s] of the presses">{strip}</div>'
     )
 
@@ -182,6 +193,13 @@ def section(shape: PadShape, thickness_mm: float, punch: Punch) -> Plot:
         y_range=(0.0, thickness_mm + 5.0),
         size=WIDE_PX,
     )
+
+
+def section_html(state: State) -> str:
+    """The cross-section of the pad that is chosen, as HTML; empty while its shape is none."""
+    with suppress(InputError):
+        return section(read_shape(state.shape), state.thickness_mm, read_punch(state.punch)).html()
+    return ""
 
 
 def _outline(punch: Punch, foot_mm: float) -> tuple[np.ndarray, np.ndarray]:

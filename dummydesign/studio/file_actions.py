@@ -106,6 +106,15 @@ def manage(root: Path, path: str, kind: str, then: Then) -> None:
     form, refused = ui.element("div"), ui.element("div")
 
 
+def thing(words: str, root: Path, path: str, kind: str, then: Then) -> ui.element:
+    """Add a row with a thing of the project, as HTML, and its buttons."""
+    with ui.element("div").classes("thing") as row:
+        html(words)
+        with ui.element("div"):
+            manage(root, path, kind, then)
+    return row
+
+
 def _short(root: Path, path: str) -> str:
     """What can be changed of a name."""
     target = root / path

@@ -15,6 +15,8 @@ from dummydesign.studio.widgets import html
 
 ENDED = {"failed": "no result", "stopped": "stopped", "lost": "ended"}
 Steps = list[list[str]]
+IDLE_S, AT_WORK_S = 0.5, 0.1
+"""How often the jobs are looked at. [s]"""
 
 
 class JobPanel:
@@ -65,8 +67,8 @@ class JobPanel:
                 self._lines = ui.element("div")
             self._problem = ui.element("div")
             self._result_area = (found or widgets.area()).props(f'data-test="found-{name}"')
+        self._timer = ui.timer(IDLE_S, self.update)
         self.renew()
-        ui.timer(0.5, self.update)
 
     def renew(self) -> None:
         """Write the command lines anew, after something was chosen, and show what belongs to them."""
@@ -111,6 +113,7 @@ class JobPanel:
         newest = every[-1] if every else None
         mine = newest is not None and belongs(newest, words)
         self.running = newest is not None and newest.state == "running"
+        self._timer.interval = AT_WORK_S if self.running else IDLE_S
         self._button.set_enabled(not self.running)
         self._stop.set_visibility(self.running)
         self._spinner.set_visibility(self.running)

@@ -108,7 +108,7 @@ def _summary_line(summary: dict[str, Any]) -> str:
         return f"{summary['pressed']} of {summary['pressed'] + summary['missing']} presses are there{left}"
     if {"thickness_mm", "ratio", "shape"} <= set(summary):
         verdict = str(summary.get("verdict", "")).replace("_", " ")
-        pad = f"{summary['thickness_mm']:g} mm {summary['shape']}, ratio {summary['ratio']:g}"
+        pad = f"{summary['thickness_mm']:g} mm {summary['shape'].partition(':')[0]}, ratio {summary['ratio']:g}"
         return f"{pad}, {verdict}" if verdict else pad
     if "traces" in summary:
         return f"{summary['traces']} presses"

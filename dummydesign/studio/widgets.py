@@ -6,7 +6,7 @@ import json
 import math
 import re
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from html import escape
@@ -60,6 +60,7 @@ def lay_out(
     root: Path,
     here: str,
     title: str,
+    purpose: str,
     query: Mapping[str, str],
     body: Body,
     empty: Callable[[Path], None] | None = None,
@@ -67,22 +68,24 @@ def lay_out(
     """Lay out a page; with faults of the folder on it."""
     ui.colors(primary="#0b5cad")
     ui.add_head_html(page_head())
-    ui.page_title(f"{title} – dummydesign studio")
     problem, project, state = "", None, None
     try:
         project = project_of(root)
         state = read_state(project, query) if project else None
     except (InputError, OSError) as refused:
         problem = problem_text(refused)
+    if empty and not (project or problem):
+        title = "New project"
     links = "".join(page_link(path, words, current=path == here) for path, words in STEPS)
     html(
         '<a class="skip" href="#body">to the content</a><div class="top"><div class="bar"><span class="name">'
         f'{escape(project.name if project else root.name)}</span><nav aria-label="steps">{links}</nav></div></div>'
     )
+    ui.page_title(f"{title} – dummydesign studio")
     kept = json.dumps(state.query() if state else "").replace("<", "\\u003c")
     ui.add_body_html(f"<script>stateQuery = {kept};</script>")
     with ui.element("div").classes("body").props('id="body" tabindex="-1"'):
-        html(f"<h1>{escape(title)}</h1>")
+        html(f'<div class="head"><h1>{escape(title)}</h1><p>{escape(purpose)}</p></div>')
         _tell_failures()
         if problem:
             tell_problem(f"{problem}. Fix the file in an editor, then load this page again; nothing was changed.")
@@ -275,7 +278,7 @@ class Form:
         values = self.values()
         for name, words in needed.items():
             if values[name] is None or not str(values[name]).strip():
-                raise InputError(f"{words} is empty", "missing", name)
+                raise InputError(f"type {words}", "missing", name)
         return values
 
     def kept(self) -> dict[str, str]:
@@ -448,6 +451,11 @@ def table(
     text = re.sub(r"(<th[^>]*>)([^<&]+)(</th>)", lambda match: match[1] + marked(match[2]) + match[3], text)
     text = f'<div class="words">{text}</div>' if words else text
     html(f"<details><summary>{escape(under)}</summary>{text}</details>" if under else text)
+
+
+def records(columns: Mapping[str, str], rows: Iterable[Mapping[str, Any]], **more: Any) -> None:
+    """Show a table of values by key: a column for each head, with its key."""
+    table(list(columns), [[one.get(key) for key in columns.values()] for one in rows], **more)
 
 
 def go(path: str, words: str, state: State | None = None, test: str = "") -> None:

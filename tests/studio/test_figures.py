@@ -39,7 +39,7 @@ def test_every_press_of_the_protocol_is_drawn_small(looked):
         at = np.interp(drawn["x"], press.time_s[0], press.force_N[0])
         assert drawn["y"] == pytest.approx(at.tolist(), rel=1e-4, abs=1e-5)
         assert 'style="aspect-ratio:300/222"' in plot.html()
-        assert f"{press.force_N[0].max():.1f} N" in plot.title
+        assert f"{press.force_N[0].max():.1f} N" in plot.title.replace("\u00a0", " ")
 
 
 def test_a_moved_slider_changes_the_curves_of_the_pad_alone(looked):

@@ -298,7 +298,7 @@ def test_presses_of_a_pad_are_put_on_people_by_a_drive_and_limits_of_ones_own(pa
     choose(page, "drive", "mass: a free body")
     unfold(page, "own-limits")
     assert not page.locator(f"input{by('drive-stiffness')}").is_visible()
-    page.wait_for_selector("text=mass in kg is empty")
+    page.wait_for_selector("text=type mass in kg")
     page.locator(f"input{by('drive-mass')}").fill("4")
     drop(
         page,

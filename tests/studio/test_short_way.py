@@ -75,7 +75,7 @@ def test_the_short_way_goes_by_the_keyboard_alone(tmp_path):
             assert page.evaluate("document.activeElement.id") == "body", title
 
         page.goto(studio.address)
-        opened("Overview")
+        opened("New project")
         tab_to(f"{by('tissue')}, {by('tissue')} input, label:has({by('tissue')}) input")
         page.keyboard.press("Enter")
         for _ in range(20):

@@ -73,7 +73,10 @@ def test_the_fitted_tissue_is_chosen_shown_kept_and_used(page, studio):
     fit_anna(page)
     for _ in range(2):  # at once, and after a reload
         page.wait_for_selector(f"{by('tissue')} >> text=tissue/anna.toml")
-        assert page.locator(".command code").first.inner_text() == "dummydesign tissues show tissue/anna.toml"
+        assert (
+            page.locator(f"{by('tissue-shown')} .command code").inner_text()
+            == "dummydesign tissues show tissue/anna.toml"
+        )
         assert page.locator(f"{by('found-fit')} p b").first.inner_text() == "tissue/anna.toml"
         assert page.locator(f"{by('found-fit')} div.plot").count() == 2
         page.reload()

@@ -37,6 +37,12 @@ class SimulatedPress:
     displacement_mm: NDArray
     stopped: int
 
+    def press(self, number: int) -> SimulatedPress:
+        """One of the presses, as a batch of its own."""
+        row = slice(number, number + 1)
+        time_s, displacement_mm, depth_mm = self.time_s[row], self.displacement_mm[row], self.depth_mm[row]
+        return SimulatedPress(time_s, self.force_N[row], self.stop_s[row], depth_mm, displacement_mm, self.stopped)
+
     @cached_property
     def peak_N(self) -> NDArray:
         """Largest force of each press, shape (D,); NaN where out of reach. [N]"""

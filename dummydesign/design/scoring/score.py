@@ -103,7 +103,12 @@ def press_all(
     depth = steady_depth(slabs, force_N, speed_mm_s, sampling)
     reached = depth[:, : len(forces_N)]
     depth = steady_depth(slabs, pressed[:, 0], pressed[:, 1], sampling, exact) if exact else depth[:, len(forces_N) :]
-    return reached, tuple(press_to_depth(slabs, *at, sampling) for at in zip(depth.T, pressed[:, 1].tolist()))
+    if len(depth) > 1:
+        return reached, tuple(press_to_depth(slabs, *at, sampling) for at in zip(depth.T, pressed[:, 1].tolist()))
+    # of one design all conditions at once: the recursion costs by its steps, not by its presses
+    count = len(pressed)
+    every = press_to_depth(slabs.take(np.zeros(count, int)), depth[0], pressed[:, 1], sampling)
+    return reached, tuple(every.press(number) for number in range(count))
 
 
 def scored_for(evaluation: Evaluation, targets: Targets) -> Evaluation:

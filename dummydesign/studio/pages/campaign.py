@@ -126,9 +126,9 @@ class BringIn:
         if not folder:
             return
         widgets.warnings(job.answer)
-        rows = [[str(one.get(key)) for key in ("what", "value", "why")] for one in job.answer.get("decisions", [])]
-        if rows:
-            widgets.table(["file", "taken as", "because"], rows, words=True, under=f"how {len(rows)} files were read")
+        if made := job.answer.get("decisions", []):
+            columns = {"file": "what", "taken as": "value", "because": "why"}
+            widgets.records(columns, made, words=True, under=f"how {len(made)} files were read")
         link = page_link("/campaign", f"Go on with {folder}", self.state.changed(campaign=folder), "brought")
         html(f'<p class="note">{link}. The files that waited can be removed.</p>')
 
@@ -148,7 +148,6 @@ class BringIn:
 def show_campaigns(project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page: the campaign that is chosen, then the two ways to a further one."""
     root = project.root
-    undo_bar(root)
     known = select_options.campaigns(root)
     if known:
         chosen = widgets.select("Campaign", known, state.campaign, "campaign")
@@ -292,7 +291,7 @@ def _show_status(status: CampaignStatus, chosen: State) -> None:
     if left:
         html(f"<p>To press: {escape(', '.join(status.missing[:6]))}{' …' * (left > 6)}</p>")
     if status.wrong:
-        widgets.table(["file", "looks wrong"], [[one["file"], one["message"]] for one in status.wrong], words=True)
+        widgets.records({"file": "file", "looks wrong": "message"}, status.wrong, words=True)
     if status.ready:
         widgets.go("/learn", "Learn from it", chosen, "learn")
     if done:

@@ -27,7 +27,24 @@ from dummydesign.studio.widgets import NumberField, html
 if TYPE_CHECKING:
     from dummydesign.mold.pour.acceptance import GaugePoint
 
-TABS = {"record": "1 Record what was cast", "compare": "2 Compare with the tissue", "people": "3 On people"}
+TABS = {"record": "1 Record", "compare": "2 Compare", "people": "3 On people"}
+
+ERRORS = {
+    "press": "file",
+    "calibrated, rms N": "rmse_N",
+    "plain model, rms N": "base_rmse_N",
+    "peak off by N": "peak_error_N",
+}
+COMPARED = {
+    "press": "file",
+    "mm/s": "velocity_mm_s",
+    "steady N": "steady_force_N",
+    "depth mm": "depth_mm",
+    "peak N": "peak_force_N",
+    "subjects from N": "range_peak_low_N",
+    "subjects to N": "range_peak_high_N",
+    "fraction in range": "inside_fraction",
+}
 
 
 def show_cast_pad(project: Project, state: State, query: Mapping[str, str]) -> None:
@@ -64,7 +81,7 @@ class PressComparison:
                     "CSV with time_s, displacement_mm, force_N. Bring files in another form in under Measured first.",
                     "cast",
                 )
-            self.model = widgets.fold("By the calibration: what the model says of these presses", "model")
+            self.model = widgets.fold("Predict these presses with a calibration", "model")
             with self.model:
                 self.calibration = widgets.select(
                     "Calibration", select_options.calibrations(root), state.calibration, "calibration"
@@ -179,9 +196,7 @@ class PressComparison:
             elif mine:
                 html(f"<p>{escape(str(one.get('reason') or 'no verdict'))}</p>")
         names = {path.rpartition("/")[2] for path in pad.files}
-        keys = ("file", "rmse_N", "base_rmse_N", "peak_error_N")
-        rows = [[one[key] for key in keys] for one in answer["trials"] if one["file"] in names]
-        widgets.table(["press", "calibrated, rms N", "plain model, rms N", "peak off by N"], rows)
+        widgets.records(ERRORS, (one for one in answer["trials"] if one["file"] in names))
         widgets.warnings(answer)
 
     def show(self, job: Job) -> None:
@@ -193,27 +208,7 @@ class PressComparison:
         if pad := answer.get("pad"):
             size = f"{pad['thickness_mm']:.2f} mm (standard error {pad['thickness_sd_mm']:.2f} mm)"
             html(f"<p>Cast: {size}, {'accepted' if pad['accepted'] else 'not accepted'}.</p>")
-        head = [
-            "press",
-            "mm/s",
-            "steady N",
-            "depth mm",
-            "peak N",
-            "subjects from N",
-            "subjects to N",
-            "fraction in range",
-        ]
-        keys = (
-            "velocity_mm_s",
-            "steady_force_N",
-            "depth_mm",
-            "peak_force_N",
-            "range_peak_low_N",
-            "range_peak_high_N",
-            "inside_fraction",
-        )
-        rows = [[Path(one["file"]).name, *(one[key] for key in keys)] for one in answer.get("by_trace", [])]
-        widgets.table(head, rows)
+        widgets.records(COMPARED, ({**one, "file": Path(one["file"]).name} for one in answer.get("by_trace", [])))
         widgets.warnings(answer)
         widgets.show_report(self.root, files, "report of the comparison")
 
@@ -231,6 +226,8 @@ def correction(verdict: Mapping[str, Any]) -> str:
         return "No correction: this pad is not usable."
     if sure is None or sure < 1.005:
         return "Correction: none needed."
+    if central >= 1.005 and sure - central < 0.005:
+        return f"Correction: multiply readings by {sure:.2f}; this is safe in 95 % of cases."
     best = "none" if central < 1.005 else f"multiply readings by {central:.2f}"
     return f"Correction: {best} at central estimates. Multiply by {sure:.2f} to be safe in 95 % of cases."
 
@@ -239,8 +236,8 @@ TYPED = "cast_"
 """Beginning of the names under which the address keeps what was typed of a cast pad."""
 TAB, MOULD = f"{TYPED}tab", f"{TYPED}mould"
 OTHERS = {
-    "mass": ("Mass, trimmed [g]", "of the pad"),
-    "modulus": ("Witness modulus [kPa]", "of the puck; optional"),
+    "mass": ("Mass [g]", "of the trimmed pad"),
+    "modulus": ("Modulus [kPa]", "of a puck; optional"),
     "level": ("Level [deg]", "when filled; optional"),
     "bubbles": ("Bubbles", "over 1 mm; optional"),
 }
@@ -259,14 +256,15 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
     chosen = widgets.select("Mould it was cast in", known, before if before in known else first, "record-mould")
     others, gauged = widgets.Form("record", typed), widgets.Form("gauge", typed)
     with ui.element("div").classes("pair"):
+        map_of = html("")
         with ui.element("div"):
-            map_of, button = html(""), ui.element("div")
-        with ui.element("div"):
+            html("<b>Thickness at each point</b>")
             points = widgets.fields()
             with widgets.fields():
                 for name, (label, hint) in OTHERS.items():
                     others.number(name, label, hint=hint)
                 others.text("note", "Note", hint="optional")
+            button = ui.element("div")
 
     def words() -> list[str]:
         thickness = gauged.filled(**{name: f"thickness at {name}" for name in gauged.fields})
@@ -317,9 +315,7 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
         gauged.fields.clear()
         with widgets.fresh(points):
             for number, one in enumerate(project_index.gauge_points(root / chosen.value), 1):
-                gauged.number(
-                    one.name, f"{number} Thickness, {one.name} [mm]", hint=f"{one.low_mm:.2f} to {one.high_mm:.2f} mm"
-                )
+                gauged.number(one.name, f"{number} {one.name} [mm]", hint=f"{one.low_mm:.2f} to {one.high_mm:.2f}")
                 gauged.fields[one.name].on_value_change(renew)
         draw_map()
         list_records()
@@ -428,7 +424,7 @@ class PeopleOfPad:
         values = {name: self.numbers[name].number for name in self._wanted()}
         for name, value in values.items():
             if value is None:
-                raise InputError(f"{name} is empty: give it", "missing", "drive")
+                raise InputError(f"type {name}", "missing", "drive")
         numbers = ",".join(f"{value:g}" for value in values.values())
         drive = read_drive(f"{self.drive.value}:{numbers}" if numbers else self.drive.value)
         given = {

@@ -75,12 +75,12 @@ class DesignPage:
             with choices:
                 self.search = search.Search(project, lambda: self.state, self.take, found)
                 self._controls()
-        self.stamp: object = None
         self.take(state)
         ui.timer(WATCH_S, self.watch)
 
     def _controls(self) -> None:
         """Build the controls, empty of what the state says."""
+        html("<h2>The pad that is shown</h2>")
         kinds = {name: words for name, words in select_options.shapes().items() if name != "auto"}
         self.kind = widgets.select("Shape", kinds, self.state.kind, "kind")
         self.thickness = Slider("Thickness", "mm", 3.0, 30.0, 0.1, self.state.thickness_mm, self.moved)
@@ -148,7 +148,7 @@ class DesignPage:
 
     def take(self, state: State) -> None:
         """Show a state: every control and every panel."""
-        self.state, self.setting = state, True
+        self.state, self.setting, self.stamp = state, True, sliders.stamp_of(self.root, state)
         try:
             self._set_choices(state)
             self._set_sliders(state)
@@ -225,13 +225,13 @@ class DesignPage:
     def evaluate(self) -> None:
         """Something changed: press the pad anew, once for all moves that came in the meantime."""
         self.wanted += 1
-        self.stamp = sliders.stamp_of(self.root, self.state)
         if not self.busy:
             background_tasks.create_or_defer(self.follow(), context=self.verdict)
 
     def watch(self) -> None:
         """A file was changed on the disk: the verdict is made anew."""
-        if sliders.stamp_of(self.root, self.state) != self.stamp:
+        before, self.stamp = self.stamp, sliders.stamp_of(self.root, self.state)
+        if before != self.stamp:
             self.evaluate()
 
     async def follow(self) -> None:

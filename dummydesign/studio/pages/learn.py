@@ -13,7 +13,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
 from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, project_index, select_options, widgets
-from dummydesign.studio.file_actions import manage, undo_bar
+from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, options
 from dummydesign.studio.state import State, page_link
@@ -22,30 +22,22 @@ from dummydesign.studio.widgets import html, keep_state, open_page
 INTERVAL = ("value", "low", "high")
 
 
-def show_learning(project: Project, state: State, query: Mapping[str, str]) -> None:
-    """Build the page."""
-    root = project.root
-    html("<p>The model against a pressed campaign: what it lacks, how large that is, and what to measure next.</p>")
-    undo_bar(root)
-    known = select_options.campaigns(root)
-    if known:
-        Learning(root, state, known)
-    else:
-        html(f'<p class="note">No campaign yet: {page_link("/campaign", "plan one")}.</p>')
+class LearnPage:
+    """The page: a campaign, and what was learned from it."""
 
-
-class Learning:
-    """The page of one visitor: a campaign, and what was learned from it."""
-
-    def __init__(self, root: Path, state: State, known: Mapping[str, str]) -> None:
-        self.root, self.state = root, state
+    def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
+        self.root, self.state = project.root, state
+        known = select_options.campaigns(self.root)
+        if not known:
+            html(f'<p class="note">No campaign yet: {page_link("/campaign", "plan one")}.</p>')
+            return
         with ui.element("div").classes("fields"):
             self.campaign = widgets.select("Campaign", known, state.campaign, "campaign")
             self.prior = widgets.select(
-                "Earlier calibration of the same material", select_options.calibrations(root), ""
+                "Earlier calibration of the same material", select_options.calibrations(self.root), ""
             )
         self.work = JobPanel(
-            root,
+            self.root,
             "loop",
             "Learn from it",
             self.words,
@@ -57,7 +49,7 @@ class Learning:
         self.others = widgets.area()
         html("<h2 id=next>The next measurement</h2><p>Plans the presses that tell most, as a new campaign.</p>")
         self.next = JobPanel(
-            root,
+            self.root,
             "next",
             "Plan the next measurement",
             self.next_words,
@@ -152,10 +144,8 @@ class Learning:
                 html("<h2>Calibrations of this campaign</h2>")
             for one in known:
                 above = ": it is shown above" if one.folder == shown else ""
-                with ui.element("div").classes("thing"):
-                    html(f'<span data-test="calibration"><b>{escape(one.folder)}</b>{above}</span>')
-                    with ui.element("div"):
-                        manage(self.root, one.folder, "calibration", self._moved)
+                words = f'<span data-test="calibration"><b>{escape(one.folder)}</b>{above}</span>'
+                thing(words, self.root, one.folder, "calibration", self._moved)
                 if above:
                     continue
                 self._outdated(one.folder)

@@ -15,8 +15,7 @@ from dummydesign.project.folder import Project
 from dummydesign.project.status import TEXTS
 from dummydesign.studio import jobs, widgets
 from dummydesign.studio import trash as bin
-from dummydesign.studio.access import LARGEST_BYTES
-from dummydesign.studio.file_actions import DropList, manage, undo_bar
+from dummydesign.studio.file_actions import DropList, manage, thing, undo_bar
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.project_index import presses_text
 from dummydesign.studio.state import State, page_link
@@ -32,6 +31,15 @@ OPEN = {
     "tare": "reading at no force: auto, none or a number",
     "contact": "reading at contact: auto, none or a number",
     "split": "parts: auto, or none for one press",
+}
+COLUMNS = {
+    "press": "file",
+    "samples": "samples",
+    "mm/s": "velocity_mm_s",
+    "hold s": "hold_s",
+    "depth mm": "depth_mm",
+    "peak N": "peak_force_N",
+    "steady N": "steady_force_N",
 }
 SEPARATOR = "\n"
 """Between names in the address; no file name has one."""
@@ -50,13 +58,9 @@ class MeasuredPage:
             if wanted and name not in self._names():
                 widgets.tell_problem(f"'{name}' is not in measured/ (any more). Choose another file, or bring it back.")
         self._bar = undo_bar(self._root)
-        words = (
-            "Files of your test machine: text with columns of time, displacement and force, or .xlsx; "
-            f"up to {LARGEST_BYTES // 2**20} MB each."
-        )
-        html(f"<p>{words}</p>")
         self._drop = DropList(self._take, lambda: None, test="measured")
         self._chosen = widgets.select_several("Files to read", {}, [], "files")
+        self._all = widgets.button("Choose all files", lambda: self._choose(self._names()), "all-files")
         self._work = JobPanel(
             self._root,
             "import",
@@ -68,7 +72,7 @@ class MeasuredPage:
             needs="files",
         )
         self._open = widgets.Form("open")
-        with widgets.fold("What the file leaves open (only when asked)"), widgets.fields():
+        with widgets.fold("Columns, units and signs (only where a reading asks for them)"), widgets.fields():
             for name, text in OPEN.items():
                 self._open.text(name, text)
         self._change = widgets.fold("Rename, replace or delete files", "change-files", self._list_files)
@@ -119,6 +123,7 @@ class MeasuredPage:
         there = self._names()
         self._chosen.set_options(there, value=[name for name in names if name in there])
         self._chosen.set_enabled(bool(there))
+        self._all.set_visibility(bool(there) and not self._chosen.value)
         self._work.renew()
 
     def _add(self, name: str) -> None:
@@ -128,6 +133,7 @@ class MeasuredPage:
 
     def _renew(self) -> None:
         keep_state(self._state, files=SEPARATOR.join(self._chosen.value or []))
+        self._all.set_visibility(bool(self._chosen.options) and not self._chosen.value)
         self._work.renew()
 
     def _words(self) -> list[str]:
@@ -150,10 +156,7 @@ class MeasuredPage:
         names = self._names() if self._change.value else []
         with widgets.fresh(self._change):
             for name in names:
-                with ui.element("div").classes("thing"):
-                    html(f"<span>{escape(name)}</span>")
-                    with ui.element("div"):
-                        manage(self._root, f"measured/{name}", "file", self._moved)
+                thing(f"<span>{escape(name)}</span>", self._root, f"measured/{name}", "file", self._moved)
 
     def _moved(self, old: str, new: str) -> None:
         """Follow a file that was renamed, replaced, deleted or brought back; what was chosen stays chosen."""
@@ -195,11 +198,9 @@ class MeasuredPage:
             html(f'<p title="{escape(names)}"><b>{escape(presses_text(traces))}</b> read from {escape(read)}</p>')
         if doubts:
             widgets.fold(f"{doubts} doubt{'s' * (doubts > 1)}", "doubts", lambda: widgets.warnings(answer))
-        keys = ("file", "samples", "velocity_mm_s", "hold_s", "depth_mm", "peak_force_N", "steady_force_N")
-        head = ["press", "samples", "mm/s", "hold s", "depth mm", "peak N", "steady N"]
         with ui.element("div").classes("pair"):
             with ui.element("div"):
-                widgets.table(head, [[trace[key] for key in keys] for _, trace in traces])
+                widgets.records(COLUMNS, (trace for _, trace in traces))
             if answer.get("preview") and (self._root / answer["preview"]).is_file():
                 widgets.shown_file(f"/files/{answer['preview']}", "preview of the presses")
         made = [(Path(one["source"]).name, each) for one in files for each in one["decisions"]]

@@ -14,8 +14,8 @@ from nicegui import ui
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.project.folder import Project
-from dummydesign.studio import project_index, select_options, widgets
-from dummydesign.studio.file_actions import manage, undo_bar
+from dummydesign.studio import figures, project_index, select_options, widgets
+from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, holds_answer, options
 from dummydesign.studio.state import State, design_state, design_summary, page_link
@@ -30,21 +30,21 @@ class MouldPage:
 
     def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
         self.root, self.state = project.root, state
-        undo_bar(self.root)
         self.source = widgets.area()
         mine = [one for one in project_index.moulds(self.root) if one.is_of(state)]
         length_mm, width_mm = (mine[-1].length_mm, mine[-1].width_mm) if mine else OUTLINE_MM
         preset = mine[-1].preset if mine and mine[-1].preset in project_index.PRESETS else "open"
         self.form = form = widgets.Form("mould")
-        with widgets.fields():
+        with ui.element("div").classes("pair"):
+            fields, self.section = widgets.fields(), html("")
+        with fields:
             form.add("thickness", widgets.NumberField("Thickness [mm]", state.thickness_mm, *THICKNESS_MM), "thickness")
             form.number("length", "Length [mm]", length_mm, *OUTLINES_MM)
             form.number("width", "Width [mm]", width_mm, *OUTLINES_MM)
-            form.text("shape", "Shape", state.shape)
             form.number("ratio", "Ratio", state.ratio)
+            form.text("shape", "Shape", state.shape)
             form.choice("resin", "Resin", select_options.resins(), state.resin)
-            form.choice("preset", "Kind of mould", {name: name for name in project_index.PRESETS}, preset)
-        self.kind = html("")
+            form.choice("preset", "Kind of mould", project_index.PRESETS, preset)
         self.work = JobPanel(
             self.root,
             "mould",
@@ -93,9 +93,7 @@ class MouldPage:
         now = self.chosen()
         with widgets.fresh(self.source):
             _source(self.root, now)
-        self.kind.set_content(
-            f'<p class="source">{escape(project_index.PRESETS[self.form.fields["preset"].value])}</p>'
-        )
+        self.section.set_content(figures.section_html(now))
         self.work.renew()
         self.list_moulds()
 
@@ -118,10 +116,8 @@ class MouldPage:
 
     def _files(self, folder: str, label: str = "", test: str = "") -> None:
         """Buttons, solids, files and checks of a mould; of a pad that must not be cast, folded away."""
-        with ui.element("div").classes("thing"):
-            html(f'<h2 data-test="{escape(test)}">{escape(folder)}</h2><p>{escape(label)}</p>')
-            with ui.element("div"):
-                manage(self.root, folder, "mould", lambda old, new: open_page("/mould", self.chosen()))
+        words = f'<h2 data-test="{escape(test)}">{escape(folder)}</h2><p>{escape(label)}</p>'
+        thing(words, self.root, folder, "mould", lambda old, new: open_page("/mould", self.chosen()))
         if red := verdict_of(self.root, self.chosen()):
             html(f'<p class="problem" data-test="do-not-cast">Do not cast. {escape(red)}</p>')
             with widgets.fold("Files of this mould, for the record", "files-for-the-record"):
@@ -223,4 +219,5 @@ def _checks(folder: Path) -> None:
     except (OSError, ValueError, KeyError, TypeError):
         return
     said = f"{passed} of {len(checks)} checks passed"
-    widgets.table(["check", "", "because"], rest, words=True, under=said) if rest else html(f"<p>{said}</p>")
+    said += ", the others could not be run" * all(row[1] == "skipped" for row in rest)
+    widgets.table(["check", "", "because"], rest, words=True, under=said) if rest else html(f"<p>{escape(said)}</p>")

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from html import escape
 from pathlib import Path
 
 from nicegui import ui
 
-from dummydesign.core.errors import InputError
 from dummydesign.design.scoring.verdict import LEVELS, LIGHTS
-from dummydesign.geometry.punch import read_punch
-from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project, make_example, make_project
 from dummydesign.project.status import STANDARD_RESIN, ProjectStatus, pads_of, status_of
 from dummydesign.studio import figures, jobs, project_index, select_options, widgets
@@ -34,15 +30,14 @@ ROOMS = {
 def make_new(root: Path) -> None:
     """Build the page of a folder that is no project yet."""
     html(
-        "<p>A project folder keeps everything about one dummy: what was measured, the tissue, designs, moulds, "
-        "campaigns and what was learned. The files in it are all there is; this page keeps nothing.</p>"
+        "<p>Turn presses on people into a pad that feels the same: its resin, its shape and its mould. "
+        "A project is a folder with everything about one such pad.</p>"
     )
     form = widgets.Form("new")
     with widgets.fields():
         form.add("name", ui.input("Name", value=root.name), "name")
         form.add("tissue", widgets.select("Tissue", {"": "decide later", **select_options.tissues(root)}, ""), "tissue")
         form.choice("resin", "Resin", select_options.resins(), STANDARD_RESIN)
-    line = widgets.area()
 
     def given() -> dict[str, str | None]:
         return {name: text or None for name, text in form.kept().items()}
@@ -51,8 +46,6 @@ def make_new(root: Path) -> None:
         with widgets.fresh(line):
             widgets.command_line(["init", ".", *jobs.options(given())])
 
-    form.on_change(renew)
-    renew()
     problem = ui.element("div")
 
     def make() -> None:
@@ -68,7 +61,10 @@ def make_new(root: Path) -> None:
     with ui.element("div").classes("links"):
         widgets.button("Make the project", make, "make", main=True)
         widgets.button("Open an example instead", example, "example")
-    html("<p>The example has presses of a forefinger and a pressed campaign, both simulated.</p>")
+        html('<span class="source">with presses of a forefinger and a pressed campaign, both simulated</span>')
+    line = widgets.area()
+    form.on_change(renew)
+    renew()
 
 
 def show_status(project: Project, state: State, query: Mapping[str, str]) -> None:
@@ -78,9 +74,9 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
     html(_strip(status, page, following))
     with ui.element("div").classes("pair"):
         with ui.element("div"):
-            html(f'<p class="next">Next: <b>{escape(status.next_text)}</b></p>')
-            link = f"{address(page)}?{escape(following.query())}"
-            html(f'<a class="go" data-test="next" href="{link}">Go there</a>')
+            html("<p>Next step:</p>")
+            words = status.next_text
+            html(page_link(page, f"{words[:1].upper()}{words[1:]}", following, "next", kind="go"))
             widgets.command_line(shlex.split(status.next_command)[1:])
             given = ", ".join(f"{name} {value}" for name, value in project.given().items()) or "nothing chosen yet"
             html(f"<p>Chosen for this project: {escape(given)}</p>")
@@ -157,9 +153,7 @@ def _show_newest(root: Path, status: ProjectStatus, state: State) -> None:
     light, text = LIGHTS.get(str(summary.get("verdict")), "amber"), str(summary.get("text", ""))
     with ui.element("div"):
         widgets.tell_verdict(light, text, newest.label, "newest")
-    with suppress(InputError):
-        plot = figures.section(read_shape(newest.shape), newest.thickness_mm, read_punch(newest.punch))
-        html(f'<div class="plots">{plot.html()}</div>')
+    html(figures.section_html(newest))
 
 
 def _list(lines: Sequence[str]) -> str:

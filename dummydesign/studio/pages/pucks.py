@@ -28,10 +28,6 @@ class PuckPage:
         self._root, self._project, self._state = project.root, project, state
         known = pucks(project.root)
         start = {name: query[name] for name in OWN if name in query} or _last(project.root)
-        html(
-            "<p>Press a puck of the batch slowly between two plates, by a third of its height or more. "
-            "Its modulus makes a resin of the batch.</p>"
-        )
         with widgets.fold("Print the ring of a puck", "ring", opened=not known):
             JobPanel(project.root, "ring", "Make the ring", self._ring_words, _show_ring, needs="files")
         if not known:
@@ -40,7 +36,7 @@ class PuckPage:
         first = start.get("puck") or next(iter(known))
         if first not in known:
             widgets.tell_problem(f"The press '{first}' is not there (any more). Choose another, or bring it back.")
-        bases = {"": "default: the batch itself, else polyurethane-nagoya", **select_options.resins()}
+        bases = {"": "the batch itself, or the built-in one", **select_options.resins()}
         base = start.get("base", "")
         name = start.get("name") or select_options.free_library_name("resin", "my-batch")
         self._form = form = widgets.Form(
@@ -81,10 +77,10 @@ class PuckPage:
 
     def _words(self) -> list[str]:
         given = self._form.filled(
-            diameter="The diameter of the puck",
-            height="The height of the puck",
-            mixed="The ratio of the puck",
-            name="The name of the batch",
+            diameter="the diameter of the puck",
+            height="the height of the puck",
+            mixed="the ratio of the puck",
+            name="the name of the batch",
         )
         name = given["name"].strip()
         select_options.check_name("resin", name)

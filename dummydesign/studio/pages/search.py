@@ -21,7 +21,7 @@ from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
 from dummydesign.studio import figures, jobs, select_options, widgets
 from dummydesign.studio import slider_model as sliders
-from dummydesign.studio.file_actions import manage
+from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.state import QUESTION_FIELDS, State, design_state, is_design, page_link
 from dummydesign.studio.widgets import html, open_page
@@ -205,10 +205,8 @@ class DesignList:
                 opened = self.state().changed(**design_state(root, one.folder), missing=())
                 verdict = str((one.summary or {}).get("verdict", "")).replace("_", " ")
                 link = page_link("/design", opened.design.partition("/")[2], opened)
-                with ui.element("div").classes("thing").props('data-test="design"'):
-                    html(f"<span>{link}: {escape(opened.label)}: <b>{escape(verdict)}</b></span>")
-                    with ui.element("div"):
-                        manage(self.root, one.folder, "design", self.moved)
+                words = f"<span>{link}: {escape(opened.label)}: <b>{escape(verdict)}</b></span>"
+                thing(words, root, one.folder, "design", self.moved).props('data-test="design"')
         folders = [one.folder for one in designs]
         kept = [name for name in self.chosen.value if name in folders]
         self.chosen.set_options({one: one for one in folders}, value=kept if len(kept) > 1 else folders[-2:])

@@ -16,7 +16,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project, change_project, project_of
 from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, file_transfer, jobs, project_index, select_options, widgets
-from dummydesign.studio.file_actions import manage, undo_bar
+from dummydesign.studio.file_actions import manage
 from dummydesign.studio.job_panel import JobPanel, Steps
 from dummydesign.studio.state import State, absolute, page_link
 from dummydesign.studio.widgets import html, keep_state, open_page
@@ -33,18 +33,21 @@ class TissuePage:
         self.root, self.query = project.root, query
         self._project, self._state = project, state
         self._own = {name: query[name] for name in OWN if name in query}
-        undo_bar(self.root)
         with widgets.fields():
             self._chosen = widgets.select("Tissue that the dummy imitates", {}, "", "tissue")
             with ui.element("div"):
-                widgets.button("Use it for this project", lambda: self.use(self.tissue), "use", main=True)
-        self._problem, self._shown = widgets.area(), widgets.area("tissue-shown")
+                widgets.button("Design a pad for it", lambda: self.use(self.tissue), "use", main=True)
+        self._problem, fits = widgets.area(), widgets.area()
+        self._shown = widgets.area("tissue-shown")
+        if self.tissue.startswith("tissue/"):
+            fits = widgets.area()
         self._renew()
         self._chosen.on_value_change(self._choose_shown)
         if not select_options.traces(self.root):
             html(f'<p class="note">Your own tissue: {page_link("/measured", "bring in files")} of presses first.</p>')
             return
-        with widgets.fold("Fit a tissue to your own presses", "fit", opened=True):
+        # who has presses and no tissue of their own came to fit one
+        with fits, widgets.fold("Fit a tissue to your own presses", "fit", opened=True):
             fit_panel(self)
         with widgets.fold("Several people in one tissue: assign presses to them", "people", opened="people" in query):
             _People(self)
@@ -122,15 +125,16 @@ def _show_tissue(root: Path, name: str) -> None:
         return
     try:
         tissue = load_tissue(absolute(root, name))
-        plot = figures.steady(make_targets(tissue, "average", Sampling()))
+        targets = make_targets(tissue, "average", Sampling())
+        plot = figures.steady(targets)
     except InputError as problem:
         widgets.tell_problem(str(problem))
         return
-    subjects = f"{len(tissue.subjects)} subject{'s' * (len(tissue.subjects) != 1)}"
+    subjects, deep = f"{len(tissue.subjects)} subject{'s' * (len(tissue.subjects) != 1)}", figures.depth_text(targets)
     with ui.element("div").classes("pair"):
         html(plot.html())
         with ui.element("div"):
-            html(f"<p><b>{escape(name)}</b>: {escape(tissue.title)}, {escape(subjects)}, law {escape(tissue.law)}</p>")
+            html(f"<p><b>{escape(name)}</b>: {escape(tissue.title)}, {escape(subjects)}. {escape(deep)}</p>")
             parameter_table(("mean", "lowest", "highest", "kind"), tissue.to_dict()["bands"], lambda one: one["kind"])
             widgets.command_line(["tissues", "show", name])
     report = f"{name.removesuffix('.toml')}-report.html"
@@ -257,9 +261,9 @@ def parameter_table(
             notes.append(str(note_of(one)))
     if differ := len(set(notes)) > 1:
         rows = [[*row, note] for row, note in zip(rows, notes)]
-    widgets.table(["of the law", "", *head[: 4 if differ else 3]], rows, symbols=symbols)
+    widgets.table(["parameter", "", *head[: 4 if differ else 3]], rows, symbols=symbols)
     if notes and notes[0] and not differ:
-        html(f"<p class=source>All of them: {escape(notes[0])}.</p>")
+        html(f"<p class=source>All values: {escape(notes[0])}.</p>")
 
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
@@ -386,8 +390,9 @@ class _People:
             return
         html(f"<p><b>{escape(name)}</b>: {len(fits)} people. It is in your own library, for all projects.</p>")
         self._page.use_button(name)
-        keys = ("rmse_N", "noise_floor_N")
-        rows = [[Path(fit["inputs"]["out"]).stem, len(fit["by_trace"]), *(fit[key] for key in keys)] for fit in fits]
+        rows = [
+            [Path(fit["inputs"]["out"]).stem, len(fit["by_trace"]), fit["rmse_N"], fit["noise_floor_N"]] for fit in fits
+        ]
         widgets.table(["person", "presses", "residual N rms", "noise N"], rows)
         widgets.warnings(answer)
         for fit in fits:

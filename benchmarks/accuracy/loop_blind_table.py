@@ -203,8 +203,8 @@ def _before(rows: list[Row]) -> str:
     every = ((1, "one"), (2, "two"), (3, "three"))
     counts = [f"{sum(right(row) == size for row in of[kind])} of {len(of[kind])}" for size, kind in every]
     return (
-        f"Another seed (746000), names chosen alike: {', '.join(counts)} for one, two and three effects; of two a wrong "
-        f"name in {sum(map(wrong, of['two']))} of {len(of['two'])}."
+        f"Another seed (746000), names chosen alike: {', '.join(counts)} for one, two and three effects; "
+        f"of two a wrong name in {sum(map(wrong, of['two']))} of {len(of['two'])}."
     )
 
 

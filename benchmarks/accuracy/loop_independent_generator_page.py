@@ -61,8 +61,11 @@ above).
 """
 MORE = (("sensor_clipping", 1042000), ("adhesion", 1044000))
 """Effects of which the study has too few, and the seeds of further campaigns with them alone."""
-DROPPED = ("clipping found", "adhesion found", "refused", "none: called")
-"""Rows of the table that the further campaigns show with more of them, or that are zero."""
+DROPPED = (
+    *("clipping found", "adhesion found", "refused", "none: called", "one, less: a wrong name, the right"),
+    *("unnamed function of the state: learned, or", "modulus inside, effects"),
+)
+"""Rows of the table that the further campaigns show with more of them, that are zero or follow from others."""
 FIELDS = ("seed", "put_in", "verdict", "named", "learned_over", "modulus_in_interval", "error_on_other_pads_over_base")
 INSTANCES = ("contact_offset", "force_bias", "sensor_lag", "inertia", "machine_compliance", "punch_tilt")
 STATE = ("skin", "bottom_felt", "flow_through", "creeping_hold", "cold_stiffening")

@@ -30,7 +30,7 @@ before doubts about labels and before the limit of 40 s. The present one was run
 `tests/support/independent_generator.py` has laws of its own: force curves by GetFEM, two times for every arm, other
 exponents and orders, another plan. Single effects have sizes over two decades, pairs and threes one to three times the
 usual size. {count} campaigns: `python -m benchmarks.accuracy.loop_independent_generator --seed 1500000 --campaigns
-{count} --rows benchmarks/results/loop_independent_generator_1500000.jsonl`.
+{count} --rows FILE` ([all commands](../benchmarks/results/README.md)).
 
 {rates}
 - Sizes are compared for effects whose law is the same in both: {same}.
@@ -41,9 +41,9 @@ usual size. {count} campaigns: `python -m benchmarks.accuracy.loop_independent_g
 Further campaigns:
 
 {more}
-- No effect (`--seed 1420000 --campaigns 390 --only none`): something is named in {false} of {none}; with
-  seeds 1060000, 1300000 and 1500000 in {false_beside} of {none_beside}.
-- Functions without a name (`--seed 1060000 --campaigns 104 --only unnamed none`): {learned} of {functions} of the state
+- No effect (`--seed 1420000`): something is named in {false} of {none}; with seeds 1060000, 1300000 and 1500000 in
+  {false_beside} of {none_beside}.
+- Functions without a name (`--seed 1060000`): {learned} of {functions} of the state
   are learned, of both studies {both} (`docs/data/loop-functions.csv`). A curve of the reading is named in {read} of
   {curves}.
 
@@ -53,9 +53,8 @@ Nine of ten effects are named first from {sizes} on. The others, with intervals 
 `docs/data/loop-detection.csv`. Not found so often at any size that was tried: {never}. `punch_edge` is missing, as its
 force curves exist for one size only ([what is known](loop.md#where-it-fails)).
 
-One effect a campaign, of the same generator: `python -m benchmarks.accuracy.loop_detection --seed 1030000 --rounds 6
---beside benchmarks/results/loop_independent_generator_1040000.jsonl` ({runs} campaigns, and the single effects from
-above).
+One effect a campaign, of the same generator: `python -m benchmarks.accuracy.loop_detection --seed 1030000 --rounds 6`
+({runs} campaigns, and the single effects from above).
 
 ![Chance to be named first over the size of the effect, one panel for each effect](images/loop-detection.svg)
 """
@@ -130,8 +129,7 @@ def section() -> str:
         missed = sorted(row["put"][0][1] for row in own if row["named"][:1] != [name])
         sizes = f" Missed at {' and '.join(f'{size:.2g}' for size in missed)}." if missed else ""
         more.append(
-            f"- `{name}` alone (`--seed {seed} --campaigns {len(own)} --effect {name}`): right first in"
-            f"\n  {len(own) - len(missed)} of {len(own)}.{sizes}"
+            f"- `{name}` alone (`--seed {seed}`): right first in {len(own) - len(missed)} of {len(own)}.{sizes}"
         )
     known = [*read_rows(SIZES), *loop_detection.singles([*earlier, *further])]
     none = read_rows(NONE)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import tomllib
+from functools import cache
 from pathlib import Path
 
 from dummydesign.core.files import write_text
@@ -24,6 +25,7 @@ A quantity is an option without its dashes, a key of a file, or a number with it
 """
 
 
+@cache
 def raised(package: Path = PACKAGE) -> tuple[dict[str, set[str]], list[str]]:
     """Quantities by code, as far as they stand in the sources; and places where an error has no code or no quantity."""
     quantities: dict[str, set[str]] = {code: set() for code in CODES}

@@ -79,6 +79,7 @@ def test_the_main_functions_have_an_example(ran):
     assert {f"dummydesign.{name}" for name in MAIN} <= set(ran["tried"])
 
 
+@pytest.mark.slow
 def test_examples_load_no_cad_no_finite_elements_and_no_plots_and_leave_nothing(ran):
     assert [name for name in HEAVY if name in ran["loaded"]] == []
     assert ran["left"] == []

@@ -29,6 +29,7 @@ def test_a_missing_part_is_told_with_the_command_that_brings_it(monkeypatch):
     assert part.status == "missing" and "openpyxl" in part.value and "xlsx" in part.advice
 
 
+@pytest.mark.slow
 def test_a_needed_package_that_is_missing_fails(monkeypatch, capsys):
     version = health._version
     monkeypatch.setattr(health, "_version", lambda name: None if name == "scipy" else version(name))

@@ -49,6 +49,7 @@ def evaluate(python, folder, *words):
     return subprocess.run([str(python), *words], cwd=folder, env=environment, capture_output=True, text=True)
 
 
+@pytest.mark.slow
 def test_the_installed_package_is_the_wheel_and_not_the_repository(installed, tmp_path):
     code = "import dummydesign, dummydesign.core.user_library as l; print(dummydesign.__file__); print(l.data_folder())"
     found = evaluate(installed, tmp_path, "-c", code)
@@ -72,6 +73,7 @@ def test_the_main_job_runs_from_the_wheel(installed, tmp_path, tissue):
     )
 
 
+@pytest.mark.slow
 def test_presets_tables_and_materials_travel_in_the_wheel(installed, tmp_path):
     assert json.loads(run(installed, tmp_path, "tissues", "list", "--json").stdout)["tissues"]
     assert json.loads(run(installed, tmp_path, "resins", "list", "--json").stdout)["resins"]
@@ -79,6 +81,7 @@ def test_presets_tables_and_materials_travel_in_the_wheel(installed, tmp_path):
     assert json.loads(predicted.stdout)["force_N"][0] == pytest.approx(5.37, rel=0.01)
 
 
+@pytest.mark.slow
 def test_the_cache_of_an_installed_package_follows_its_sources_and_tables(installed, tmp_path):
     code = """
 from dummydesign.core import cache

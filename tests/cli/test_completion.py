@@ -74,6 +74,7 @@ def shell(name, script, environment):
     return done.stdout.split()
 
 
+@pytest.mark.slow
 def test_bash(path):
     for typed, offered in (
         ("sug", ["suggest"]),

@@ -56,6 +56,7 @@ def test_a_mould_that_was_made_is_kept_and_nothing_of_its_pad_is_asked_again():
     assert _search_again(suggested({"tissue": "palm"}), "b") == "dummydesign suggest --tissue palm --resin b"
 
 
+@pytest.mark.slow
 def test_a_campaign_in_a_folder_with_blanks_is_named_so_that_it_can_be_typed(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert run(["campaign", "new", "neue Fläche", "--young", "35", "--pads", "10"]) == 0

@@ -49,6 +49,7 @@ def test_each_column_has_its_own_unit_and_the_millimetre_goes_first(tmp_path):
     assert read_trace(file).displacement_mm[-1] == pytest.approx(1.99)
 
 
+@pytest.mark.slow
 def test_a_sheet_in_inches_has_the_numbers_of_the_one_in_millimetres(tmp_path, a_set_up):
     cells = {}
     for units in ("mm", "in"):

@@ -96,6 +96,7 @@ def test_places_in_a_project_have_forward_slashes_and_another_drive_is_outside(m
     assert trash._path_in(root, "D:\\a.csv") is None
 
 
+@pytest.mark.slow
 def test_a_script_whose_workers_would_run_it_again_gets_the_line_that_it_lacks(tmp_path):
     """Processes are spawned on every system, as on Windows."""
     lines = "import dummydesign\nprint(len(dummydesign.whatif([8, 12], [14, 16], workers=2).rows))\n"

@@ -53,6 +53,7 @@ def _force(inputs):
     return inputs.slab_law.force(DEPTH_MM, THICKNESS_MM, YOUNG_MPA, inputs.punch.radius_mm)
 
 
+@pytest.mark.slow
 def test_another_punch_is_designed_for_with_the_table_of_that_punch_and_says_what_is_left_behind(calibration):
     found = _resolved(calibration("square:14"), "round:16")
     plain = load_table(base="bonded").force(DEPTH_MM, THICKNESS_MM, YOUNG_MPA, 8.0)
@@ -98,6 +99,7 @@ def test_what_a_calibration_cannot_correct_is_refused_with_the_way_out(calibrati
     assert "--calibration none" in str(problem.value)
 
 
+@pytest.mark.slow
 def test_a_calibration_of_another_resin_is_named_as_one(tmp_path):
     def written(name, ratio):
         made = made_calibration(pad={"resin": name, "ratio": ratio})

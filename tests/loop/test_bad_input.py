@@ -81,7 +81,13 @@ def test_a_prior_of_another_resin_is_refused_before_anything_is_fitted(example, 
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("where", ["dummydesign.loop.run.close_loop", "dummydesign.report.loop.write_loop_report"])
+@pytest.mark.parametrize(
+    "where",
+    [
+        "dummydesign.loop.run.close_loop",
+        pytest.param("dummydesign.report.loop.write_loop_report", marks=pytest.mark.slow),
+    ],
+)
 def test_an_interrupt_leaves_nothing_new_and_the_old_answer_as_it_was(where, example, tmp_path, monkeypatch, capsys):
     """Stopped in the fit, or with the calibration written and the report not."""
     from dummydesign.loop import run

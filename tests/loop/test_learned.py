@@ -95,9 +95,9 @@ def test_a_curve_is_used_in_the_range_seen_and_fades_out_beyond():
 @pytest.mark.parametrize(
     ("name", "curve", "said"),
     [
-        ("linear", lambda u: 0.02 * u, "0.02 u"),
-        ("power", lambda u: -0.003 * u**2, "-0.003 u^2"),
-        ("step", lambda u: 0.1 * (u > 5.0), "0.1 beyond"),
+        pytest.param("linear", lambda u: 0.02 * u, "0.02 u", marks=pytest.mark.slow),
+        pytest.param("power", lambda u: -0.003 * u**2, "-0.003 u^2", marks=pytest.mark.slow),
+        pytest.param("step", lambda u: 0.1 * (u > 5.0), "0.1 beyond", marks=pytest.mark.slow),
         ("bump", lambda u: 0.2 * np.exp(-(((u - 4.0) / 1.0) ** 2)), "exp(-((u - 4"),
     ],
 )
@@ -116,6 +116,7 @@ def test_what_acts_after_the_stop_keeps_its_level_and_what_acts_always_leaves_it
     assert nonparametric_effect._without_modulus(always, step) == pytest.approx([-0.1, 0.0, 0.1])
 
 
+@pytest.mark.slow
 def test_a_hold_is_said_in_a_form_that_begins_at_zero():
     """After the stop a constant is seen: it is neither free nor taken out of the form, as it is of a depth."""
     knots = np.geomspace(0.002, 8.0, 30)

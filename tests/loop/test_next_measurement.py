@@ -53,6 +53,7 @@ def gain(explained, **changes):
         return planning.next_measurement(base, (other,), ("none", "strain_stiffening"), None).expected_gain
 
 
+@pytest.mark.slow
 def test_a_press_made_twice_or_nearly_shows_nothing_and_another_depth_or_speed_does(explained):
     option = explained[2]
     for near in (0.97, 1.0, 1.03):

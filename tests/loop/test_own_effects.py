@@ -272,12 +272,12 @@ def test_a_missing_file_and_another_kind_of_file_are_refused(tmp_path, campaigns
 @pytest.mark.parametrize(
     "fault",
     [
-        "raise ZeroDivisionError('oh')",
+        pytest.param("raise ZeroDivisionError('oh')", marks=pytest.mark.slow),
         "skin = np.nan",
-        "raise SystemExit(0)",
-        "skin = np.random.rand()",
-        "return 1j * law(depth_mm, thickness_mm)",
-        "return law(depth_mm, thickness_mm)[:, 1:]",
+        pytest.param("raise SystemExit(0)", marks=pytest.mark.slow),
+        pytest.param("skin = np.random.rand()", marks=pytest.mark.slow),
+        pytest.param("return 1j * law(depth_mm, thickness_mm)", marks=pytest.mark.slow),
+        pytest.param("return law(depth_mm, thickness_mm)[:, 1:]", marks=pytest.mark.slow),
     ],
 )
 def test_an_effect_that_fails_only_on_this_campaign_ends_in_one_line(broken, fault, campaigns, tmp_path, capsys):

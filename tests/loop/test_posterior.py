@@ -49,6 +49,7 @@ def test_a_posterior_survives_its_file(tmp_path):
     assert np.log(high / low) == pytest.approx(2 * 1.96 * 0.01, rel=1e-4) and low < 30.0 < high
 
 
+@pytest.mark.slow
 def test_a_file_without_a_posterior_is_read_and_designed_with(tmp_path):
     path = write_calibration(replace(made(), posterior=None), tmp_path / "c.json")
     assert "posterior" not in json.loads(path.read_text()) and read_calibration(path).posterior is None

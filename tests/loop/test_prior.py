@@ -63,6 +63,7 @@ def test_a_joined_prior_is_as_good_as_its_data(fits):
         assert min(modulus(part)[0], value) <= value
 
 
+@pytest.mark.slow
 def test_a_prior_that_knows_nothing_changes_nothing(fits):
     first, second, _ = fits
     vague = known(first)

@@ -182,6 +182,7 @@ def test_a_calibration_survives_its_file_and_damage_is_refused(results, campaign
         read_calibration(tmp_path / "nothing.json")
 
 
+@pytest.mark.slow
 def test_replaying_the_fitted_campaign_gives_the_fitted_error(results, campaigns):
     result = results("none", 401)
     predicted = replay(read_campaign(campaigns("none", 401)), calibration_of(result))
@@ -189,6 +190,7 @@ def test_replaying_the_fitted_campaign_gives_the_fitted_error(results, campaigns
     assert predicted.total_rmse_N == pytest.approx(result.after.errors.train_N, rel=0.05)
 
 
+@pytest.mark.slow
 def test_without_repeats_the_loop_runs_and_says_what_it_cannot_test(campaigns, tmp_path):
     source = campaigns("none", 401)
     head, *blocks = (source / "campaign.toml").read_text().split("[[trial]]")

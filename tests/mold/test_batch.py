@@ -94,6 +94,7 @@ def test_thicknesses_are_read_from_numbers_lists_and_text():
     assert folder_name((5.0,), 1) == "mould_t5" and folder_name((5.0, 7.5), 1, "crowned") == "moulds_crowned_t5_t7.5"
 
 
+@pytest.mark.slow
 def test_the_command_makes_a_folder_each_under_one_manifest_and_records_go_with_it(no_cad, capsys):
     words = ["mold", "--thickness", "5,8", "--length", "60", "--width", "50", "--castings", "2"]
     assert cli.run([*words, "--json"]) == 0

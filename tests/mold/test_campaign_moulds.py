@@ -63,6 +63,7 @@ def test_moulds_that_cannot_be_made_are_one_line_and_no_plan(no_cad, capsys, mor
     assert list(no_cad.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_mould_that_fails_leaves_the_plan_and_says_what_is_missing(no_cad, capsys):
     assert cli.run([*PLAN, *RESIN, "--pads", "5,7", "--moulds"]) == 1
     assert "its moulds are missing" in capsys.readouterr().err

@@ -95,6 +95,7 @@ LIMITED = (
 )
 
 
+@pytest.mark.slow
 def test_a_kernel_that_never_ends_is_stopped_by_its_processor_time_and_that_is_told(monkeypatch, tmp_path):
     _worker(monkeypatch, f"{LIMITED}\nwhile True: pass")
     with raises_code("cad_failed", "mould") as caught:

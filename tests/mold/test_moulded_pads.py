@@ -47,6 +47,7 @@ def pressed(answer):
     return read_campaign(folder)
 
 
+@pytest.mark.slow
 def test_a_crowned_mould_is_pressed_as_it_was_made(mould, capsys):
     mould("a", 8, shape=CROWN)
     answer = planned(capsys, "--from-mould", "a")
@@ -57,6 +58,7 @@ def test_a_crowned_mould_is_pressed_as_it_was_made(mould, capsys):
     assert answer["inputs"]["from_mould"] == ["a"] and all("expected_depth_mm" in row for row in answer["trials"])
 
 
+@pytest.mark.slow
 def test_several_thicknesses_of_one_shape_are_one_campaign_also_from_the_folder_of_a_job(mould, capsys):
     mould("pads", [8, 5])
     answer = planned(capsys, "--from-mould", "pads")

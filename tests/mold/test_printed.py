@@ -46,11 +46,13 @@ def test_all_checks_pass_and_nothing_of_silicone_is_made(printed):
     assert failed(check_mesh.check_mould_mesh(printed, whole, tessellate(printed.mould, *check_mesh.FINE))) == []
 
 
+@pytest.mark.slow
 def test_base_and_ring_together_are_the_block_without_its_cavity(printed):
     both = printed.solid("mould").Volume() + printed.solid("frame").Volume()
     assert both == pytest.approx(printed.mould.Volume(), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_joint_lies_on_the_side_of_the_pad_and_the_ring_lifts_off_away_from_the_free_face(printed):
     high = parting_mm(SPEC, printed.plan)
     assert 0 < SPEC.pad.edge_radius_mm <= high < printed.plan.depth_mm

@@ -47,6 +47,7 @@ def test_only_layers_and_bones_under_a_lid_are_refused():
                 shape_spec(shapes(h)[kind], h, preset=preset)
 
 
+@pytest.mark.slow
 def test_the_sheet_of_every_mould_keeps_the_order_of_its_steps():
     for kind, preset, h in MADE:
         spec = shape_spec(shapes(h)[kind], h, preset=preset)

@@ -59,6 +59,7 @@ def test_friction_to_zero_and_to_infinity_are_the_frictionless_and_the_bonded_pu
     assert much == pytest.approx(bonded.force[:2], rel=5e-3)
 
 
+@pytest.mark.slow
 def test_friction_raises_the_force(bonded):
     compression = np.array([0.1, 0.3, 0.45])
     middle = compress(UnitPuck(RADIUS, "friction:0.3"), LAW, compression, corner=0.02)
@@ -87,6 +88,7 @@ def test_half_the_cell_and_half_the_slip_scale_change_little():
     assert compress(puck, LAW, compression, slip_scale=1e-4).force == pytest.approx(force, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_a_puck_is_the_same_in_metres_and_of_any_law_up_to_its_modulus():
     law = Ogden([0.3], [4.0])
     mm = solve_puck(Puck(30.0, 0.03, 50.0, plates="friction:0.2", law=law), [0.0, 9.0])

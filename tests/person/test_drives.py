@@ -127,7 +127,7 @@ def test_a_free_mass_stops_as_by_another_integrator_and_gives_its_energy(mass):
 
 
 @pytest.mark.parametrize(("mass", "velocity"), [(1.2, 90.0), (3.0, 250.0)])
-@pytest.mark.parametrize(("noise_N", "noise_mm"), [(0.0, 0.0), (0.03, 0.001)])
+@pytest.mark.parametrize(("noise_N", "noise_mm"), [pytest.param(0.0, 0.0, marks=pytest.mark.slow), (0.03, 0.001)])
 def test_a_trace_that_begins_at_contact_has_the_speed_of_its_energy(mass, velocity, noise_N, noise_mm):
     run = by_mass(gel_pad(), velocity, mass, rebound=0.5)
     press, drive = read_press(sampled(run, 2000.0, noise_N, noise_mm)), read_drive(f"mass:{mass}")
@@ -139,6 +139,7 @@ def test_a_trace_that_begins_at_contact_has_the_speed_of_its_energy(mass, veloci
     assert found.peak_N == pytest.approx([velocity * np.sqrt(20.0 * 1e-3 * mass)], rel=6e-3)
 
 
+@pytest.mark.slow
 def test_a_mass_that_does_not_have_the_energy_of_the_press_is_doubted():
     run = by_mass(gel_pad(), 90.0, 1.2, rebound=0.5)
     lead = np.linspace(-0.03, 0.0, 61)[:-1]

@@ -160,17 +160,17 @@ def test_an_extrapolation_says_how_far():
     ("trace", "looks", "fits", "not_"),
     [
         (
-            press(noise_N=0.01, noise_mm=0.001),
+            lambda: press(noise_N=0.01, noise_mm=0.001),
             "position",
             ("position", "steady", "spring:2000,3"),
             ("force", "mass:2", "spring:3,1"),
         ),
-        (crept(), "force", ("force",), ("position", "steady", "mass:2")),
-        (struck(), "mass", ("mass:2", "mass:1.8"), ("position", "force", "mass:8")),
+        (crept, "force", ("force",), ("position", "steady", "mass:2")),
+        (struck, "mass", ("mass:2", "mass:1.8"), ("position", "force", "mass:8")),
     ],
 )
 def test_the_trace_tells_which_drive_made_it(trace, looks, fits, not_):
-    signs = signs_of(read_press(trace))
+    signs = signs_of(read_press(trace()))
     assert signs.looks_like == looks
     assert [text for text in fits if read_drive(text).contradicted(signs)] == []
     assert [text for text in not_ if not read_drive(text).contradicted(signs)] == []
@@ -201,26 +201,28 @@ def cut(trace, until):
     return Trace(trace.name, trace.time_s[keep], trace.displacement_mm[keep], trace.force_N[keep])
 
 
-WHOLE = press()
+@pytest.fixture(scope="module")
+def whole():
+    return press()
 
 
 @pytest.mark.parametrize(
-    ("trace", "drive", "code"),
+    ("spoilt", "drive", "code"),
     [
-        (cut(WHOLE, 0.012), "position", "not_enough_data"),
+        (lambda one: cut(one, 0.012), "position", "not_enough_data"),
         (
-            replace(WHOLE, force_N=0.02 * np.random.default_rng(1).standard_normal(len(WHOLE.time_s))),
+            lambda one: replace(one, force_N=0.02 * np.random.default_rng(1).standard_normal(len(one.time_s))),
             "position",
             "nothing_found",
         ),
-        (replace(WHOLE, displacement_mm=WHOLE.displacement_mm - 5.0), "position", "nothing_found"),
-        (replace(WHOLE, displacement_mm=WHOLE.displacement_mm + 1.0), "position", None),
-        (cut(WHOLE, 0.1), "steady", "not_enough_data"),
+        (lambda one: replace(one, displacement_mm=one.displacement_mm - 5.0), "position", "nothing_found"),
+        (lambda one: replace(one, displacement_mm=one.displacement_mm + 1.0), "position", None),
+        (lambda one: cut(one, 0.1), "steady", "not_enough_data"),
     ],
 )
-def test_bad_traces_are_one_line(trace, drive, code):
+def test_bad_traces_are_one_line(spoilt, drive, code, whole):
     with pytest.raises(InputError) as raised:
-        on_person([trace], TISSUE, read_drive(drive))
+        on_person([spoilt(whole)], TISSUE, read_drive(drive))
     assert "\n" not in str(raised.value) and "press.csv" in str(raised.value)
     assert code is None or raised.value.code == code
 

@@ -7,6 +7,7 @@ import pytest
 
 from benchmarks.accuracy.fit_coverage import GAMMA1
 from benchmarks.accuracy.fit_coverage import press as pressed_person
+from dummydesign.core.quantity import Quantity
 from dummydesign.person.drives import read_drive
 from dummydesign.person.on_person import on_person
 from dummydesign.tissue.fitting.fit import fit_traces
@@ -73,8 +74,12 @@ def test_a_press_is_beyond_where_the_fitted_presses_end_not_where_the_protocol_d
         ("pressed.", "press.", "unknown_key"),
     ],
 )
-def test_a_range_that_is_not_whole_is_refused(tissue, tmp_path, old, new, code):
-    path = tmp_path / "odd.toml"
-    path.write_text(tissue_toml(tissue).replace(old, new), encoding="utf-8")
+def test_a_range_that_is_not_whole_is_refused(tmp_path, old, new, code):
+    pressed = {name: Quantity(2.0, 1.0, 3.0, "measured", "a press") for name in PRESSED}
+    anna = replace(load_tissue("palm").subjects[0], pressed=pressed)
+    path, text = tmp_path / "odd.toml", tissue_toml(Tissue("anna", "anna", "ode", (anna,), (), (), "file"))
+    path.write_text(text, encoding="utf-8")
+    assert load_tissue(str(path)).subjects[0].pressed == pressed
+    path.write_text(text.replace(old, new), encoding="utf-8")
     with raises_code(code):
         load_tissue(str(path))

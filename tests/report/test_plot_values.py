@@ -56,6 +56,7 @@ def rows_of(words):
     return dict(word.split(" : ") for word in words[1:])
 
 
+@pytest.mark.slow
 def test_values_are_under_the_pointer_and_nothing_comes_from_outside(made):
     with browser(viewport={"width": 1100, "height": 800}) as page:
         told = []

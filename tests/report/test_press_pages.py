@@ -109,6 +109,7 @@ def test_measured_and_fitted_differ_in_the_report_by_the_residual_of_the_fit(mad
     assert len(drawn) > 80 and drawn[-1] <= max(float(r["residual_N"]) for r in table) * (1 + 1e-5)
 
 
+@pytest.mark.slow
 def test_the_studio_draws_the_presses_that_the_fit_report_wrote(made):
     path, answer = made["fit"]
     plots = measured_over_fitted(path.parent, answer)
@@ -126,6 +127,7 @@ def test_the_studio_draws_the_presses_that_the_fit_report_wrote(made):
         assert {trace["name"] for trace in drawn["data"]} == {"measured", "fitted"}
 
 
+@pytest.mark.slow
 def test_the_fit_report_says_parameters_rivals_and_where_the_law_comes_from(made):
     path, answer = made["fit"]
     text = path.read_text(encoding="utf-8")
@@ -146,6 +148,7 @@ def test_what_is_not_identifiable_is_said_beside_its_parameter():
     assert row[1][-1] == ""
 
 
+@pytest.mark.slow
 def test_the_compare_report_draws_the_dummy_in_the_ranges_it_counted(made):
     answer = made["compare"][1]
     rows = press_rows(answer, "10mm-s")
@@ -159,6 +162,7 @@ def test_the_compare_report_draws_the_dummy_in_the_ranges_it_counted(made):
     assert f"{100 * condition['inside_fraction']:.0f} %" in text and "Steady force over depth" in text
 
 
+@pytest.mark.slow
 def test_the_pages_have_a_dark_and_a_printed_form(made):
     for path, _ in made.values():
         text = path.read_text(encoding="utf-8")

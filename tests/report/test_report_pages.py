@@ -115,6 +115,7 @@ class Outline(HTMLParser):
         self.found.setdefault(tag, []).append(dict(attrs))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["suggest", "whatif"])
 def test_figures_have_words_units_and_are_closed(made, name):
     text = text_of(made[name])
@@ -132,6 +133,7 @@ def test_figures_have_words_units_and_are_closed(made, name):
     assert all("[" in label or label.startswith(("ratio", "local", "d ln F")) for label in labels)
 
 
+@pytest.mark.slow
 def test_the_report_says_what_the_answer_says(made):
     text = text_of(made["suggest"])
     for part in (
@@ -150,6 +152,7 @@ def test_the_report_says_what_the_answer_says(made):
         assert part in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["suggest", "whatif"])
 def test_every_figure_has_its_csv_with_numbers(made, name):
     figures = figure_values(made[name] / "report.csv")
@@ -168,6 +171,7 @@ def is_number(text):
     return True
 
 
+@pytest.mark.slow
 def test_the_csv_of_the_steady_curve_is_the_answer(made):
     figure = figure_values(made["suggest"] / "report.csv")["steady"]
     rows = [row for row in figure if row["series"] == "recommended pad"]

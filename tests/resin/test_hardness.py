@@ -127,6 +127,7 @@ def test_the_law_of_a_base_is_moved_to_the_modulus_at_its_reference(base):
         assert after.beta.low <= before.beta.low and after.beta.high >= before.beta.high
 
 
+@pytest.mark.slow
 def test_a_base_with_points_of_its_own_gives_its_law_alone():
     add_hardness("first", shore_00=45.0, base="polyurethane-nagoya")
     points = user_folder() / "points.toml"

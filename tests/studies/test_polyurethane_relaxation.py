@@ -16,6 +16,7 @@ def test_it_repeats():
     assert infer(draws=1000) == infer(draws=1000)
 
 
+@pytest.mark.slow
 def test_other_draws_give_the_same_within_their_sampling_error(found):
     """A quantile of 8000 draws has a standard error of at most 3.1 % (measured over 8 seeds), one of 20,000 of 2 %."""
     other = infer(draws=8000, seed=31)

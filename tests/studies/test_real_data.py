@@ -46,6 +46,7 @@ def test_every_press_is_predicted_once_by_a_fit_of_others(monkeypatch):
     assert max(row["error_law"] for row in rows) < 1e-9 < 0.05 < min(row["error_spring"] for row in rows)
 
 
+@pytest.mark.slow
 def test_a_fit_finds_the_law_and_not_that_of_a_linear_material():
     own, other = ([ramp_and_hold(f"{depth}", law.force_N, depth) for depth in (1.5, 3.0)] for law in (LAW, LINEAR))
     found = dict(zip(NAMES, real_data.errors(own[1], 0.1, real_data.fitted(own[:1]), LINEAR), strict=True))

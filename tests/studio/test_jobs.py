@@ -269,6 +269,7 @@ def test_the_time_left_is_learned_from_earlier_runs_on_this_machine_and_never_gr
     assert left == sorted(left, reverse=True) and left[0] == 40.0
 
 
+@pytest.mark.slow
 def test_old_commands_of_a_step_go_when_the_next_one_begins(tmp_path):
     for number in range(1, jobs.MOST_KEPT + 4):
         lab.job(tmp_path, number, "list", ["tissues", "list"], {"a": number}, 0)

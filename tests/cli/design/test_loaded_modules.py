@@ -46,10 +46,12 @@ def loaded(tmp_path_factory):
     return json.loads(done.stdout.splitlines()[-1])
 
 
+@pytest.mark.slow
 def test_a_suggestion_of_a_slab_loads_few_modules(loaded):
     assert len(loaded) <= MOST, "\n".join(sorted(loaded))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("room", ABSENT)
 def test_what_a_slab_does_not_need_is_not_loaded(loaded, room):
     assert not [name for name in loaded if f"{name}.".startswith(f"dummydesign.{room}.")]

@@ -36,6 +36,7 @@ def test_whatif_goes_on_where_it_was_stopped(capsys, tmp_path):
     assert "forces_N" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_whatif_in_two_processes_gives_the_same(capsys, tmp_path):
     arguments = ["whatif", "--thickness", "5:20:5", "--ratio", "15,16", "--out", "w"]
     assert answer(capsys, *arguments)[1]["rows"] == answer(capsys, *arguments, "--workers", "2")[1]["rows"]

@@ -69,6 +69,7 @@ def test_show_gives_every_number_with_its_source(capsys):
     assert "relative to the long-term modulus" in text and "section IV" in text
 
 
+@pytest.mark.slow
 def test_show_writes_a_plot_and_its_data(tmp_path, capsys):
     assert run(["resins", "show", "polyurethane-nagoya", "--out", str(tmp_path), "--json"]) == 0
     files = json.loads(capsys.readouterr().out)["files"]

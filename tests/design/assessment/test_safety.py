@@ -70,6 +70,7 @@ def pads(layer_law):
     return make_slabs(curves, np.array([0, 1]), load_resin(), np.array([16.0, 16.0]))
 
 
+@pytest.mark.slow
 def test_the_mass_gives_all_its_energy_to_pad_and_tissue(pads, finger):
     found = impact(pad_body(pads), 1.5, 150.0)
     np.testing.assert_allclose(found.energy_mJ, 0.5 * 1.5e-3 * 150.0**2, rtol=2e-3)
@@ -150,7 +151,10 @@ def test_a_mass_on_a_spring_stops_where_its_energy_is_taken_at_any_speed(mass_kg
     assert found.stop_s[0] == pytest.approx(0.5 * np.pi * np.sqrt(1e-3 * mass_kg / stiffness), rel=1e-3)
 
 
-@pytest.mark.parametrize("velocity_mm_s", [1.0, 10.0, 100.0, 400.0])
+@pytest.mark.parametrize(
+    "velocity_mm_s",
+    [pytest.param(1.0, marks=pytest.mark.slow), pytest.param(10.0, marks=pytest.mark.slow), 100.0, 400.0],
+)
 def test_what_an_elastic_pad_stores_is_the_energy_of_the_mass(velocity_mm_s):
     curves = make_curves(load_table("bonded"), [12.0], 7.9, 0.6)
     slabs = PadBatch(curves, np.array([0]), np.array([0.03]), (), np.zeros((1, 0)))

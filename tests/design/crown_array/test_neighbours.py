@@ -46,6 +46,7 @@ def test_bounds_fall_steadily_with_distance_so_that_they_are_no_noise_of_the_mes
     assert (np.diff(rise) < 0.0).all() and (np.diff(fall) < 0.0).all() and rise[-1] > 0.0 and fall[-1] > 0.0
 
 
+@pytest.mark.slow
 def test_a_ring_far_away_changes_nothing_on_a_pad_of_other_size():
     small = IsolatedCrown(CROWN, 4.5, PUNCH_RADIUS_MM, 1.7, extent_mm=40.0)
     assert abs(small.stiffer(34.0)) < 1e-3

@@ -115,6 +115,7 @@ def test_the_aim_is_the_tolerance_bound_of_the_subjects_and_strict(tissue):
     assert people_warnings(make_targets(tissue, "safe-side", Sampling())) == []
 
 
+@pytest.mark.slow
 def test_a_larger_share_is_a_higher_bound(tissue):
     bounds = [ranges_of(make_targets(tissue, f"people:{p}", Sampling())).peak_high_N for p in (50, 80, 95, 99)]
     assert all((low < high).all() for low, high in pairwise(bounds))

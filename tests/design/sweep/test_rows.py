@@ -123,6 +123,7 @@ def test_an_executor_gives_the_same_rows_in_the_same_order(tmp_path, monkeypatch
         assert whatif(STUDY, executor=pool)["rows"] == here
 
 
+@pytest.mark.slow
 def test_processes_give_the_same_rows(tmp_path):
     with open_executor(2) as pool:
         assert whatif(STUDY, executor=pool)["rows"] == finished(tmp_path)

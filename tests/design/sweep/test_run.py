@@ -90,6 +90,7 @@ def test_scores_are_of_the_studys_own_forces_and_speeds_as_suggest_gives_them(la
     np.testing.assert_allclose(scores, plain.total.ravel(), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_hold_and_braking_of_the_study_are_those_of_its_scores_as_suggest_gives_them(layer_law):
     from dummydesign.design.problem import read_problem
     from dummydesign.design.request import Request

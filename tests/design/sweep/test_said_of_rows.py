@@ -33,6 +33,7 @@ def measured(tmp_path, monkeypatch):
     return "mine"
 
 
+@pytest.mark.slow
 def test_rows_and_one_pad_against_measured_curves_say_so_and_have_no_parameters(measured):
     many = dummydesign.whatif([5, 6], [15], tissue=measured)
     one = dummydesign.predict(5, young_kPa=25, tissue=measured)

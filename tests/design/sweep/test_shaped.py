@@ -109,6 +109,7 @@ def test_progress_counts_the_designs_and_not_those_that_were_there(tmp_path):
     assert told[0] == (2, 6) and told[-1] == (6, 6)
 
 
+@pytest.mark.slow
 def test_the_terminal_shows_the_best_first_with_its_shape(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     asked = ["whatif", "--thickness", "4.5,8", "--ratio", "15.5", "--tissue", "forefinger", "--shape", f"slab,{CROWN}"]

@@ -35,6 +35,7 @@ def test_a_smaller_edge_is_nearer_to_the_sharp_one_and_none_is_none():
     assert np.all(np.diff(np.stack(factors), axis=0) < 0.0)
 
 
+@pytest.mark.slow
 def test_it_is_undefined_where_the_edge_is_declared_and_defined_where_it_is_not(tmp_path):
     from dummydesign.loop.data.trials import stack
     from dummydesign.loop.model.campaign_law import law_of

@@ -146,6 +146,7 @@ def base(plain):
     return fit_base(presses, law, 0.03)
 
 
+@pytest.mark.slow
 def test_a_campaign_without_a_fault_raises_no_doubt(plain, base, campaigns):
     assert doubts_of(read_campaign(campaigns("none", 401)), plain[0], base) == ()
 

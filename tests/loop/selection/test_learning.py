@@ -217,6 +217,7 @@ def test_a_fit_without_presses_does_not_look_at_them():
     np.testing.assert_allclose(all_in, found.forces, atol=0.02)
 
 
+@pytest.mark.slow
 def test_a_learned_shape_is_learned_anew_without_the_presses():
     found = changed_fit(warmer)
     learnt = learn(found, ("temperature_C",))
@@ -239,7 +240,14 @@ def test_the_largest_change_is_named_where_the_campaign_says_something():
 
 @pytest.mark.parametrize(
     ("name", "scale"),
-    [("linear", 1e3), ("power", 1e-3), ("exponential", 1.0), ("saturation", 1e3), ("bump", 1e-3), ("step", 1.0)],
+    [
+        pytest.param("linear", 1e3, marks=pytest.mark.slow),
+        ("power", 1e-3),
+        ("exponential", 1.0),
+        pytest.param("saturation", 1e3, marks=pytest.mark.slow),
+        pytest.param("bump", 1e-3, marks=pytest.mark.slow),
+        ("step", 1.0),
+    ],
 )
 def test_a_form_is_found_whatever_the_unit_of_the_quantity(name, scale):
     u = np.linspace(0.0, 10.0, 30)
@@ -269,6 +277,7 @@ def _times(text):
     return re.sub(r"(?<=[\d]) (?=[u(e])", " * ", text)
 
 
+@pytest.mark.slow
 def test_a_form_that_loses_a_tenth_of_the_curve_is_no_form():
     """A ripple on a straight line: as the form takes the line, the ripple's share of the squares is lost."""
     u = np.linspace(0.0, 10.0, 30)

@@ -104,6 +104,7 @@ def test_the_default_forces_are_those_that_a_verdict_needs():
     assert test.span_N == (min(DEFAULT_FORCES_N), max(DEFAULT_FORCES_N))
 
 
+@pytest.mark.slow
 def test_a_plan_without_a_ratio_says_that_it_leads_to_no_recipe(tmp_path, capsys):
     codes = [
         [one["code"] for one in asked(capsys, "new", str(tmp_path / name), *SMALL, "--no-power", *words)["warnings"]]

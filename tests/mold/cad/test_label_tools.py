@@ -25,6 +25,7 @@ def strokes_mm3(spec, deep_mm):
     return inside.sum() * step**2 * deep_mm
 
 
+@pytest.mark.slow
 def test_a_letter_that_comes_again_is_not_made_again(open_spec, monkeypatch):
     made = []
     whole = build._letter

@@ -19,6 +19,7 @@ from dummydesign.mold.pour.warnings import pour_warnings
 from tests.support.mould_checks import failed
 
 
+@pytest.mark.slow
 def test_all_checks_of_an_open_mould_pass(open_parts):
     checks = check.check_solids(open_parts)
     assert failed(checks) == []
@@ -76,6 +77,7 @@ def test_negative_draft_fails_draft_rays_and_sweep(open_parts):
     assert found["rays"] > 0 and found["sweep"] > 1.0
 
 
+@pytest.mark.slow
 def test_zero_draft_passes_rays_and_sweep_but_not_the_draft_gate(open_parts):
     spec = replace(open_parts.spec, pad=replace(open_parts.spec.pad, draft_deg=0.0))
     pad = pad_solid(spec.pad).scale(layout(spec).scale)
@@ -130,6 +132,7 @@ def test_lid_with_symmetric_keys_fails_the_one_way_check(lidded_parts):
     assert check.lid_one_way(lid, mould).status == "fail"
 
 
+@pytest.mark.slow
 def test_lid_moved_sideways_fails_interference(lidded_parts):
     import cadquery as cq
 
@@ -171,6 +174,7 @@ def test_thin_wall_and_floor_are_seen(open_parts):
     assert found["wall_thickness"].value == pytest.approx(made.spec.body.wall_mm - 2.0, abs=0.2)
 
 
+@pytest.mark.slow
 def test_features_that_touch_are_seen(lidded_parts):
     from dummydesign.mold.cad.build import Parts
 
@@ -203,6 +207,7 @@ def test_process_checks_fail_on_what_cannot_be_poured(open_spec):
     assert "warnings_told" in _process(open_spec, drop=("meniscus",))
 
 
+@pytest.mark.slow
 def test_stems_hold_what_the_funnels_of_the_lid_hold(lidded_parts):
     hull = lidded_parts.tools["lid_hull"][0]
     funnels = [*lidded_parts.tools["sprue"], *lidded_parts.tools["vents"]]

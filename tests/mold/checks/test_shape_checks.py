@@ -93,6 +93,7 @@ def _moved(made, name, up_mm):
     return replace(made, parts=parts)
 
 
+@pytest.mark.slow
 def test_spacer_at_the_wrong_height_is_seen(layered):
     low, high = _moved(layered, "spacer", -0.2), _moved(layered, "spacer", 0.2)
     assert named(check_shape.check_shape(high))["spacer_height"].status == "fail"
@@ -100,6 +101,7 @@ def test_spacer_at_the_wrong_height_is_seen(layered):
     assert found["spacer_height"].status == found["interference_spacer_layer_top"].status == "fail"
 
 
+@pytest.mark.slow
 def test_layers_that_leave_a_gap_are_seen(layered):
     from dummydesign.mold.cad.solids import drafted_prism
 
@@ -109,6 +111,7 @@ def test_layers_that_leave_a_gap_are_seen(layered):
     assert named(check_shape.check_shape(replace(layered, parts=parts)))["layers_fill_cavity"].status == "fail"
 
 
+@pytest.mark.slow
 def test_bone_that_touches_the_tested_face_is_seen(boned):
     cover = boned.plan.scale * boned.spec.pad.least_gel_mm
     low = _moved(boned, "carrier", -cover)

@@ -51,7 +51,7 @@ def sound(made, paper):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("paper", ["A3", "A4"])
+@pytest.mark.parametrize("paper", [pytest.param("A3", marks=pytest.mark.slow), "A4"])
 def test_every_part_has_a_drawing_without_texts_on_each_other(open_parts, crowned, paper):
     for made in (open_parts, crowned):
         sound(made, paper)
@@ -92,7 +92,7 @@ def test_a_hundred_millimetres_are_a_hundred_millimetres_on_the_page():
     assert lengths == pytest.approx([100.0, 100.0], abs=0.001)
 
 
-@pytest.mark.parametrize("paper", ["A3", "A4"])
+@pytest.mark.parametrize("paper", ["A3", pytest.param("A4", marks=pytest.mark.slow)])
 def test_a_part_is_on_its_page_in_the_scale_that_the_title_says(open_parts, paper):
     drawing = sheets(open_parts, part_views(open_parts), paper=paper)["tray"]
     (content,) = contents(to_pdf([drawing], "test"))
@@ -113,6 +113,7 @@ def test_a_crowned_pad_shows_foot_and_tip_with_their_dimensions(crowned):
     assert (False, pytest.approx(2 * shape["foot"], abs=0.01)) in found
 
 
+@pytest.mark.slow
 def test_hole_patterns_have_number_diameter_and_distances(open_parts):
     box = open_parts.spec.box
     (rims,) = projection.holes(open_parts.solid("master"))

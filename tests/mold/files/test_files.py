@@ -129,6 +129,7 @@ def test_every_step_file_reads_back_with_name_colour_material_and_volume(lidded_
     assert whole["mould"].density_g_per_cm3 == pytest.approx(lidded_parts.spec.silicone.density_g_per_cm3)
 
 
+@pytest.mark.slow
 def test_finer_meshes_come_closer_to_the_solid(open_parts):
     solid = open_parts.solid("pad")
     errors = [

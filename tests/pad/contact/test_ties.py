@@ -68,6 +68,7 @@ def test_the_force_on_a_crown_is_the_same_whatever_other_depths_are_asked_for():
     assert many[round(last, 6)] == pytest.approx(forces([last])[round(last, 6)], rel=3e-4)
 
 
+@pytest.mark.slow
 def test_steps_of_a_third_hardly_move_the_force_where_ties_at_the_end_of_a_step_moved_it_by_per_cents():
     depths = [0.1, 0.15, 0.2]
 

@@ -73,6 +73,7 @@ def test_a_picture_of_a_press_is_written_in_the_format_of_its_name(tmp_path):
     assert write_picture([pressed()], tmp_path / "a.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
 
 
+@pytest.mark.slow
 def test_a_picture_shows_both_halves_of_pad_and_punch_to_scale_with_stress_in_kilopascals():
     found = pressed()
     figure = draw([found], "title")
@@ -206,6 +207,7 @@ def test_a_shallow_crown_without_friction_has_hertz_pressure_and_the_force_of_a_
     assert set(found.contact()["profile"]["state"]) == {"slips"}
 
 
+@pytest.mark.slow
 def test_stress_is_proportional_to_the_modulus():
     soft = pressed()
     stiff = solve_fields(Pad(10.0, 2.0 * YOUNG_MPa, 7.9), [1.0])[0][0]
@@ -273,6 +275,7 @@ def test_a_puck_between_plates_has_no_fields():
         solve_fields(puck, [1.0])
 
 
+@pytest.mark.slow
 def test_fields_on_the_way_of_a_followed_path_are_those_followed_anew():
     pad = Pad(5.0, YOUNG_MPa, 7.9, geometry=read_shape("crowned:8,2"))
     paths._VISITED.clear()
@@ -301,11 +304,11 @@ WIDE = {"geometry": read_shape("crowned:21.2,2,9.4")}
 @pytest.mark.parametrize(
     ("more", "depths"),
     [
-        (WIDE, [0.2, 1.5, 2.0]),
+        pytest.param(WIDE, [0.2, 1.5, 2.0], marks=pytest.mark.slow),
         ({}, [0.05, 1.5]),
         ({"edge_radius_mm": 1.0}, [2.0]),
         (WIDE | {"edge_radius_mm": 1.0}, [2.0]),
-        ({"base": "friction:0.5"}, [0.4]),
+        pytest.param({"base": "friction:0.5"}, [0.4], marks=pytest.mark.slow),
         ({"condition": "frictionless"}, [0.2]),
     ],
 )

@@ -198,6 +198,7 @@ def test_a_frictionless_flat_punch_starts_at_the_layer_solution():
     assert np.all(np.abs(stiffness / first_stiffness(slab) - 1.0) < 0.03 + curve.error_N / curve.force_N)
 
 
+@pytest.mark.slow
 def test_a_sticking_flat_punch_agrees_with_the_glued_one_solved_the_other_way():
     """Another mesh, no film, no nodes driven by hand: nearer to each other than a rim is to one of half its size."""
     punch, depths = FlatPunch(1.0, 0.05), np.array([0.1, 0.2, 0.3])
@@ -209,7 +210,7 @@ def test_a_sticking_flat_punch_agrees_with_the_glued_one_solved_the_other_way():
     assert np.all(np.abs(stick - glued) < 0.6 * (half - glued))
 
 
-@pytest.mark.parametrize("young_MPa", [0.03, 0.06])
+@pytest.mark.parametrize("young_MPa", [0.03, pytest.param(0.06, marks=pytest.mark.slow)])
 def test_under_a_ball_a_slab_that_lies_by_friction_is_between_a_free_and_a_glued_one_at_its_own_modulus(young_MPa):
     ball = read_punch("ball:20")
     curves = [

@@ -159,6 +159,7 @@ def test_a_curve_to_a_small_depth_agrees_with_the_table_and_lies_above_first_tou
     assert np.all(found.force_N > 0.999 * 0.3 * found.depth_mm * first_stiffness(Case(1.0, 7.569)))
 
 
+@pytest.mark.slow
 def test_the_curve_stiffens_and_its_stated_error_is_small(curve):
     assert np.all(np.diff(curve.force_N / curve.depth_mm) > 0.0)
     assert np.all(curve.error_N / curve.force_N < 0.01)

@@ -158,12 +158,12 @@ def test_what_the_outline_of_a_slab_changes_at_first_touch_is_the_same_on_finer_
 @pytest.mark.parametrize(
     ("thickness", "condition", "expected", "within"),
     [
-        (20.0, "frictionless", 1.029, 0.0025),
-        (15.0, "frictionless", 1.030, 0.0025),
+        pytest.param(20.0, "frictionless", 1.029, 0.0025, marks=pytest.mark.slow),
+        pytest.param(15.0, "frictionless", 1.030, 0.0025, marks=pytest.mark.slow),
         (5.0, "frictionless", 1.012, 0.0025),
         (20.0, "bonded", 1.032, 0.0035),
-        (15.0, "bonded", 1.032, 0.0035),
-        (10.0, "bonded", 1.028, 0.0035),
+        pytest.param(15.0, "bonded", 1.032, 0.0035, marks=pytest.mark.slow),
+        pytest.param(10.0, "bonded", 1.028, 0.0035, marks=pytest.mark.slow),
         (5.0, "bonded", 1.002, 0.0035),
     ],
 )

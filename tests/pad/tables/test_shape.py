@@ -151,6 +151,7 @@ def test_shapes_without_a_table_are_refused(shape):
         TabulatedShapeLaw(shape)
 
 
+@pytest.mark.slow
 def test_a_response_surface_finds_a_smooth_function_again():
     rng = np.random.default_rng(3)
 

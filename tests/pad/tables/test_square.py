@@ -51,7 +51,7 @@ def test_the_factor_agrees_with_a_solve_between_its_ratios(base, thickness):
     assert factor == pytest.approx(np.array([found.first, *found.ratio]), abs=2e-3)
 
 
-@pytest.mark.parametrize("base", ["bonded", "sliding"])
+@pytest.mark.parametrize("base", ["bonded", pytest.param("sliding", marks=pytest.mark.slow)])
 def test_first_touch_agrees_with_fine_cells(base):
     cells = CornerCells(0.1)
     pad = block(10.0, base)

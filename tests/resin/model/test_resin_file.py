@@ -78,6 +78,7 @@ def test_a_whole_resin_file_is_kept_in_the_users_folder_and_wins(tmp_path, monke
     assert not list(path.parent.glob(".*"))
 
 
+@pytest.mark.slow
 def test_points_make_a_resin_of_their_own(tmp_path, monkeypatch):
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / "home"))
     points = tmp_path / "batch-7.toml"

@@ -146,6 +146,7 @@ def test_a_built_in_name_updates_that_resin_and_says_what_it_hides(curve, tmp_pa
     assert len(messages) == 1 and "hides the built-in" in messages[0]
 
 
+@pytest.mark.slow
 def test_a_loading_alone_says_nothing_of_relaxation_and_leaves_that_of_the_base(curve, tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
     assert run(command(curve, "--json")) == 0

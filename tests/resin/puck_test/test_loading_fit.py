@@ -50,13 +50,14 @@ def test_what_made_the_curves_is_found_within_its_interval(table, plates, fricti
         assert fit.offset_mm[name] == pytest.approx(offset, abs=0.06 if offset >= 0.0 else 0.2)
 
 
+@pytest.mark.slow
 def test_taking_the_plates_for_frictionless_would_have_overestimated_the_modulus(table):
     fit = fit_pucks(made(30.0, 2.0, "bonded", [("A1", 0.0, 1.0)], 0.0), 50.0, 30.0, table, WINDOW)
     assert fit.young_frictionless_kPa > 1.25 * fit.young_bonded_kPa
     assert fit.rmse_frictionless > 5.0 * fit.rmse
 
 
-@pytest.mark.parametrize(("alpha", "friction"), [(2.5, 0.12), (3.5, 0.08)])
+@pytest.mark.parametrize(("alpha", "friction"), [pytest.param(2.5, 0.12, marks=pytest.mark.slow), (3.5, 0.08)])
 def test_between_its_grid_the_table_agrees_with_a_solve(table, alpha, friction):
     compression = np.array([0.05, 0.21, 0.37, 0.5])
     law = Ogden([2.0 / alpha], [alpha])

@@ -52,6 +52,7 @@ def test_declared_plates_narrow_the_modulus_and_hold_the_truth(plates, declared)
     assert not contradicts(fit.rmse, fit.rmse_open)
 
 
+@pytest.mark.slow
 def test_plates_declared_against_the_curve_are_doubted():
     curves, table = made(30.0, 2.0, "bonded", [("A1", 0.1, 1.0)]), load_puck_table()
     wrong = fit_pucks(curves, 50.0, 30.0, table, WINDOW, read_plates("lubricated"))

@@ -52,6 +52,7 @@ def test_a_conjugate_case_has_the_posterior_of_the_closed_form(polyurethane):
     assert drawn.std() == pytest.approx(precision**-0.5, rel=4.0 / np.sqrt(2 * 400))
 
 
+@pytest.mark.slow
 def test_points_recover_a_law_they_were_made_from(polyurethane):
     truth = {"young_ref_kPa": 34.0, "ratio_ref": 15.0, "gel_ratio_over_ref": 0.84, "exponent": 2.2}
     ratios = np.array([14.2, 15.0, 16.0, 18.0, 19.5])
@@ -103,6 +104,7 @@ def test_two_different_values_at_one_ratio_are_said(polyurethane):
     assert young.low < 24.5 and young.high > 27.0
 
 
+@pytest.mark.slow
 def test_a_point_far_from_the_prior_is_said(polyurethane):
     resin = update_resin(polyurethane, [point(15.0, 140.0, 0.03)], "u")
     assert any("young_ref_kPa" in text for text in resin.contradictions)

@@ -117,6 +117,7 @@ def test_braking_that_is_said_is_used_in_place_of_what_the_motion_shows(palm):
     assert gentle.presses[0].range.stop_s.min() > 1.2 * found.presses[0].range.stop_s.min()
 
 
+@pytest.mark.slow
 def test_a_speed_with_three_digits_keeps_its_name_and_its_range(palm):
     traces = subject_presses(palm, (10.0,), (125.0,))
     row = compare_traces(traces, palm, test=PressTest(None, (125.0,))).result["force_variation_range"][0]

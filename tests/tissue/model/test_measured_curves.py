@@ -127,6 +127,7 @@ def test_a_press_that_was_made_is_given_back(people):
     np.testing.assert_allclose(band.curves_N[row][later], mine, rtol=0.012)
 
 
+@pytest.mark.slow
 def test_aims_are_the_middle_the_strict_side_and_one_person(people):
     sampling = Sampling()
     for force in (6.0, 13.0):

@@ -43,6 +43,7 @@ def test_the_share_below_a_reading_is_student_t_and_its_ends_are_those_of_the_no
         assert nct.cdf(np.sqrt(n) * deviations, n - 1, np.sqrt(n) * z) == pytest.approx(level, abs=0.006)
 
 
+@pytest.mark.slow
 def test_the_interval_and_the_bound_hold_as_often_as_they_say():
     """2,000 groups of five of a log-normal population; 1.96 standard errors of 95 % are 1 %."""
     rng, held = np.random.default_rng(), np.zeros(3)

@@ -193,6 +193,7 @@ def test_the_same_noise_leaves_peaks_where_they_are(tmp_path):
     assert bands[1].depth_mm[0] == pytest.approx(bands[0].depth_mm[0], rel=2e-3)
 
 
+@pytest.mark.slow
 def test_whatif_of_a_hold_that_nobody_was_pressed_for_is_refused_and_leaves_no_folder(tmp_path):
     import dummydesign
 
@@ -205,6 +206,7 @@ def test_whatif_of_a_hold_that_nobody_was_pressed_for_is_refused_and_leaves_no_f
     assert 0.0 <= row["score"]["total"] <= 1.0
 
 
+@pytest.mark.slow
 def test_people_of_a_law_without_a_speed_in_common_are_refused_with_their_speeds(tmp_path):
     table = law_table(tmp_path / "t.csv", load_tissue("palm"), forces=(5.0, 10.0))
     lines = table.read_text(encoding="utf-8").splitlines()

@@ -50,8 +50,8 @@ Further campaigns:
 ## From which size an effect is found
 
 An effect is named first in nine of ten campaigns from these sizes on: {sizes}. The others, with intervals and noise
-floors: `docs/data/loop-detection.csv`. Not found so often at any size that was tried: {never}. `punch_edge` is missing, as its
-force curves exist for one size only ([what is known](loop.md#where-it-fails)).
+floors: `docs/data/loop-detection.csv`. Not found so often at any size that was tried: {never}. `punch_edge` is
+missing, as its force curves exist for one size only ([what is known](loop.md#where-it-fails)).
 
 One effect a campaign, of the same generator: `python -m benchmarks.accuracy.loop_detection --seed 1030000 --rounds 6`
 ({runs} campaigns, and the single effects from above).

@@ -228,6 +228,7 @@ DATA_FILES = (
     DataFile("loop-detection.csv", "python -m benchmarks.accuracy.loop_detection --table", WRITTEN),
     DataFile("loop-ecoflex.csv", "python -m benchmarks.accuracy.loop_ecoflex DATA_DIR", WRITTEN),
     DataFile("loop-functions.csv", "python -m benchmarks.accuracy.loop_blind --table-only", WRITTEN),
+    DataFile("loop-forms.csv", "", f"{BY_HAND} of the parameters of form in dummydesign/loop/effects"),
     DataFile("loop-rules.csv", "", f"{BY_HAND} of the constants in dummydesign/loop/selection"),
     DataFile("loop-turns.csv", "python -m benchmarks.accuracy.loop_turns", WRITTEN),
     DataFile(

@@ -28,7 +28,7 @@ HEAD = """## A first generator
 - Two and three: of the {count} that can be made large. Each alone would leave 3 to 8 noise floors on left-out
   conditions.
 - Unnamed: effects outside the vocabulary. Those of the state depend on depth, force or time since the stop.
-- Silent: `effect` or `none`, but more than two noise floors are left on other pads, besides the pads' own differences.
+- Silent: `effect` or `none`, but more than two floors are left on other pads.
 """
 HEADS = {
     "loop-blind": ("quantity", "count", "total", "percent", "low_95_percent", "high_95_percent", "wanted"),
@@ -203,8 +203,8 @@ def _before(rows: list[Row]) -> str:
     every = ((1, "one"), (2, "two"), (3, "three"))
     counts = [f"{sum(right(row) == size for row in of[kind])} of {len(of[kind])}" for size, kind in every]
     return (
-        f"The study before (seed 746000, names chosen alike): {', '.join(counts)}; of two a wrong name in "
-        f"{sum(map(wrong, of['two']))} of {len(of['two'])}."
+        f"Another seed (746000), names chosen alike: {', '.join(counts)} for one, two and three effects; "
+        f"of two a wrong name in {sum(map(wrong, of['two']))} of {len(of['two'])}."
     )
 
 

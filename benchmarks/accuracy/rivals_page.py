@@ -64,17 +64,13 @@ def measures(rows: list[Row]) -> list[tuple[str, Callable[[str], str]]]:
         return list(row["rivals"][name]["names"])
 
     def named(hits: Callable[[str], list[bool]]) -> Callable[[str], str]:
-        return lambda name: "names nothing" if name in NAMELESS else counted(hits(name))
+        return lambda name: "-" if name in NAMELESS else counted(hits(name))
 
     def wrong(row: Row, name: str) -> bool:
         return bool(set(names(row, name)) - put(row))
 
     def middle(value: Callable[[Row, str], float], digits: int) -> Callable[[str], str]:
         return lambda name: f"{np.median([value(row, name) for row in rows]):.{digits}f}"
-
-    def half_width(row: Row, name: str) -> float:
-        low, value, high = row["rivals"][name]["young_kPa"]
-        return 50.0 * (high - low) / value
 
     return [
         (
@@ -94,8 +90,6 @@ def measures(rows: list[Row]) -> list[tuple[str, Callable[[str], str]]]:
         ),
         ("none: a name", named(lambda name: [wrong(row, name) for row in of["none"]])),
         ("modulus in its 95 % interval", lambda name: counted([inside(row, name) for row in rows])),
-        ("half width of the modulus, median %", middle(half_width, 1)),
-        ("error on new pads, median noise floors", middle(lambda row, name: over_floor(row, name), 2)),
         (
             "error on new pads over the base's, median, with an effect",
             lambda name: f"{np.median([over_base(row, name) for row in rows if row['put']]):.2f}",
@@ -106,23 +100,8 @@ def measures(rows: list[Row]) -> list[tuple[str, Callable[[str], str]]]:
                 [over_base(row, name) <= 0.5 * over_base(row, NAMELESS[0]) for row in rows if row["put"]]
             ),
         ),
-        (
-            "the same where the process leaves over twice the error without an effect",
-            lambda name: counted([halves(row, name) for row in far(rows)]),
-        ),
         ("processor time, median s", middle(lambda row, name: row["rivals"][name]["cpu_s"], 1)),
     ]
-
-
-def halves(row: Row, name: str) -> bool:
-    """Whether the error on new pads is at most half that of the Gaussian process."""
-    return over_base(row, name) <= 0.5 * over_base(row, NAMELESS[0])
-
-
-def far(rows: list[Row]) -> list[Row]:
-    """Campaigns with an effect in which the process leaves over twice what pads without an effect leave to the base."""
-    pads = float(np.median([row["base_rmse_N"] / row["floor_N"] for row in rows if not row["put"]]))
-    return [row for row in rows if row["put"] and over_floor(row, NAMELESS[0]) > 2.0 * pads]
 
 
 def over_floor(row: Row, name: str) -> float:

@@ -19,6 +19,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dummydesign.pad.tables.response_surface import Response, fade
 
@@ -32,12 +33,25 @@ JOIN = (0.65, 0.72)
 BEND, SHARED, LEAST_FADE = (0.85, 0.97), (1.15, 0.3), 0.05
 # After a jump, eta between which it fades into what all pads share.
 SETTLED = (0.07, 0.13)
-# d / h below which a tip touches too few cells to be fitted: ln of the force over the tip's goes to 0 there, with a
-# layer's factor (over the contact's radius, sqrt(d)) and the fall of the crown from its tip's paraboloid (over d).
+# d / h below which a tip touches too few cells to be fitted. There ln of the force over the tip's is that of a ball on
+# a bonded layer and what the crown falls from its tip's paraboloid, which begins with d.
 FIRST = 0.035
 # How far the depth of the edge is off, over it (95 % of 84 drawn crowns), and d / h before and after it between which
 # that begins and ceases to count.
 EDGE_DOUBT, BEFORE_EDGE, AFTER_EDGE = 0.015, (-0.06, -0.02), (0.08, 0.14)
+
+
+def _on_a_layer(tip: Array, x: ArrayLike) -> tuple[Array, Array]:
+    """ln of the force of a ball of radius ``tip`` h on a bonded layer over Hertz's, and its derivative by d / h.
+
+    References
+    ----------
+    Dimitriadis et al., Biophys. J. 82 (2002) 2798, equation 13.
+    """
+    c = np.sqrt(tip * x)
+    layer = 1.0 + c * (1.133 + c * (1.283 + c * (0.769 + 0.0975 * c)))
+    bend = 1.133 + c * (2.566 + c * (2.307 + 0.39 * c))
+    return np.log(layer), bend / layer * 0.5 * c / np.asarray(x)
 
 
 def crown_inputs(inputs: Array) -> Array:
@@ -71,11 +85,16 @@ class CrownResponse:
     def along(self, inputs: Array, row: Array, x: Array) -> tuple[Array, Array]:
         """y and dy / d(d / h)."""
         value, slope = self._pressed(inputs, row, np.maximum(x, FIRST))
-        root = np.sqrt(np.clip(x / FIRST, 1e-12, 1.0))
-        steep = 2.0 * FIRST * slope
-        shallow = x < FIRST
-        early = root * (2.0 * value - steep + root * (steep - value))
-        rise = (value - 0.5 * steep) / root + steep - value
+        shallow, share = x < FIRST, np.clip(x / FIRST, 1e-12, 1.0)
+        tip = np.exp(inputs[:, 3] + 2.0 * (inputs[:, 2] - inputs[:, 0]))[row] / inputs[:, 1][row]
+        (theory, climb), (end, tilt) = _on_a_layer(tip, FIRST * share), _on_a_layer(tip, FIRST)
+        left, steep = value - end, FIRST * (slope - tilt)
+        # what is left begins with d; where it bends on the way to FIRST, as on a pointed tip, with the root of d
+        with np.errstate(divide="ignore", invalid="ignore"):
+            bent = np.nan_to_num(np.clip(steep / left, 0.0, 1.0), nan=1.0)
+        begins, root, more = 2.0 * (1.0 - bent), np.sqrt(share), left * bent - steep
+        early = theory + left * (begins * root + (1.0 - begins) * share) + more * share * (1.0 - share)
+        rise = FIRST * climb + left * (0.5 * begins / root + 1.0 - begins) + more * (1.0 - 2.0 * share)
         return np.where(shallow, early, value), np.where(shallow, rise / FIRST, slope)
 
     def doubt(self, inputs: Array, row: Array, x: Array) -> Array:

@@ -89,7 +89,7 @@ class CrownResponse:
         tip = np.exp(inputs[:, 3] + 2.0 * (inputs[:, 2] - inputs[:, 0]))[row] / inputs[:, 1][row]
         (theory, climb), (end, tilt) = _on_a_layer(tip, FIRST * share), _on_a_layer(tip, FIRST)
         left, steep = value - end, FIRST * (slope - tilt)
-        # what is left begins with d; where it bends on the way to FIRST, as on a pointed tip, with the root of d
+        # the remainder begins with d; where it bends on the way to FIRST, as on a pointed tip, with the root of d
         with np.errstate(divide="ignore", invalid="ignore"):
             bent = np.nan_to_num(np.clip(steep / left, 0.0, 1.0), nan=1.0)
         begins, root, more = 2.0 * (1.0 - bent), np.sqrt(share), left * bent - steep

@@ -219,5 +219,6 @@ def _checks(folder: Path) -> None:
     except (OSError, ValueError, KeyError, TypeError):
         return
     said = f"{passed} of {len(checks)} checks passed"
-    said += ", the others could not be run" * all(row[1] == "skipped" for row in rest)
+    if rest and all(row[1] == "skipped" for row in rest):
+        said += ", the others could not be run"
     widgets.table(["check", "", "because"], rest, words=True, under=said) if rest else html(f"<p>{escape(said)}</p>")

@@ -54,6 +54,20 @@ def _on_a_layer(tip: Array, x: ArrayLike) -> tuple[Array, Array]:
     return np.log(layer), bend / layer * 0.5 * c / np.asarray(x)
 
 
+def _before_first(tip: Array, x: Array, value: Array, slope: Array) -> tuple[Array, Array]:
+    """y and its derivative at d / h below ``FIRST``, from those there."""
+    share = np.clip(x / FIRST, 1e-12, 1.0)
+    (theory, climb), (end, tilt) = _on_a_layer(tip, FIRST * share), _on_a_layer(tip, FIRST)
+    left, steep = value - end, FIRST * (slope - tilt)
+    # the remainder begins with d; where it bends on the way to FIRST, as on a pointed tip, with the root of d
+    with np.errstate(divide="ignore", invalid="ignore"):
+        bent = np.nan_to_num(np.clip(steep / left, 0.0, 1.0), nan=1.0)
+    begins, root, more = 2.0 * (1.0 - bent), np.sqrt(share), left * bent - steep
+    early = theory + left * (begins * root + (1.0 - begins) * share) + more * share * (1.0 - share)
+    rise = FIRST * climb + left * (0.5 * begins / root + 1.0 - begins) + more * (1.0 - 2.0 * share)
+    return early, rise / FIRST
+
+
 def crown_inputs(inputs: Array) -> Array:
     """Coordinates (n, 3) that the crown alone has, from all four (ln h/a, c/h, ln b/a, ln s)."""
     return np.column_stack([inputs[:, 1], inputs[:, 2] - inputs[:, 0], inputs[:, 3]])
@@ -84,18 +98,13 @@ class CrownResponse:
 
     def along(self, inputs: Array, row: Array, x: Array) -> tuple[Array, Array]:
         """y and dy / d(d / h)."""
+        x, row = np.asarray(x), np.asarray(row)
         value, slope = self._pressed(inputs, row, np.maximum(x, FIRST))
-        shallow, share = x < FIRST, np.clip(x / FIRST, 1e-12, 1.0)
-        tip = np.exp(inputs[:, 3] + 2.0 * (inputs[:, 2] - inputs[:, 0]))[row] / inputs[:, 1][row]
-        (theory, climb), (end, tilt) = _on_a_layer(tip, FIRST * share), _on_a_layer(tip, FIRST)
-        left, steep = value - end, FIRST * (slope - tilt)
-        # the remainder begins with d; where it bends on the way to FIRST, as on a pointed tip, with the root of d
-        with np.errstate(divide="ignore", invalid="ignore"):
-            bent = np.nan_to_num(np.clip(steep / left, 0.0, 1.0), nan=1.0)
-        begins, root, more = 2.0 * (1.0 - bent), np.sqrt(share), left * bent - steep
-        early = theory + left * (begins * root + (1.0 - begins) * share) + more * share * (1.0 - share)
-        rise = FIRST * climb + left * (0.5 * begins / root + 1.0 - begins) + more * (1.0 - 2.0 * share)
-        return np.where(shallow, early, value), np.where(shallow, rise / FIRST, slope)
+        if (shallow := x < FIRST).any():
+            at = row[shallow]
+            tip = np.exp(inputs[at, 3] + 2.0 * (inputs[at, 2] - inputs[at, 0])) / inputs[at, 1]
+            value[shallow], slope[shallow] = _before_first(tip, x[shallow], value[shallow], slope[shallow])
+        return value, slope
 
     def doubt(self, inputs: Array, row: Array, x: Array) -> Array:
         """Relative error of the force where the edge comes into contact a little sooner or later than it should."""

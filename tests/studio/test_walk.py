@@ -230,4 +230,4 @@ def test_the_sliders_answer_at_once(walked):
 
 def test_the_overview_tells_what_was_done(walked):
     assert "of 16 presses are there" in walked["overview"] or "of 8 presses are there" in walked["overview"]
-    assert "press the rest" in walked["overview"]  # of the measurement that was planned last
+    assert "Press the rest" in walked["overview"]  # of the measurement that was planned last

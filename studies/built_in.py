@@ -44,7 +44,7 @@ def answer_of(tissue: str, **options: Any) -> dict[str, Any] | None:
 
 
 def design_table(answers: Answers) -> str:
-    """One row a tissue: verdict, pad, fractions of castings, factors on energies and forces, and the best slab.
+    """One row a tissue: verdict, pad, fractions of castings, factors on energies, and the best slab.
 
     Fractions of a known resin and after a puck have columns where the answers state them.
     """
@@ -56,7 +56,7 @@ def design_table(answers: Answers) -> str:
         "usable as poured",
         *(SHARES[name] for name in shares),
         "out of reach",
-        "factor: central, 95 %, once measured",
+        "factor on energies: central, 95 %, once measured",
         "best slab",
     ]
     rows = []

@@ -234,8 +234,10 @@ def castings_lines(result: dict[str, Any]) -> list[str]:
     ]
     window, young = result["window_kPa"], result["recommendation"]["young_kPa"]
     if window is not None:
+        # on the safe side a stiffer pad only reads higher
+        end = "" if strict else f" to {window[1]:.3g}"
         lines.append(
-            f"usable from {window[0]:.3g} to {window[1]:.3g} kPa; batches of this ratio: "
+            f"{words} from {window[0]:.3g}{end} kPa; batches of this ratio: "
             f"{young['low']:.3g} to {young['high']:.3g} kPa (95 %)"
         )
     return lines

@@ -20,6 +20,8 @@ from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import (
     CLASSES,
     OUTCOMES,
+    STANDS_FOR,
+    USABLE,
     Readings,
     Verdict,
     classes,
@@ -39,6 +41,8 @@ if TYPE_CHECKING:
 
 # Even steps of thickness at which pours are pressed, and the share of a limit from which a design lies at it.
 NODES, AT_LIMIT = 41, 0.99
+# Moduli over that of the ratio's centre at which batches of one ratio are pressed.
+MODULI = np.exp(np.linspace(-2.0, 2.0, 801))
 
 
 @dataclass(frozen=True)
@@ -233,8 +237,27 @@ def shares_of_pad(cast: PadCastings) -> Shares:
         Share(cast.candidate.ratio, **share(cast.readings())),
         Share(outlook.known_ratio, **share(cast.resin_known)),
         AfterPuck(ends, **share(after), no_ratio=float(none.mean()), no_ratio_reason=reason),
-        outlook.window_kPa,
+        window_kPa(cast),
     )
+
+
+def window_kPa(cast: PadCastings) -> tuple[float, float] | None:
+    """Moduli between which batches of the ratio to pour are usable, the pad as designed; None without any. [kPa]
+
+    All relax as the resin's centre does at this ratio: batches of one ratio differ in modulus, and a stiffer one does
+    not relax less, as one of another ratio does.
+    """
+    space, ratio, count = cast.space, cast.candidate.ratio, len(MODULI)
+    young = space.resin.young_MPa(ratio) * MODULI
+    beta = np.tile([term.beta for term in space.resin.prony(ratio)], (count, 1))
+    slabs = cast.slabs(Pours(np.full(count, cast.candidate.thickness_mm), young, beta))
+    targets = space.targets
+    read = readings_along(slabs, targets, targets.protocol.steady_grid_N, space.sampling.coarse)
+    ranges = ranges_of(targets)
+    kinds = classes(deviations(ranges, read), targets.limits)
+    good = [CLASSES.index(name) for name in ((STANDS_FOR,) if ranges.strict else (STANDS_FOR, USABLE))]
+    usable = 1e3 * young[np.isin(kinds, good)]
+    return (float(usable[0]), float(usable[-1])) if len(usable) else None
 
 
 @dataclass(frozen=True)

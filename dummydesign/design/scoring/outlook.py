@@ -58,7 +58,7 @@ class Outlook:
     ratio chosen anew after one puck, ``ratios`` the ratio of each batch then, and ``possible`` (n,) whether any ratio
     will do for it; ``chances`` and ``poured`` (n,) are the batches' own shares after the puck and as poured.
     ``misfit`` is that to the aim after the puck. ``beyond`` is ln of the largest reading over its limit at the resin's
-    centre, ``window_kPa`` the moduli in which the pad is usable there, None without one.
+    centre.
     """
 
     ratio: float
@@ -73,7 +73,6 @@ class Outlook:
     poured: NDArray
     ratios: NDArray
     possible: NDArray
-    window_kPa: tuple[float, float] | None
 
     def ties(self, best: Outlook, poured: bool = False) -> bool:
         """Whether the share after a puck, or as poured, is that of another pad within two standard errors.
@@ -136,14 +135,7 @@ def outlook_of(
         each[:, first],
         ratio[chosen],
         windows.usable[0].any(axis=-1),
-        _window(central),
     )
-
-
-def _window(central: Windows) -> tuple[float, float] | None:
-    """Ends of the moduli in which the pad is usable. [kPa]"""
-    usable = central.log_young[0][central.usable[0, 0]]
-    return (1e3 * float(np.exp(usable[0])), 1e3 * float(np.exp(usable[-1]))) if len(usable) else None
 
 
 class _Chance:

@@ -11,9 +11,9 @@ from dummydesign.design.assessment.pad_castings import PadCastings, shares_of_pa
 from dummydesign.design.pad_evaluator import law_of_shape
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
-from dummydesign.design.scoring.castings import Castings
+from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, RELAXATION, Castings
 from dummydesign.design.scoring.outlook import Match
-from dummydesign.design.scoring.verdict import CLASSES
+from dummydesign.design.scoring.verdict import CLASSES, classes, deviations, ranges_of
 from dummydesign.design.search.shape_search import candidate_of, outlook_for, search_shapes
 from dummydesign.design.suggest import cast_pad, design
 from dummydesign.geometry.shape_registry import read_shape
@@ -81,6 +81,19 @@ def test_the_window_is_about_the_modulus_that_is_poured(cast, shares):
     low, high = shares.window_kPa
     wanted = 1e3 * float(cast.space.resin.young_MPa(shares.resin_known.ratio))
     assert low < wanted < high
+
+
+def test_the_window_holds_the_batches_of_this_ratio_that_are_usable(cast, shares):
+    """All else known, a batch is usable if and only if its modulus is in the window."""
+    low, high = shares.window_kPa
+    young = 1e3 * cast.castings.batches.young_MPa(shares.as_poured.ratio)
+    targets = cast.space.targets
+    read = cast.readings((MAKING, FORCE_LAW, RELAXATION))
+    usable = np.isin(classes(deviations(ranges_of(targets), read), targets.limits), (0, 1))
+    # a modulus may lie between two steps of half a percent
+    near = np.minimum(np.abs(np.log(young / low)), np.abs(np.log(young / high))) < 0.006
+    inside = (young >= low) & (young <= high)
+    assert (usable == inside)[~near].all() and 0.005 < 1.0 - inside.mean() < 0.5
 
 
 @pytest.mark.slow

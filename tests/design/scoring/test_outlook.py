@@ -91,7 +91,6 @@ def test_as_poured_and_with_the_resin_known_are_normal_integrals_over_the_window
     assert found.known == pytest.approx(cover(HALF, making), abs=2e-3)
     assert found.stands == pytest.approx(cover(0.105, np.hypot(spread, making)), abs=3e-3)
     assert log_young(found.ratio) == pytest.approx(MIDDLE, abs=0.1 * HALF + 0.5 * SLOPE * 0.05)
-    assert found.window_kPa == pytest.approx((37.0 * np.exp(-HALF), 37.0 * np.exp(HALF)), rel=6e-3)
     assert found.possible.all()
 
 
@@ -152,7 +151,6 @@ def test_the_shares_depend_on_ratios_of_moduli_alone():
     )
     for name in ("ratio", "as_poured", "known", "after_puck", "stands", "misfit"):
         assert getattr(again, name) == pytest.approx(getattr(first, name), abs=1e-9)
-    np.testing.assert_allclose(np.array(again.window_kPa), 7.0 * np.array(first.window_kPa))
 
 
 def test_a_tolerance_of_thickness_moves_the_window_and_its_ends_count_alike():
@@ -200,7 +198,7 @@ def test_where_no_modulus_is_usable_the_ratio_is_that_of_the_least_excess():
     scatter = Scatter(0.1, 0.1, NO_SHIFT)
     found = outlook_of(none, one, batches(0.2), centre(), Match(MIDDLE, 0.0), scatter, LIMITS, False)
     assert found.as_poured == found.known == found.after_puck == 0.0 and not found.possible.any()
-    assert found.window_kPa is None and found.beyond == pytest.approx(0.3, abs=0.02)
+    assert found.beyond == pytest.approx(0.3, abs=0.02)
     assert log_young(found.ratio) == pytest.approx(MIDDLE + 0.5, abs=SLOPE * 0.026) and found.known_ratio == found.ratio
     assert found.level(LIMITS, False) == 3
 

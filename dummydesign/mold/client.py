@@ -111,7 +111,8 @@ class CadChild:
             stderr=subprocess.PIPE,
             encoding="utf-8",
             errors="replace",
-            env={**os.environ, **ONE_THREAD, "PYTHONPATH": path},
+            # no module of the folder that the command is run in
+            env={**os.environ, **ONE_THREAD, "PYTHONPATH": path, "PYTHONSAFEPATH": "1"},
         )
         self.meanwhile: Callable[[], None] | None = None
 

@@ -77,13 +77,13 @@ def manage(root: Path, path: str, kind: str, then: Then) -> None:
             if Path(sent).suffix.lower() != ending:
                 message = f"{sent} was refused: choose a file that ends in {ending}"
                 raise InputError(message, "unknown_name", "file_ending", sent, ending)
-            stored = bin.store(root, (root / path).parent, name, content, replace=True)
-            form.clear()
-            if stored.gone is None:
-                bar.say(f"{sent} is the same as {stored.name}, which is there: nothing was changed.")
+            folder = (root / path).parent
+            if same := bin.twin(folder, name, content):
+                bar.say(f"{sent} is the same as {same}, which is there: nothing was changed.")
             else:
-                bar.offer(stored.gone, then)
+                bar.offer(bin.replace_file(root, folder, name, content), then)
                 replaced = True
+            form.clear()
         if replaced:
             bar.run(lambda: then(path, path))
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import shutil
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -18,10 +17,10 @@ from dummydesign.measurement.campaign_file import FILE, read_campaign_toml, tria
 from dummydesign.measurement.campaign_from_files import COLUMNS, named_values, read_trials
 from dummydesign.measurement.campaign_status import differences_from_plan
 from dummydesign.measurement.trace import read_trace
-from dummydesign.studio.file_transfer import check_press, inside, plain_name, save_upload
+from dummydesign.studio.file_transfer import check_press, holds, inside, plain_name, save_upload
 from dummydesign.studio.project_index import Mould, moulds, shape_key
 from dummydesign.studio.state import State
-from dummydesign.studio.trash import Deleted, delete, replace_file
+from dummydesign.studio.trash import Deleted, check_idle, delete, replace_file
 
 HELD = "unassigned"
 """Folder in that of a campaign, for files that have no planned name."""
@@ -48,7 +47,7 @@ def take(root: Path, campaign: str, name: str, content: bytes) -> Taken:
 
 def held(root: Path, campaign: str) -> list[str]:
     """Files of a campaign that wait for their press."""
-    return sorted(path.name for path in (root / campaign / HELD).glob("*") if path.is_file())
+    return _names(root / campaign / HELD)
 
 
 def presses_for(root: Path, campaign: str, name: str) -> dict[str, str]:
@@ -89,15 +88,14 @@ def discard(root: Path, campaign: str, name: str) -> Deleted:
 def _put(root: Path, campaign: str, name: str, content: bytes) -> Taken:
     plain_name(name)  # a plan can name another file of its folder as a press, such as itself
     folder = inside(root, campaign)
-    for trial in read_trials(folder):
-        other = folder / trial["file"]
-        if trial["file"] != name and other.is_file() and other.read_bytes() == content:
-            message = f"{name} is the same as {trial['file']}, which is there: press it again"
+    for other in (trial["file"] for trial in read_trials(folder)):
+        if other != name and holds(folder / other, content):
+            message = f"{name} is the same as {other}, which is there: press it again"
             raise InputError(message, "duplicate", "trace", name)
     if not (folder / name).is_file():
         save_upload(folder, name, content)
         return Taken(f"{name} was added.")
-    if (folder / name).read_bytes() == content:
+    if holds(folder / name, content):
         return Taken(f"{name} is there already.")
     return Taken(f"{name} was added. The earlier one is in the bin.", replace_file(root, folder, name, content))
 
@@ -123,7 +121,11 @@ def save_waiting_file(root: Path, name: str, content: bytes) -> str:
 
 def waiting(root: Path) -> list[str]:
     """Files that wait to be brought in."""
-    return sorted(path.name for path in (root / FOLDER).glob("*") if path.is_file() and path.name[0] != ".")
+    return _names(root / FOLDER)
+
+
+def _names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.glob("[!.]*") if path.is_file())
 
 
 def traces(root: Path) -> list[str]:
@@ -143,9 +145,10 @@ def bring_in(root: Path, name: str) -> str:
     """Make a campaign of the files as they are; return its folder from the project folder on."""
     folder = new_campaign_folder(root, name)
     read_campaign_toml(root / FOLDER)
+    check_idle(root, FOLDER)
     with writing("campaign", folder, "campaign"):
         (root / folder).parent.mkdir(exist_ok=True)
-        shutil.move(root / FOLDER, root / folder)
+        (root / FOLDER).rename(root / folder)
     return folder
 
 

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import csv
+import json
+import time
 
 import pytest
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import acquire_lock
 from dummydesign.project.folder import make_project
 from dummydesign.studio import incoming_presses as bring_in
+from dummydesign.studio import job_process as runner
 from dummydesign.studio.jobs import options
 from tests.support.refusal import raises_code
 
@@ -32,6 +36,19 @@ def test_a_folder_with_its_campaign_file_is_taken_as_it_is(root):
         "notes.txt": b"words",
     }
     assert bring_in.waiting(root) == []
+
+
+def test_files_that_a_command_reads_are_not_taken_from_under_it(root):
+    bring_in.save_waiting_file(root, "campaign.toml", TOML)
+    folder = root / ".studio" / "jobs" / "0001-fromfiles"
+    folder.mkdir(parents=True)
+    words = ["campaign", "from-files", "campaigns/may", f"{bring_in.FOLDER}/a.csv"]
+    asked = {"name": "fromfiles", "words": words, "cwd": str(root), "start": time.time()}
+    (folder / runner.COMMAND).write_text(json.dumps(asked))
+    with acquire_lock(folder / runner.LOCK), raises_code("busy", "path"):
+        bring_in.bring_in(root, "june")
+    assert bring_in.waiting(root) == ["campaign.toml"]
+    assert bring_in.bring_in(root, "june") == "campaigns/june"
 
 
 def test_a_name_that_is_there_is_refused_and_nothing_is_moved(root):

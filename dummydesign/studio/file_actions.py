@@ -49,7 +49,7 @@ def manage(root: Path, path: str, kind: str, then: Then) -> None:
     def ask_name() -> None:
         refused.clear()
         with widgets.fresh(form), ui.element("div").classes("fields"):
-            field = ui.input(f"New name of {name}", value=_short(root, path)).props('data-test="new-name"')
+            field = ui.input(f"New name of {name}", value=bin.short_name(root, path)).props('data-test="new-name"')
             with ui.element("div"):
                 widgets.button("Save", lambda: take_name(field.value or ""), "save-name", main=True)
                 widgets.button("Cancel", close)
@@ -113,13 +113,6 @@ def thing(words: str, root: Path, path: str, kind: str, then: Then) -> ui.elemen
         with ui.element("div"):
             manage(root, path, kind, then)
     return row
-
-
-def _short(root: Path, path: str) -> str:
-    """What can be changed of a name."""
-    target = root / path
-    name = target.stem if target.is_file() else target.name
-    return name.removeprefix("import-") if bin.is_import(path) else name
 
 
 def drop_zone(

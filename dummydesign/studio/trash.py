@@ -227,6 +227,11 @@ def _is_tissue(path: str) -> bool:
     return path.startswith("tissue/") and path.endswith(".toml")
 
 
+def short_name(root: Path, path: str) -> str:
+    """What can be changed of the name of a thing."""
+    return _stem(root / path).removeprefix("import-" if is_import(path) else "")
+
+
 def _stem(path: Path) -> str:
     return path.name if path.is_dir() else path.stem
 

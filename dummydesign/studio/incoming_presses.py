@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -14,10 +12,10 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import csv_text, read_json, write_bytes, write_text, writing
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.measurement.campaign_file import FILE, read_campaign_toml, trial_tables
-from dummydesign.measurement.campaign_from_files import COLUMNS, named_values, read_trials
+from dummydesign.measurement.campaign_from_files import COLUMNS, named_values, read_table, read_trials
 from dummydesign.measurement.campaign_status import differences_from_plan
 from dummydesign.measurement.trace import read_trace
-from dummydesign.studio.file_transfer import check_press, holds, inside, plain_name, save_upload
+from dummydesign.studio.file_transfer import check_press, holds, inside, plain_name, read_sent, save_upload
 from dummydesign.studio.project_index import Mould, moulds, shape_key
 from dummydesign.studio.state import State
 from dummydesign.studio.trash import Deleted, check_idle, delete, replace_file
@@ -114,6 +112,8 @@ def save_waiting_file(root: Path, name: str, content: bytes) -> str:
     if not name.lower().endswith(ENDINGS):
         message = f"a campaign has files of the kinds {', '.join(ENDINGS)}"
         raise InputError(message, "unknown_name", "file_ending", name, ENDINGS)
+    if name == TABLE:
+        read_sent(name, content, read_table)
     with writing("folder", FOLDER, "folder"):
         inside(root, FOLDER).mkdir(parents=True, exist_ok=True)
     return write_bytes(root / FOLDER / name, content).name
@@ -154,28 +154,13 @@ def bring_in(root: Path, name: str) -> str:
 
 def table(root: Path) -> list[dict[str, Any]]:
     """A row for each press: what its name says, and what a table of trials among the files says."""
-    given = _rows_of_table(root / FOLDER / TABLE)
+    given: dict[str, dict[str, Any]] = {}
+    with suppress(InputError):
+        given = read_table(root / FOLDER / TABLE)
     return [
         {"file": name, **dict.fromkeys(COLUMNS[1:]), **named_values(Path(name)), **given.get(name, {})}
         for name in traces(root)
     ]
-
-
-def _rows_of_table(path: Path) -> dict[str, dict[str, Any]]:
-    """Rows of a table of trials by file; numbers alone, cells that are none stay with the command to refuse."""
-    try:
-        lines = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8-sig"))))
-    except (OSError, UnicodeDecodeError, csv.Error):
-        return {}
-    cells = [{key: (line.get(key) or "").strip() for key in COLUMNS} for line in lines]
-    return {row["file"]: {key: _cell(row[key]) for key in COLUMNS[1:] if row[key]} for row in cells}
-
-
-def _cell(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text
 
 
 def write_table(root: Path, rows: Sequence[Mapping[str, Any]]) -> None:

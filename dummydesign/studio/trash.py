@@ -333,7 +333,6 @@ def twin(folder: Path, name: str, content: bytes) -> str | None:
 def rename_over(root: Path, folder: Path, kept: str, name: str) -> Stored:
     """Let a file that got a number take the place of the one whose name it was sent with."""
     home = folder.relative_to(root).as_posix()
-    check_idle(root, f"{home}/{kept}")
     gone = delete(root, f"{home}/{name}", "replaced")
     with undone_if_refused(root, gone):
         rename(root, f"{home}/{kept}", name)

@@ -78,6 +78,19 @@ def test_the_table_begins_with_what_the_names_say_and_what_a_table_said(root):
     assert "trials.csv" not in rows
 
 
+@pytest.mark.parametrize(
+    "content",
+    [b"file;thickness_mm\na.csv;5\n", "file,thickness_mm\né.csv,5\n".encode("latin-1"), b"file,age\na.csv,9\n"],
+)
+def test_a_table_that_the_command_could_not_read_is_refused_and_the_earlier_one_stays(root, content):
+    """The page writes its own table in its place: what it cannot read would be lost without a word."""
+    for name, first in (("a.csv", b"1,2\n"), ("trials.csv", b"file,thickness_mm\na.csv,5\n")):
+        bring_in.save_waiting_file(root, name, first)
+    with pytest.raises(InputError, match=r"trials\.csv"):
+        bring_in.save_waiting_file(root, "trials.csv", content)
+    assert bring_in.table(root)[0]["thickness_mm"] == 5.0
+
+
 def test_what_is_typed_is_the_table_that_the_command_reads(root):
     for name in ("a.csv", "b, c.csv"):
         bring_in.save_waiting_file(root, name, b"1,2\n")

@@ -99,7 +99,8 @@ def _put(root: Path, campaign: str, name: str, content: bytes) -> Taken:
 
 
 FOLDER = "measured/to-bring-in"
-TABLE = "trials.csv"
+TABLE, AS_SENT = "trials.csv", ".trials.csv"
+"""The table that the page writes, of the presses that came so far; and the one that was dropped, for those to come."""
 KEYS = ("sequence", "thickness_mm", "velocity_mm_s", "target_force_N", "repeat", "age_days", "temperature_C", "rest_s")
 """Columns of the table that are filled in on the page."""
 ENDINGS = (".csv", ".toml", ".txt", ".md", ".json", ".html")
@@ -112,10 +113,11 @@ def save_waiting_file(root: Path, name: str, content: bytes) -> str:
     if not name.lower().endswith(ENDINGS):
         message = f"a campaign has files of the kinds {', '.join(ENDINGS)}"
         raise InputError(message, "unknown_name", "file_ending", name, ENDINGS)
-    if name == TABLE:
-        read_sent(name, content, read_table)
     with writing("folder", FOLDER, "folder"):
         inside(root, FOLDER).mkdir(parents=True, exist_ok=True)
+    if name == TABLE:
+        read_sent(name, content, read_table)
+        write_bytes(root / FOLDER / AS_SENT, content)
     return write_bytes(root / FOLDER / name, content).name
 
 
@@ -155,8 +157,9 @@ def bring_in(root: Path, name: str) -> str:
 def table(root: Path) -> list[dict[str, Any]]:
     """A row for each press: what its name says, and what a table of trials among the files says."""
     given: dict[str, dict[str, Any]] = {}
-    with suppress(InputError):
-        given = read_table(root / FOLDER / TABLE)
+    for one in (AS_SENT, TABLE):
+        with suppress(InputError):
+            given |= read_table(root / FOLDER / one)
     return [
         {"file": name, **dict.fromkeys(COLUMNS[1:]), **named_values(Path(name)), **given.get(name, {})}
         for name in traces(root)

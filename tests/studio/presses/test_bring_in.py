@@ -91,6 +91,25 @@ def test_a_table_that_the_command_could_not_read_is_refused_and_the_earlier_one_
     assert bring_in.table(root)[0]["thickness_mm"] == 5.0
 
 
+def test_of_a_table_that_comes_before_its_presses_no_row_is_lost(root):
+    """The page writes the table anew with each press that comes in."""
+    rows = b"file,thickness_mm,age_days\na.csv,5,9\nz.csv,15,29\n"
+    bring_in.save_waiting_file(root, "trials.csv", rows)
+    for name in ("a.csv", "z.csv"):
+        bring_in.save_waiting_file(root, name, b"1,2\n")
+        shown = bring_in.table(root)
+        shown[0]["age_days"] = None  # emptied on the page
+        bring_in.write_table(root, shown)
+    shown = bring_in.table(root)
+    assert [(row["file"], row["thickness_mm"], row["age_days"]) for row in shown] == [
+        ("a.csv", 5.0, None),
+        ("z.csv", 15.0, 29.0),
+    ]
+    bring_in.save_waiting_file(root, "trials.csv", rows)
+    assert bring_in.table(root)[0]["age_days"] == 9.0
+    assert bring_in.waiting(root) == ["a.csv", "trials.csv", "z.csv"]
+
+
 def test_what_is_typed_is_the_table_that_the_command_reads(root):
     for name in ("a.csv", "b, c.csv"):
         bring_in.save_waiting_file(root, name, b"1,2\n")

@@ -253,21 +253,16 @@ def _use_once(home: Path, key: str) -> bool:
 
 def _refuse_links(home: Path) -> None:
     """Refuse links, pipes and devices among the studio's own files, which a folder from elsewhere may bring."""
-    if not (home.exists() or home.is_symlink()):
-        return
-    if home.is_symlink() or not home.is_dir():
+    if home.is_symlink() or (home.exists() and not home.is_dir()):
         message = f"'{home}' is a link or no folder: remove it; the studio makes its own"
         raise InputError(message, "not_allowed", "folder")
     for folder, folders, names in os.walk(home):
         for name in (*folders, *names):
-            try:
-                kind = os.lstat(os.path.join(folder, name)).st_mode
-            except FileNotFoundError:
-                # another studio of this folder is at work
-                continue
-            if not (stat.S_ISDIR(kind) or stat.S_ISREG(kind)):
-                message = f"'{os.path.join(folder, name)}' is a link or no plain file: remove it"
-                raise InputError(message, "not_allowed", "file")
+            path = os.path.join(folder, name)
+            with suppress(FileNotFoundError):  # another studio of this folder is at work
+                kind = os.lstat(path).st_mode
+                if not (stat.S_ISDIR(kind) or stat.S_ISREG(kind)):
+                    raise InputError(f"'{path}' is a link or no plain file: remove it", "not_allowed", "file")
         # what was deleted may have links of its own; it is only moved
         folders[:] = [name for name in folders if name != "content"]
 

@@ -20,6 +20,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from dummydesign.core.blas_threads import surroundings
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import acquire_lock, is_locked, read_json, unwritable, write_text
 from dummydesign.core.manifest import NAME as MANIFEST
@@ -217,7 +218,6 @@ def progress_line(job: Job, usual: float | None) -> str:
 
 
 def _spawn(root: Path, folder: Path) -> None:
-    path = os.pathsep.join(filter(None, (str(Path(__file__).resolve().parents[2]), os.environ.get("PYTHONPATH"))))
     _CHILDREN[:] = [child for child in _CHILDREN if child.poll() is None]
     # held from the first moment on, however long a busy machine takes to start the process
     lock = None if os.name == "nt" else acquire_lock(folder / runner.LOCK, runner.PATIENCE_S)
@@ -230,8 +230,7 @@ def _spawn(root: Path, folder: Path) -> None:
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=output,
-                # a folder from elsewhere may hold a json.py: no Python that is started here takes modules from it
-                env={**os.environ, "PYTHONPATH": path, "PYTHONSAFEPATH": "1"},
+                env=surroundings(),
                 pass_fds=handed_on,
                 start_new_session=True,
                 creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),

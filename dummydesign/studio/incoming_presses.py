@@ -241,7 +241,7 @@ def plan_of(root: Path, campaign: str) -> dict[str, Any]:
             "ratio": set_up.get("ratio"),
             "punch": str(set_up["punch"]),
         }
-    except (ValueError, KeyError, TypeError):
+    except (AttributeError, ValueError, KeyError, TypeError, OverflowError):
         return {}
     return plan if plan["resin"] and plan["ratio"] else {}
 

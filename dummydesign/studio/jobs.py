@@ -274,7 +274,7 @@ def all_jobs(root: Path, name: str = "*") -> list[Job]:
     folders = (root / HOME / "jobs").glob(f"[0-9]*-{name}")
     # by their numbers: the ten-thousandth has a digit more
     for folder in sorted(folders, key=lambda folder: (folder.name.index("-"), folder.name)):
-        with suppress(OSError, ValueError, KeyError, TypeError):
+        with suppress(OSError, ValueError, KeyError, TypeError, OverflowError):
             status = folder / runner.STATUS
             jobs.append(_ended_job(folder, status.stat().st_mtime_ns) if status.exists() else read_job(folder))
     return jobs

@@ -146,7 +146,7 @@ def moulds(root: Path) -> list[Mould]:
     """Moulds of a project, the newest last; those whose manifest cannot be read are left out."""
     own = []
     for folder, manifest in _manifests(root, "moulds", "mold"):
-        with suppress(KeyError, TypeError, ValueError):
+        with suppress(KeyError, TypeError, ValueError, OverflowError):
             given = manifest["inputs"]
             pad = {
                 "shape": str(given["shape"]),

@@ -260,6 +260,7 @@ def test_a_studio_whose_folder_cannot_be_written_is_one_line_and_lets_go_of_the_
         '{"name": "a", "words": null, "start": 1}',
         '{"name": "a", "words": [], "start": 1e300}',
         '{"name": "a", "words": [], "start": NaN}',
+        f'{{"name": "a", "words": ["y"], "start": 1{"0" * 400}}}',
     ],
 )
 def test_a_record_that_no_studio_wrote_is_passed_over(tmp_path, odd):

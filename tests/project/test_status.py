@@ -135,7 +135,7 @@ def test_a_pad_whose_numbers_are_none_is_no_pad(tmp_path, odd):
     """A project from elsewhere, or a manifest that was edited, ends no command and no page in a traceback."""
     pad = {"shape": "slab", "thickness_mm": 6.0, "ratio": 15.0, "resin": "polyurethane-nagoya"}
     path = tmp_path / "manifest.json"
-    for summary, kept in ((pad, pad), (pad | odd, None)):
+    for number, (summary, kept) in enumerate(((pad, pad), (pad | odd, None))):
         path.write_text(json.dumps({"command": "suggest", "finished": True, "summary": summary}), encoding="utf-8")
-        os.utime(path, ns=(0, len(path.read_text(encoding="utf-8"))))
+        os.utime(path, ns=(number, number))
         assert finished_manifest(path)["summary"] == kept

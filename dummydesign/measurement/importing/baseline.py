@@ -199,6 +199,6 @@ def _with_changes(
         effect_N=float(effect),
         effect_error_N=float(np.hypot(error[1] * lasts, error[2] * depth)),
         comes_back=len(parts) > leading,
-        # what is left out of the line may be there
+        # a change that the line leaves out may still be there
         held_error_N=float(np.hypot(plain.held_error_N, 2.0 * end @ (whole - value))),
     )

@@ -185,7 +185,7 @@ def test_more_castings_change_the_share_of_all_and_hardly_what_is_left_with_a_gr
 
 
 def test_the_share_with_a_group_known_is_exact_where_all_or_nothing_is_known():
-    """All castings that fit with a group known fit whatever the first ones did; nothing known leaves the share of all."""
+    """All castings that fit with a group known fit whatever the first ones did; nothing known leaves their share."""
     fit = np.arange(1200) % 5 < 2
     for now in (0.36, 0.4, 0.43):
         assert share_if_known(np.ones(1200, bool), fit, now) == 1.0

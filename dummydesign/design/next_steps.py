@@ -196,7 +196,7 @@ def why_red(answer: Suggestion) -> str:
     if short / low >= over / high and name == PEAK:
         people, whose = ranges.peak_low_N, "the subjects' peak"
         if ranges.strict:
-            people, whose = ranges.peak_high_N, f"the peak of {ranges.highest or 'the highest subject'}"
+            people, whose = ranges.peak_high_N, ranges.highest or "the peak of the highest subject"
         return _relaxation(
             float(people[at]),
             float(readings.peak_N[at]),

@@ -258,15 +258,15 @@ def _percent(share: float) -> str:
 
 
 def why_text(result: dict[str, Any]) -> str:
-    """How near each kind comes to the tissue, or why no other was compared."""
-    known = [row for row in result["shapes"] if row["shape"] is not None and row["misfit_rms_ln_force"] is not None]
-    mine = next((row for row in known if row["shape"] == result["recommendation"]["shape"]), None)
-    if mine is None or len(known) < 2:
+    """How near each kind comes to the tissue; what decided where another comes nearer, or none was compared."""
+    name = "misfit_rms_ln_force"
+    known = [row for row in result["shapes"] if row["shape"] is not None and row[name] is not None]
+    known.sort(key=lambda row: row[name])
+    if len(known) < 2 or known[0]["shape"] != result["recommendation"]["shape"]:
         return str(result["choice"]["text"])
     forces = sorted(result["inputs"]["force_N"])
-    others = sorted((row for row in known if row is not mine), key=lambda row: row["misfit_rms_ln_force"])
-    listed = ", ".join(f"{row['kind']} {row['misfit_rms_ln_force']:.2f}" for row in others)
-    fit = f"{mine['misfit_rms_ln_force']:.2f} ({listed})"
+    listed = ", ".join(f"{row['kind']} {row[name]:.2f}" for row in known[1:])
+    fit = f"{known[0][name]:.2f} ({listed})"
     return f"misfit to the subjects, {0.1 * forces[0]:g} to {forces[-1]:g} N: {fit}"
 
 

@@ -42,8 +42,8 @@ def explain(chosen: ShapedDesign, others: Sequence[ShapedDesign], space: SearchS
     mine, its = (design.outlook.level(limits, strict) for design in (chosen, other))
     if none_usable((chosen, other), space) and np.isfinite(chosen.outlook.beyond):
         beyond, its_beyond = (np.exp(design.outlook.beyond) for design in (chosen, other))
-        far = f"{name} {its_beyond:.2f} times" if np.isfinite(its_beyond) else f"{name} misses a press"
-        return Choice(f"no pad is usable: its largest reading is {beyond:.2f} times its limit, {far}", name, BEYOND)
+        far = f"{name} {its_beyond:.3f} times" if np.isfinite(its_beyond) else f"{name} misses a press"
+        return Choice(f"no pad is usable: its largest reading is {beyond:.3f} times its limit, {far}", name, BEYOND)
     share, other_share = (100.0 * design.outlook.after_puck for design in (chosen, other))
     if mine < its:
         words = f"it is better by its level: {name} comes next and is {LEVELS[its].replace('_', ' ')}"

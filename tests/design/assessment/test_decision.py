@@ -10,6 +10,7 @@ from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.outlook import Outlook
 from dummydesign.design.search.shape_search import rank, search_shapes
+from dummydesign.report.suggest_facts import why_text
 
 COUNT = 160
 
@@ -79,3 +80,16 @@ def test_every_kind_is_listed_with_its_level_and_share_and_kinds_without_a_pad_w
     assert row["acceptable"] == (row["level"] != "not_representative") and 0.0 <= row["total"] <= 1.0
     assert (row["thickness_mm"], row["ratio"]) == (own.thickness_mm, own.outlook.ratio)
     assert missing.to_dict() == {"kind": "boned", "shape": None, "reason": "too thin"}
+
+
+def test_misfits_are_the_reason_only_where_the_recommended_pad_has_the_least():
+    rows = [
+        {"kind": kind, "shape": kind, "misfit_rms_ln_force": m} for kind, m in (("bumped", 0.46), ("crowned", 0.05))
+    ]
+    given = {"inputs": {"force_N": [5.0, 15.0]}, "choice": {"text": "least beyond its limits"}}
+    told = {
+        kind: why_text({"shapes": rows, "recommendation": {"shape": kind}, **given}) for kind in ("bumped", "crowned")
+    }
+    assert told["bumped"] == "least beyond its limits"
+    assert "0.05 (bumped 0.46)" in told["crowned"] and "0.5 to 15 N" in told["crowned"]
+    assert why_text({"shapes": rows[:1], "recommendation": {"shape": "bumped"}, **given}) == "least beyond its limits"

@@ -3,6 +3,8 @@
 import json
 import os
 
+import pytest
+
 from dummydesign.project.folder import change_project, make_project, read_project
 from dummydesign.project.status import finished_manifest, status_of
 from dummydesign.studio.state import next_page, next_state, read_state
@@ -124,3 +126,16 @@ def test_a_manifest_that_is_written_again_is_read_again(tmp_path):
         assert finished_manifest(path)["date"] == date
     path.unlink()
     assert finished_manifest(path) is None
+
+
+@pytest.mark.parametrize(
+    "odd", [{"thickness_mm": [6]}, {"ratio": "15"}, {"ratio": None}, {"thickness_mm": 10**400}, {"shape": ["slab"]}]
+)
+def test_a_pad_whose_numbers_are_none_is_no_pad(tmp_path, odd):
+    """A project from elsewhere, or a manifest that was edited, ends no command and no page in a traceback."""
+    pad = {"shape": "slab", "thickness_mm": 6.0, "ratio": 15.0, "resin": "polyurethane-nagoya"}
+    path = tmp_path / "manifest.json"
+    for number, (summary, kept) in enumerate(((pad, pad), (pad | odd, None))):
+        path.write_text(json.dumps({"command": "suggest", "finished": True, "summary": summary}), encoding="utf-8")
+        os.utime(path, ns=(number, number))
+        assert finished_manifest(path)["summary"] == kept

@@ -56,7 +56,7 @@ def design_table(answers: Answers) -> str:
         "usable as poured",
         *(SHARES[name] for name in shares),
         "out of reach",
-        "factor on energies: central, 95 %, once measured",
+        "factor on energies: central, 95 %, at the resin's centre",
         "best slab",
     ]
     rows = []

@@ -192,7 +192,10 @@ def _in_range(result: dict[str, Any]) -> list[str]:
     if result["verdict"]["subjects"] < 2:
         return ["  one subject makes no range: no share of castings is given"]
     tolerance = result["sensitivity"]
-    judged = ", ".join(f"{force:g}" for force in tolerance["judged_at_N"]) or "no force, of 5, 10 and 15"
+    judged = (
+        ", ".join(f"{force:g}" for force in tolerance["judged_at_N"])
+        or f"no force, of {', '.join(tolerance['by_force'])}"
+    )
     return [
         f"  {100 * tolerance['yield_fraction']:.0f} % of castings are in the steady range at {judged} N "
         f"({100 * tolerance['making_only_fraction']:.0f} % once the resin is known); by force: "

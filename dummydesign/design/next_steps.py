@@ -194,13 +194,17 @@ def why_red(answer: Suggestion) -> str:
     short, name, at = differences.worst(differences.short)
     over, other, its = differences.worst(differences.above)
     if short / low >= over / high and name == PEAK:
+        people, whose = ranges.peak_low_N, "the subjects' peak"
+        if ranges.strict:
+            people, whose = ranges.peak_high_N, ranges.highest or "the peak of the highest subject"
         return _relaxation(
-            float(ranges.peak_low_N[at]),
+            float(people[at]),
             float(readings.peak_N[at]),
             low,
             ranges.force_N[at],
             ranges.velocity_mm_s[at],
             "little",
+            whose,
         )
     if over / high > short / low and other == PEAK:
         return _relaxation(
@@ -210,17 +214,26 @@ def why_red(answer: Suggestion) -> str:
             ranges.force_N[its],
             ranges.velocity_mm_s[its],
             "much",
+            "the subjects' peak",
         )
     side = "softer" if over / high > short / low else "stiffer"
     return f"its steady curve is {side} shaped than the subjects'; try another resin or a smaller force"
 
 
-def _relaxation(subject_N: float, pad_N: float, limit: float, force_N: float, speed_mm_s: float, word: str) -> str:
+def _relaxation(
+    subject_N: float,
+    pad_N: float,
+    limit: float,
+    force_N: float,
+    speed_mm_s: float,
+    word: str,
+    whose: str,
+) -> str:
     """Peak over steady of subject and pad, and by how much the resin would have to relax otherwise."""
     wanted, own = subject_N / limit / force_N, pad_N / force_N
     factor = (wanted - 1.0) / max(own - 1.0, 1e-9)
     than = f"{factor:.1f} times as much" if factor > 0.0 else "not at all"
     return (
-        f"the resin relaxes too {word}: at {force_N:g} N, {speed_mm_s:g} mm/s the subjects' peak is "
+        f"the resin relaxes too {word}: at {force_N:g} N, {speed_mm_s:g} mm/s {whose} is "
         f"{subject_N / force_N:.2f} times the steady force, the pad's {own:.2f}; it would have to relax {than}"
     )

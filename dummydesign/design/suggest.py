@@ -304,9 +304,10 @@ def other_mould(problem: Problem, chosen: ShapedDesign) -> dict[str, Any]:
         its.level(limits, strict) == mine.level(limits, strict) and its.ties(mine) and mine.ties(its)
     ):
         return {"shape": None, "text": "no other mould is better"}
+    poured, after = ([100.0 * getattr(one, name) for one in (its, mine)] for name in ("as_poured", "after_puck"))
     text = (
-        f"another mould ({best.shape.name}, {best.thickness_mm:g} mm) would make {100 * its.as_poured:.0f} % of "
-        f"castings usable instead of {100 * mine.as_poured:.0f} %"
+        f"another mould ({best.shape.name}, {best.thickness_mm:g} mm) would make {poured[0]:.0f} instead of "
+        f"{poured[1]:.0f} % of castings usable as poured, {after[0]:.0f} instead of {after[1]:.0f} % after one puck"
     )
     return {
         "shape": str(best.shape),

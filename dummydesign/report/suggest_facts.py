@@ -194,30 +194,34 @@ def curves_line(result: dict[str, Any]) -> str:
 
 
 def correction_lines(result: dict[str, Any]) -> list[str]:
-    """By what readings are multiplied: at central estimates, for 95 % of castings, and after measuring."""
-    factors = result["verdict"]["correction"]
+    """By what readings are multiplied: at central estimates, for 95 % of castings, and after one puck of each batch."""
+    factors, puck = result["verdict"]["correction"], result["shares"]["after_puck"]
     if result["verdict"]["light"] == "red" or factors["factor"] is None:
         return []
-    forces, energies = (
-        [factors[f"{name}{when}"] for when in ("_central", "", "_after_measuring")] for name in ("force", "factor")
-    )
+    forces = [factors["force_central"], factors["force"], puck["force_factor"]]
+    energies = [factors["factor_central"], factors["factor"], puck["factor"]]
     if max(value for value in (*forces, *energies) if value is not None) <= 1.01:
         return ["no correction needed"]
     if result["verdict"]["level"] == "not_settled":
         both = (("forces", forces[2]), ("energies", energies[2]))
         after = " and ".join(f"{what} by {value:.2f}" for what, value in both if value is not None)
-        return [f"after the puck multiply {after} for 95 % of castings"] if after else []
-    reach = " in reach" if result["castings"]["out_of_reach"] >= 0.005 else ""
+        return [f"after the puck multiply {after} for 95 % of castings{_in_reach(puck)}"] if after else []
+    reach = _in_reach(result["castings"])
     if any(e is not None and f is not None and e - f > 0.005 for f, e in zip(forces, energies)):
         return [_factors("forces", forces, reach), _factors("energies", energies, None)]
     return [_factors("readings", energies, reach)]
 
 
+def _in_reach(shares: dict[str, Any]) -> str:
+    """Whether some castings miss a press: no factor helps them."""
+    return " in reach" if shares["out_of_reach"] >= 0.005 else ""
+
+
 def _factors(what: str, values: list[float | None], reach: str | None) -> str:
-    """Factors of forces or energies: for 95 % of castings, at central estimates, and once the resin is measured."""
+    """Factors of forces or energies: for 95 % of castings, at central estimates, and after one puck."""
     central, most, after = values
     text = f"multiply {what} by {most:.2f} for 95 %" + ("" if reach is None else f" of castings{reach}")
-    later = "" if after is None or (most or 1.0) - after < 0.005 else f"; after measuring {max(after, 1.0):.2f}"
+    later = "" if after is None or (most or 1.0) - after < 0.005 else f"; after one puck {after:.2f}"
     return f"{text} (nominal {max(central or 1.0, 1.0):.2f}{later})"
 
 
@@ -254,15 +258,15 @@ def _percent(share: float) -> str:
 
 
 def why_text(result: dict[str, Any]) -> str:
-    """How near each kind comes to the tissue, or why no other was compared."""
-    known = [row for row in result["shapes"] if row["shape"] is not None and row["misfit_rms_ln_force"] is not None]
-    mine = next((row for row in known if row["shape"] == result["recommendation"]["shape"]), None)
-    if mine is None or len(known) < 2:
+    """How near each kind comes to the tissue; what decided where another comes nearer, or none was compared."""
+    name = "misfit_rms_ln_force"
+    known = [row for row in result["shapes"] if row["shape"] is not None and row[name] is not None]
+    known.sort(key=lambda row: row[name])
+    if len(known) < 2 or known[0]["shape"] != result["recommendation"]["shape"]:
         return str(result["choice"]["text"])
     forces = sorted(result["inputs"]["force_N"])
-    others = sorted((row for row in known if row is not mine), key=lambda row: row["misfit_rms_ln_force"])
-    listed = ", ".join(f"{row['kind']} {row['misfit_rms_ln_force']:.2f}" for row in others)
-    fit = f"{mine['misfit_rms_ln_force']:.2f} ({listed})"
+    listed = ", ".join(f"{row['kind']} {row[name]:.2f}" for row in known[1:])
+    fit = f"{known[0][name]:.2f} ({listed})"
     return f"misfit to the subjects, {0.1 * forces[0]:g} to {forces[-1]:g} N: {fit}"
 
 

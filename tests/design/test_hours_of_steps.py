@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
 from dummydesign.design import next_steps as module
+from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.mold.puck import plan
+from tests.support.judged_pads import pad, ranges
 
 WAIT, RING, MOULD = 24.0, 1.5, 8.0
 
@@ -72,3 +76,25 @@ def test_printing_that_is_not_known_is_left_out_of_hours_and_days(monkeypatch):
     assert [one.printing_h for one in (puck, at_once)] == [one.calendar_h for one in (puck, at_once)] == [None, None]
     assert puck.text == "puck first, 90 g, 3 days: 88 % usable"
     assert at_once.text == "pad at once, 60 g, 1 day: 75 % usable"
+
+
+@pytest.mark.parametrize(("strict", "peak"), [(False, 0.6), (False, 1.9), (True, 0.7), (True, 0.9)])
+def test_a_red_pad_whose_peaks_are_off_is_said_to_relax_on_the_side_on_which_its_peak_lies(monkeypatch, strict, peak):
+    """on the safe side the peak is held to the highest subject's: it may lie above the lowest and still be too low"""
+    band = replace(ranges(), strict=strict)
+    readings = pad(peak)
+    readings.depth_mm[:] = band.stiff_mm
+    monkeypatch.setattr(module, "ranges_of", lambda targets: band)
+    limits = verdict_limits()
+    text = module.why_red(
+        SimpleNamespace(targets=SimpleNamespace(limits=limits), best=SimpleNamespace(readings=readings))
+    )
+    people, own, factor = (
+        float(one) for one in re.findall(r"(\d+\.\d+) times| pad's (\d+\.\d+)", text) for one in one if one
+    )
+    side = -1.0 if peak > 1.0 else 1.0
+    assert ("too little" in text) == (side > 0.0) and side * (people - own) > 0.0 and side * (factor - 1.0) > 0.0
+    subject = (band.peak_high_N if strict or side < 0.0 else band.peak_low_N)[0]
+    assert [people, own] == pytest.approx([subject / 5.0, readings.peak_N[0] / 5.0], abs=0.006)
+    limit = limits.stands_shortfall if strict else limits.shortfall if side > 0.0 else 1.0 / limits.over
+    assert factor == pytest.approx((subject / limit - 5.0) / (readings.peak_N[0] - 5.0), abs=0.051)

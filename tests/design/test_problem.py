@@ -265,6 +265,8 @@ def test_a_worse_mould_is_told_by_how_much_another_would_be_better(mould):
     other = found.other_mould
     assert other["shape"] is not None and "slab" not in other["shape"]
     assert other["after_puck"] > found.castings.outlook.after_puck
-    assert f"{100 * other['as_poured']:.0f} %" in other["text"]
+    mine = found.castings.outlook
+    for name in ("as_poured", "after_puck"):
+        assert f"{100 * other[name]:.0f} instead of {100 * getattr(mine, name):.0f} %" in other["text"]
     assert found.to_dict()["other_mould"] == other
     assert np.isfinite(other["ratio"])

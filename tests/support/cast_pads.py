@@ -73,7 +73,7 @@ def cast_pad(space, slab_law, castings, pad=CROWNED, tolerances=Tolerances(60.0)
 def outlook_at(ratio, count):
     """An outlook that takes one ratio whatever is known."""
     none = np.zeros(count)
-    return Outlook(ratio, 0.0, 0.0, ratio, 0.0, 0.0, 0.0, 0.0, none, none, np.full(count, ratio), none > 1.0, None)
+    return Outlook(ratio, 0.0, 0.0, ratio, 0.0, 0.0, 0.0, 0.0, none, none, np.full(count, ratio), none > 1.0)
 
 
 def with_tissues(space, drawn):

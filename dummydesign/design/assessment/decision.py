@@ -13,18 +13,18 @@ from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.design.protocol import NAGOYA_PROTOCOL
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import LEVELS
-from dummydesign.design.search.shape_search import ShapedDesign, candidate_of
+from dummydesign.design.search.shape_search import ShapedDesign, candidate_of, none_usable
 from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, with_parameters
 from dummydesign.geometry.pad_shape import PadShape
 
 # Forces of the tissue over which the misfit is taken in the paper's test, even in the logarithm. [N]
 MISFIT_N = NAGOYA_PROTOCOL.misfit_N
-LEVEL, SHARE, MISFIT = "level", "after_puck", "misfit"
+LEVEL, BEYOND, SHARE, POURED, MISFIT = "level", "beyond", "after_puck", "as_poured", "misfit"
 
 
 @dataclass(frozen=True)
 class Choice(Serialised):
-    """Why a pad was taken: what decided over the best pad of another kind, ``level``, ``after_puck`` or ``misfit``."""
+    """Why a pad was taken: what decided over the best pad of another kind, in the order of the search's ranks."""
 
     text: str
     next_best: str | None
@@ -40,6 +40,10 @@ def explain(chosen: ShapedDesign, others: Sequence[ShapedDesign], space: SearchS
     name = f"the {other.shape.name} pad ({other.thickness_mm:g} mm, ratio {other.outlook.ratio:g})"
     limits, strict = space.targets.limits, space.targets.strict
     mine, its = (design.outlook.level(limits, strict) for design in (chosen, other))
+    if none_usable((chosen, other), space) and np.isfinite(chosen.outlook.beyond):
+        beyond, its_beyond = (np.exp(design.outlook.beyond) for design in (chosen, other))
+        far = f"{name} {its_beyond:.3f} times" if np.isfinite(its_beyond) else f"{name} misses a press"
+        return Choice(f"no pad is usable: its largest reading is {beyond:.3f} times its limit, {far}", name, BEYOND)
     share, other_share = (100.0 * design.outlook.after_puck for design in (chosen, other))
     if mine < its:
         words = f"it is better by its level: {name} comes next and is {LEVELS[its].replace('_', ' ')}"
@@ -47,6 +51,10 @@ def explain(chosen: ShapedDesign, others: Sequence[ShapedDesign], space: SearchS
     if not other.outlook.ties(chosen.outlook):
         words = f"more of its castings are usable once a puck is pressed: {share:.0f} %, {name} {other_share:.0f} %"
         return Choice(words, name, SHARE)
+    if not other.outlook.ties(chosen.outlook, poured=True):
+        share, other_share = (100.0 * design.outlook.as_poured for design in (chosen, other))
+        words = f"more of its castings are usable as poured: {share:.0f} %, {name} {other_share:.0f} %"
+        return Choice(words, name, POURED)
     words = f"it comes nearer to the subjects: misfit {chosen.outlook.misfit:.2f}, {name} {other.outlook.misfit:.2f}"
     return Choice(words, name, MISFIT)
 

@@ -26,6 +26,7 @@ from dummydesign.design.scoring.verdict import (
     Verdict,
     classes,
     deviations,
+    factor_of,
     good_share,
     ranges_of,
     readings_of,
@@ -201,10 +202,16 @@ class Share(Serialised):
 
 @dataclass(frozen=True)
 class AfterPuck(Share):
-    """The same with the ratio chosen anew for each batch; ``no_ratio`` is the share of batches that none fits."""
+    """The same with the ratio chosen anew for each batch; ``no_ratio`` is the share of batches that none fits.
+
+    ``factor`` is by what readings are multiplied so that those of 95 % of the castings in reach are below no subject's;
+    ``force_factor`` that for forces alone.
+    """
 
     no_ratio: float
     no_ratio_reason: str | None
+    factor: float | None
+    force_factor: float | None
 
 
 @dataclass(frozen=True)
@@ -228,15 +235,24 @@ def shares_of_pad(cast: PadCastings) -> Shares:
         return {**found, "standard_error": float(np.sqrt(good * (1.0 - good) / count))}
 
     after, none = cast.after_puck, ~outlook.possible
-    kinds = classes(deviations(ranges, after), limits)[none]
+    differences = deviations(ranges, after)
+    kinds = classes(differences, limits)[none]
     counts = {name: int((kinds == CLASSES.index(name)).sum()) for name in OUTCOMES}
     most = max(counts, key=lambda name: counts[name])
     reason = OUTCOMES[most] if none.any() and counts[most] else None
     ends = (float(outlook.ratios.min()), float(outlook.ratios.max()))
+    short, _, force = differences.quantiles
     return Shares(
         Share(cast.candidate.ratio, **share(cast.readings())),
         Share(outlook.known_ratio, **share(cast.resin_known)),
-        AfterPuck(ends, **share(after), no_ratio=float(none.mean()), no_ratio_reason=reason),
+        AfterPuck(
+            ends,
+            **share(after),
+            no_ratio=float(none.mean()),
+            no_ratio_reason=reason,
+            factor=factor_of(short),
+            force_factor=factor_of(force),
+        ),
         window_kPa(cast),
     )
 

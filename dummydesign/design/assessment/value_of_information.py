@@ -77,7 +77,7 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
 
     A group that is known has its deviates at the centre. The tissue is no part of the castings, which are judged
     against its subjects as stated; it comes first where no group of the castings helps and its own doubt costs most.
-    What a group is worth is found on the castings that were requested, and added to the share of all.
+    What a group is worth is found on the castings that were requested; see :func:`share_if_known`.
     """
     few, targets = cast.few, cast.space.targets
     ranges, limits = ranges_of(targets), targets.limits
@@ -92,12 +92,9 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
     fit = judged(few.readings()) <= worst
     now = float((judged(cast.readings()) <= worst).mean())
 
-    def share(kinds: NDArray) -> float:
-        return float(np.clip(now + ((kinds <= worst).mean() - fit.mean()), 0.0, 1.0))
-
-    listed = {group: share(kinds) for group, kinds in known.items()}
+    listed = {group: share_if_known(kinds <= worst, fit, now) for group, kinds in known.items()}
     gains = {group: of_group - now for group, of_group in listed.items()}
-    listed["modulus+relaxation"] = resin = share(both)
+    listed["modulus+relaxation"] = resin = share_if_known(both <= worst, fit, now)
     if resin - now >= GAIN and max(gains.values()) < GAIN:
         gains[max(sorted(RESIN), key=lambda group: gains[group])] = resin - now  # only both together help
     over_tissues = _over_tissues(few, fit, now, worst)
@@ -117,6 +114,17 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
     text = f"measure {CROWN if crowned else NAMES[group]}: then {then} (now {100 * now:.0f} %)"
     pair = _two_ratios(few, worst) if group in RESIN else (None, None, None)
     return MeasureFirst(group, *shares, *_how(group, cast), text, *pair)
+
+
+def share_if_known(known: NDArray, fit: NDArray, now: float) -> float:
+    """Share of acceptable castings with a group known, from the first of them with and without, and the share of all.
+
+    The regression estimate of a mean with a control variate: what the first castings differ from all counts as far as
+    both states go together (Cochran, Sampling Techniques, 1977, 7.3).
+    """
+    spread = float(fit.var())
+    slope = float(np.cov(known, fit, bias=True)[0, 1]) / spread if spread > 0.0 else 0.0
+    return float(np.clip(known.mean() + slope * (now - fit.mean()), 0.0, 1.0))
 
 
 def _over_tissues(cast: PadCastings, fit: NDArray, now: float, worst: int) -> float | None:

@@ -175,7 +175,7 @@ class ReadingCorrection:
     """By what readings are multiplied so that none is below the lowest subject's; 1 where none is.
 
     ``factor`` holds for 95 % of the castings that reach every press, ``factor_central`` at central estimates,
-    ``factor_after_measuring`` for 95 % of castings once modulus and relaxation of the resin are measured. ``force``,
+    ``factor_after_measuring`` for 95 % of castings of the resin's centre. ``force``,
     ``force_central`` and ``force_after_measuring`` are the same for forces alone: energies may need more.
     """
 
@@ -300,10 +300,10 @@ def verdict(
     after, _, force_after = (None, None, None) if measured is None else measured.quantiles
     shortfall = _deviation(differences, differences.short, short_95)
     over = _deviation(differences, differences.above, over_95)
-    central, own_force = _factor(shortfall.central), float(differences.force_shortfall[0])
-    force = _factor(own_force) if np.isfinite(own_force) else None
-    factors = (central, force) if spread is None else (_factor(short_95), _factor(force_95))
-    correction = ReadingCorrection(factors[0], central, _factor(after), factors[1], force, _factor(force_after))
+    central, own_force = factor_of(shortfall.central), float(differences.force_shortfall[0])
+    force = factor_of(own_force) if np.isfinite(own_force) else None
+    factors = (central, force) if spread is None else (factor_of(short_95), factor_of(force_95))
+    correction = ReadingCorrection(factors[0], central, factor_of(after), factors[1], force, factor_of(force_after))
     castings = None if spread is None else shares
     bound = tuple(limits_that_bind)
     parts = [
@@ -375,7 +375,8 @@ def _steady_shares(
     return float(within.mean()), float(below[STEADY].mean()), float(above[STEADY].mean())
 
 
-def _factor(ratio: float | None) -> float | None:
+def factor_of(ratio: float | None) -> float | None:
+    """By what readings of a shortfall are multiplied."""
     return None if ratio is None else max(ratio, 1.0)
 
 

@@ -144,8 +144,7 @@ def rank(designs: Sequence[ShapedDesign], space: SearchSpace) -> list[ShapedDesi
     ordered: list[ShapedDesign] = []
     while left:
         level = min(one.outlook.level(limits, strict) for one in left)
-        if level == NONE and all(one.outlook.after_puck <= LEAST for one in left):
-            # no pad is usable: the one whose readings are least beyond the limits
+        if none_usable(left, space):
             return ordered + sorted(left, key=lambda one: (one.outlook.beyond, one.outlook.misfit))
         best = [one for one in left if one.outlook.level(limits, strict) == level]
         top = max(best, key=lambda one: one.outlook.after_puck).outlook
@@ -156,6 +155,12 @@ def rank(designs: Sequence[ShapedDesign], space: SearchSpace) -> list[ShapedDesi
         ordered.append(first)
         left.remove(first)
     return ordered
+
+
+def none_usable(designs: Sequence[ShapedDesign], space: SearchSpace) -> bool:
+    """Whether no pad is usable: then the one whose readings are least beyond the limits is the best."""
+    limits, strict = space.targets.limits, space.targets.strict
+    return all(one.outlook.level(limits, strict) == NONE and one.outlook.after_puck <= LEAST for one in designs)
 
 
 def match_of(forces_N: NDArray, area_mm2: NDArray) -> tuple[NDArray, NDArray]:

@@ -66,7 +66,8 @@ class ForceRange:
         stop = np.broadcast_to(np.asarray(stop_s, float), time.shape[:-1])[..., None]
         end = np.minimum(time[..., -1:], self.time_s[-1])
         rise_at = stop * np.linspace(0.0, 1.0, 61)[1:]
-        hold_at = stop + np.geomspace(FIRST_HOLD_S, 1.0, 61) * np.maximum(end - stop, 2 * FIRST_HOLD_S)
+        hold = np.maximum(end - stop, 2 * FIRST_HOLD_S)
+        hold_at = stop + FIRST_HOLD_S * (hold / FIRST_HOLD_S) ** np.linspace(0.0, 1.0, 61)
         near = STEADY_TOLERANCE * self.steady_force_N if tolerance_N is None else tolerance_N
         shares = []
         for at in (rise_at, np.minimum(hold_at, end)):

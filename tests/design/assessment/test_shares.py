@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.design.assessment.pad_castings import PadCastings, shares_of_pad
+from dummydesign.design.assessment.pad_castings import PadCastings, shares_of_pad, verdict_of_design
 from dummydesign.design.pad_evaluator import law_of_shape
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
@@ -75,6 +75,21 @@ def test_knowing_more_never_costs_usable_castings(shares):
     assert low <= shares.as_poured.ratio <= high and low < high
     assert 0.0 <= shares.after_puck.no_ratio <= 1.0 - good(shares.after_puck) + 0.03
     assert (shares.after_puck.no_ratio_reason is None) == (shares.after_puck.no_ratio == 0.0)
+
+
+def test_the_factor_after_a_puck_suffices_for_95_of_100_castings_and_that_of_the_resin_s_centre_does_not(cast, shares):
+    ranges, after = ranges_of(cast.space.targets), cast.after_puck
+    forces = np.hstack([ranges.peak_low_N / after.peak_N, (after.depth_mm / ranges.soft_mm) ** ranges.power])
+    needed = forces.max(axis=-1), np.hstack([forces, ranges.energy_low_mJ / after.energy_mJ]).max(axis=-1)
+    reach = np.isfinite(needed[1])
+    centre = verdict_of_design(cast).correction
+    for every, factor, other in zip(
+        needed,
+        (shares.after_puck.force_factor, shares.after_puck.factor),
+        (centre.force_after_measuring, centre.factor_after_measuring),
+    ):
+        assert (every[reach] <= factor * (1.0 + 1e-12)).mean() == pytest.approx(0.95, abs=0.002)
+        assert (every[reach] <= other).mean() < 0.85 and factor > other
 
 
 def test_the_window_is_about_the_modulus_that_is_poured(cast, shares):

@@ -77,6 +77,19 @@ def test_a_force_off_the_range_counts_only_where_it_is_off():
     assert shares["inside_fraction"] == pytest.approx([1.0, 0.5, 0.0], abs=0.02)
 
 
+@pytest.mark.parametrize("hold_s", [2.0, 10.0])
+@pytest.mark.parametrize("off_s", [0.02, 0.2])
+def test_a_hold_counts_evenly_in_the_logarithm_of_time_from_5_ms_on(hold_s, off_s):
+    """A force that is off until ``off_s`` after the stop is inside for ln(hold / off) of ln(hold / 5 ms)."""
+    people = (subject(0.05), subject(0.1))
+    band = force_range(people, 10.0, 250.0, hold_s)
+    motion = ramp_and_hold(250.0, band.depth_mm[0], hold_s, hold_points=400)
+    after = motion.time_s - band.stop_s[0]
+    force = people[0].force(motion, 250.0) + 50.0 * ((after > 0.0) & (after < off_s))
+    share = band.inside(motion.time_s, force, band.stop_s[0])["inside_hold_fraction"]
+    assert share == pytest.approx(np.log(hold_s / off_s) / np.log(hold_s / 0.005), abs=0.03)
+
+
 @pytest.mark.parametrize(("dampers", "code"), [((), "missing"), (((10.0, (0.1,)),), "inconsistent")])
 def test_springs_need_as_many_dampers(dampers, code):
     with raises_code(code, "c_N_s_per_mm"):

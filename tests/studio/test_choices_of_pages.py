@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import json
 
+import pytest
+
+pytest.importorskip("nicegui", reason="no NiceGUI here: pip install nicegui")
+
 from dummydesign.core.manifest import sha256_of
+from dummydesign.project.folder import make_project
 from dummydesign.studio.jobs import changed_inputs
-from dummydesign.studio.pages.pucks import pucks
+from dummydesign.studio.pages.measured import MeasuredPage
+from dummydesign.studio.pages.pucks import PuckPage, pucks
+from dummydesign.studio.state import State
+from tests.support.refusal import raises_code
 
 HEAD = "time_s,displacement_mm,force_N\n"
 
@@ -38,3 +46,26 @@ def test_files_that_changed_or_went_since_they_were_read_are_named(tmp_path):
     (tmp_path / "c.csv").unlink()
     assert changed_inputs(tmp_path, manifest) == ["b.csv", "c.csv"]
     assert changed_inputs(tmp_path, tmp_path / "none.json") == []
+
+
+@pytest.fixture
+def client():
+    """A place for the elements of a page, without a browser."""
+    from nicegui.client import Client
+    from nicegui.page import page
+
+    made = Client(page(""), request=None)
+    with made:
+        yield made
+    made.delete()
+
+
+def test_among_several_presses_none_is_taken_for_the_pucks_and_all_files_are_chosen_to_be_read(tmp_path, client):
+    project = make_project(tmp_path, None, tissue="palm")
+    for count, name in enumerate(("a.csv", "b.csv"), 1):
+        (tmp_path / "measured" / name).write_text(HEAD, encoding="utf-8")
+        page = PuckPage(project, State("palm"), {"diameter": "50", "height": "30"})
+        assert page._form.fields["puck"].value == ("measured/a.csv" if count == 1 else "")
+    with raises_code("missing", "puck"):
+        page._words()
+    assert MeasuredPage(project, State("palm"), {})._chosen.value == ["a.csv", "b.csv"]

@@ -315,7 +315,7 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
         gauged.fields.clear()
         with widgets.fresh(points):
             for number, one in enumerate(project_index.gauge_points(root / chosen.value), 1):
-                gauged.number(one.name, f"{number} {one.name} [mm]", hint=f"{one.low_mm:.2f} to {one.high_mm:.2f}")
+                gauged.number(one.name, f"{number} {one.name} [mm]", hint=f"{one.low_mm:.4g} to {one.high_mm:.4g}")
                 gauged.fields[one.name].on_value_change(renew)
         draw_map()
         list_records()

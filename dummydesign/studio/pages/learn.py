@@ -16,7 +16,7 @@ from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, options
-from dummydesign.studio.state import State, page_link
+from dummydesign.studio.state import State, design_summary, page_link
 from dummydesign.studio.widgets import html, keep_state, open_page
 
 INTERVAL = ("value", "low", "high")
@@ -119,14 +119,20 @@ class LearnPage:
         if rows:
             widgets.table(["effect", "parameter", "unit", "value", "95 % low", "95 % high"], rows)
         with ui.element("div").classes("links"):
-            self._again(answer["calibration_file"])
-            html('<a class="go more" href="#next">Plan the next measurement</a>')
+            known = self._again(answer["calibration_file"])
+            html(f'<a class="go {"more" * known}" href="#next">Plan the next measurement</a>')
         widgets.warnings(answer)
         _curves(self.root, folder)
 
-    def _again(self, calibration: str) -> None:
-        learned = self.chosen().changed(calibration=calibration)
-        widgets.go("/design", "Design again with what was learned", learned, "again")
+    def _again(self, calibration: str) -> bool:
+        """The way on to a design, where the calibration settles the modulus; whether it does."""
+        known = bool(design_summary(self.root, Path(calibration).parent.as_posix()).get("designable", True))
+        if known:
+            learned = self.chosen().changed(calibration=calibration)
+            widgets.go("/design", "Design again with what was learned", learned, "again")
+        else:
+            widgets.tell_problem("These presses do not settle the modulus: no pad can be designed with them alone.")
+        return known
 
     def _outdated(self, folder: str) -> None:
         for one in project_index.calibrations(self.root, self.campaign.value):
@@ -165,8 +171,7 @@ class LearnPage:
         plan = _plan_folder(job.answer)
         if not plan:
             return
-        link = page_link("/campaign", f"Go on to {plan}", self.chosen().changed(campaign=plan), "next-plan")
-        html(f'<p class="note next">The next measurement is planned. {link}</p>')
+        widgets.go("/campaign", f"Go on to {plan}", self.chosen().changed(campaign=plan), "next-plan")
 
 
 def _plan_folder(answer: Mapping[str, Any]) -> str:

@@ -53,7 +53,13 @@ class MeasuredPage:
         self._folder = self._root / "measured"
         self._let_go: set[str] = set()
         wanted, last = query.get("files"), jobs.latest(self._root, "import")
-        chosen = wanted.split(SEPARATOR) if wanted else [Path(name).name for name in _sources(last)] if last else []
+        chosen = (
+            wanted.split(SEPARATOR)
+            if wanted
+            else [Path(name).name for name in _sources(last)]
+            if last
+            else self._names()
+        )
         for name in chosen:
             if wanted and name not in self._names():
                 widgets.tell_problem(f"'{name}' is not in measured/ (any more). Choose another file, or bring it back.")

@@ -20,7 +20,7 @@ from dummydesign.studio.widgets import html
 ROOMS = {
     "measured": ("/measured", "Measured files"),
     "tissue": ("/tissue", "Tissues of your own"),
-    "designs": ("/design", "Designs"),
+    "designs": ("/design", "Designs and comparisons"),
     "moulds": ("/mould", "Moulds"),
     "campaigns": ("/campaign", "Campaigns"),
     "calibrations": ("/learn", "Calibrations"),
@@ -116,21 +116,27 @@ def _strip(status: ProjectStatus, next_path: str, following: State) -> str:
     verdict = str((designs[-1].summary or {}).get("verdict", "")) if designs else ""
     compared = [one for one in files["designs"] if one.command == "compare"]
     moulds, plans = pads_of(files), files["campaigns"]
-    pressed = [one for one in plans if (one.summary or {}).get("pressed")]
-    whole = [one for one in pressed if not (one.summary or {})["missing"] + (one.summary or {})["wrong"]]
+    counts = [one.summary for one in plans if one.summary]
+    whole = [one for one in counts if one["pressed"] and not one["missing"] + one["wrong"]]
+    pressed = sum(one["pressed"] for one in counts)
     imports = [one for one in files["measured"] if one.command == "import"]
+    raw, recorded = len(files["measured"]) - len(imports), len(list(status.project.root.glob("moulds/*/record*.json")))
+    read = f"{len(imports)} import{'s' * (len(imports) > 1)}" if imports else f"{raw} not read yet" if raw else ""
     own = tissue or (files["tissue"][-1].folder if files["tissue"] else "")
     learned = files["calibrations"][-1].folder.partition("/")[2] if files["calibrations"] else ""
     words = {
-        "/measured": (
-            bool(imports),
-            f"{len(imports)} import{'s' * (len(imports) > 1)}" if imports else "tissue of the library" if own else "",
-        ),
+        "/measured": (bool(imports), read or ("tissue of the library" if own else "")),
         "/tissue": (bool(own), own),
         "/design": (verdict not in ("", LEVELS[-1]), verdict.replace("_", " ")),
         "/mould": (bool(moulds), f"{len(moulds)} made" if moulds else ""),
-        "/cast": (bool(compared), f"{len(compared)} compared" if compared else ""),
-        "/campaign": (bool(whole), f"{len(whole)} of {len(plans)} pressed" if plans else ""),
+        "/cast": (
+            bool(compared),
+            f"{len(compared)} compared" if compared else f"{recorded} recorded" if recorded else "",
+        ),
+        "/campaign": (
+            bool(whole),
+            f"{pressed} of {pressed + sum(one['missing'] for one in counts)} presses" if counts else "",
+        ),
         "/learn": (bool(learned), learned),
     }
     items = ""
@@ -164,7 +170,7 @@ def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:
     """Links by folder: each opens its page with that design, mould, campaign, calibration, tissue or pad chosen."""
     states: dict[str, tuple[str, State]] = {}
     for one in status.files["designs"]:
-        if one.command == "compare":
+        if one.command in ("compare", "on-person"):
             states[one.folder] = ("/cast", state)
         elif inputs := design_state(root, one.folder):
             states[one.folder] = ("/design", state.changed(**inputs))

@@ -135,6 +135,8 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
         return text, "dummydesign tissues list"
     given = files["tissue"][-1].folder if files["tissue"] else designed_for
     tissue = "" if project.tissue else f" --tissue {quote(given)}"
+    if not designs and files["calibrations"] and (files["calibrations"][-1].summary or {}).get("designable", True):
+        return _learned(files["calibrations"][-1], tissue, again=False)
     if not designs and not files["calibrations"]:
         return "design a pad", f"dummydesign suggest{tissue} --no-cad"
     best = (designs[-1].summary or {}) if designs else {}

@@ -10,7 +10,9 @@ pytest.importorskip("nicegui", reason="no NiceGUI here: pip install nicegui")
 
 from dummydesign.core.manifest import sha256_of
 from dummydesign.project.folder import make_project
+from dummydesign.project.status import ProjectFile
 from dummydesign.studio.jobs import changed_inputs
+from dummydesign.studio.pages import learn
 from dummydesign.studio.pages.measured import MeasuredPage
 from dummydesign.studio.pages.pucks import PuckPage, pucks
 from dummydesign.studio.state import State
@@ -69,3 +71,15 @@ def test_among_several_presses_none_is_taken_for_the_pucks_and_all_files_are_cho
     with raises_code("missing", "puck"):
         page._words()
     assert MeasuredPage(project, State("palm"), {})._chosen.value == ["a.csv", "b.csv"]
+
+
+def test_a_campaign_that_is_not_pressed_is_not_learned_from_first(tmp_path, client, monkeypatch):
+    project = make_project(tmp_path, None, tissue="palm")
+    (tmp_path / "campaigns" / "first").mkdir(parents=True)
+    (tmp_path / "campaigns" / "first" / "campaign.toml").write_text("", encoding="utf-8")
+    plan = ProjectFile("campaigns/first", "", "", {"pressed": 1, "missing": 3, "wrong": 0})
+    monkeypatch.setattr(learn, "things_in", lambda root, room: [plan])
+    page = learn.LearnPage(project, State("palm", campaign="campaigns/first"), {})
+    assert not page.work.main
+    (said,) = [one.content for one in page.lacking.descendants() if "missing" in getattr(one, "content", "")]
+    assert "3 presses of this campaign are missing" in said

@@ -11,6 +11,7 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
+from dummydesign.project.status import things_in
 from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio.file_actions import thing
@@ -36,6 +37,7 @@ class LearnPage:
             self.prior = widgets.select(
                 "Earlier calibration of the same material", select_options.calibrations(self.root), ""
             )
+        self.lacking = widgets.area("lacking")
         self.work = JobPanel(
             self.root,
             "loop",
@@ -60,7 +62,7 @@ class LearnPage:
         )
         self.campaign.on_value_change(self.renew)
         self.prior.on_value_change(self.renew_lines)
-        self.list_calibrations()
+        self.show_campaign()
 
     def words(self) -> list[str]:
         """The loop as a command."""
@@ -91,6 +93,17 @@ class LearnPage:
     def renew(self) -> None:
         """Another campaign was chosen."""
         keep_state(self.chosen())
+        self.show_campaign()
+
+    def show_campaign(self) -> None:
+        """Whether the campaign is pressed, both commands, and what was learned from it."""
+        plans = {one.folder: one.summary or {} for one in things_in(self.root, "campaigns")}
+        left = plans.get(self.campaign.value, {}).get("missing", 0)
+        self.work.main = not left
+        with widgets.fresh(self.lacking):
+            if left:
+                widgets.tell_problem(f"{left} presses of this campaign are missing: press them, or choose another one.")
+                widgets.go("/campaign", "Go on to the presses", self.chosen())
         self.renew_lines()
         self.list_calibrations()
 

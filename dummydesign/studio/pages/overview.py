@@ -74,8 +74,9 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
     html(_strip(status, page, following))
     with ui.element("div").classes("pair"):
         with ui.element("div"):
-            html("<p>Next step:</p>")
-            words = status.next_text
+            # what must not be done, and why, is no name of a button
+            before, _, words = status.next_text.rpartition("; then ")
+            html(f"<p>Next step: {escape(before)}</p>")
             html(page_link(page, f"{words[:1].upper()}{words[1:]}", following, "next", kind="go"))
             widgets.command_line(shlex.split(status.next_command)[1:])
             given = ", ".join(f"{name} {value}" for name, value in project.given().items()) or "nothing chosen yet"

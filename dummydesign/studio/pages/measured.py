@@ -66,7 +66,6 @@ class MeasuredPage:
         self._bar = undo_bar(self._root)
         self._drop = DropList(self._take, lambda: None, test="measured")
         self._chosen = widgets.select_several("Files to read", {}, [], "files")
-        self._all = widgets.button("Choose all files", lambda: self._choose(self._names()), "all-files")
         self._work = JobPanel(
             self._root,
             "import",
@@ -129,7 +128,6 @@ class MeasuredPage:
         there = self._names()
         self._chosen.set_options(there, value=[name for name in names if name in there])
         self._chosen.set_enabled(bool(there))
-        self._all.set_visibility(bool(there) and not self._chosen.value)
         self._work.renew()
 
     def _add(self, name: str) -> None:
@@ -139,7 +137,6 @@ class MeasuredPage:
 
     def _renew(self) -> None:
         keep_state(self._state, files=SEPARATOR.join(self._chosen.value or []))
-        self._all.set_visibility(bool(self._chosen.options) and not self._chosen.value)
         self._work.renew()
 
     def _words(self) -> list[str]:

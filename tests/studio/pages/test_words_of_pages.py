@@ -40,6 +40,12 @@ def test_a_correction_is_a_sentence(light, central, sure, words):
     assert cast.correction({"light": "green"}) == "No correction: this pad is not usable."
 
 
+def test_the_peaks_of_the_subjects_are_one_cell_of_a_compared_press():
+    row = cast.compared_row({"file": "campaigns/a/t05.csv", "range_peak_low_N": 5.186, "range_peak_high_N": 6.389})
+    assert row["subjects"] == "5.19 to 6.39" and row["file"] == "t05.csv"
+    assert cast.compared_row({"file": "a.csv"})["subjects"] == ""
+
+
 def test_fields_of_drives_have_the_numbers_of_all_drives_with_their_usual_values():
     numbers = cast._numbers()
     assert set(numbers) == {purpose for drive in DRIVES.values() for purpose, _ in drive.numbers}

@@ -26,6 +26,9 @@ ROOMS = {
     "calibrations": ("/learn", "Calibrations"),
 }
 
+TABS = {"compare": "compare", "on-person": "people"}
+"""Tab of the page of a cast pad with the answers of a command."""
+
 
 def make_new(root: Path) -> None:
     """Build the page of a folder that is no project yet."""
@@ -171,7 +174,7 @@ def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:
     """Links by folder: each opens its page with that design, mould, campaign, calibration, tissue or pad chosen."""
     states: dict[str, tuple[str, State]] = {}
     for one in status.files["designs"]:
-        if one.command in ("compare", "on-person"):
+        if one.command in TABS:
             states[one.folder] = ("/cast", state)
         elif inputs := design_state(root, one.folder):
             states[one.folder] = ("/design", state.changed(**inputs))
@@ -184,8 +187,12 @@ def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:
     for one in status.files["tissue"]:
         states[one.folder] = ("/tissue", state.changed(tissue=one.folder, aim="average"))
     known = {one.folder: one for room in status.files.values() for one in room}
-    return {
+    links = {
         folder: page_link(path, select_options.file_line(known[folder]), of, f"open-{folder}")
         for folder, (path, of) in states.items()
         if folder in known
     }
+    for one in status.files["designs"]:
+        if tab := TABS.get(one.command):
+            links[one.folder] = links[one.folder].replace("cast?", f"cast?cast_tab={tab}&amp;", 1)
+    return links

@@ -87,7 +87,9 @@ class Search:
     ) -> None:
         self.root, self.state, self.take = project.root, state, take
         known = select_options.shapes()
-        wish = dict(project.asked).get("shape", "auto").partition(":")[0]
+        last = jobs.latest(self.root, "suggest")
+        asked = {f"--{name}": value for name, value in project.asked} | dict(pairwise(last.words if last else ()))
+        wish = asked.get("--shape", "auto").partition(":")[0]
         place = ui.element("div").style("width:100%")
         self.kinds = widgets.select("Shapes to search", known, wish if wish in known else "auto", "searched")
         with place:

@@ -142,7 +142,10 @@ def test_the_strip_counts_the_presses_of_all_campaigns_and_links_results_on_peop
     status = replace(status, files={**status.files, "campaigns": plans, "designs": (people,)})
     strip = overview._strip(status, "/design", State("palm"))
     assert "<small>16 of 28 presses</small>" in strip
-    assert "/cast?" in overview.links_of(lab.root, status, State("palm"))["designs/on-person-palm"]
+    assert (
+        "/cast?cast_tab=people&amp;tissue=palm"
+        in overview.links_of(lab.root, status, State("palm"))["designs/on-person-palm"]
+    )
 
 
 def test_a_tissue_of_one_subject_has_one_column_of_values(monkeypatch):

@@ -133,7 +133,8 @@ class LearnPage:
             widgets.table(["effect", "parameter", "unit", "value", "95 % low", "95 % high"], rows)
         with ui.element("div").classes("links"):
             known = self._again(answer["calibration_file"])
-            html(f'<a class="go {"more" * known}" href="#next">Plan the next measurement</a>')
+            kind = "go more" if known else "go"
+            html(f'<a class="{escape(kind)}" href="#next">Plan the next measurement</a>')
         widgets.warnings(answer)
         _curves(self.root, folder)
 

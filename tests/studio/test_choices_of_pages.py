@@ -13,7 +13,6 @@ from dummydesign.project.folder import make_project
 from dummydesign.project.status import ProjectFile
 from dummydesign.studio.jobs import changed_inputs
 from dummydesign.studio.pages import learn
-from dummydesign.studio.pages.measured import MeasuredPage
 from dummydesign.studio.pages.pucks import PuckPage, pucks
 from dummydesign.studio.state import State
 from tests.support.refusal import raises_code
@@ -62,7 +61,7 @@ def client():
     made.delete()
 
 
-def test_among_several_presses_none_is_taken_for_the_pucks_and_all_files_are_chosen_to_be_read(tmp_path, client):
+def test_among_several_presses_none_is_taken_for_the_pucks(tmp_path, client):
     project = make_project(tmp_path, None, tissue="palm")
     for count, name in enumerate(("a.csv", "b.csv"), 1):
         (tmp_path / "measured" / name).write_text(HEAD, encoding="utf-8")
@@ -70,7 +69,6 @@ def test_among_several_presses_none_is_taken_for_the_pucks_and_all_files_are_cho
         assert page._form.fields["puck"].value == ("measured/a.csv" if count == 1 else "")
     with raises_code("missing", "puck"):
         page._words()
-    assert MeasuredPage(project, State("palm"), {})._chosen.value == ["a.csv", "b.csv"]
 
 
 def test_a_campaign_that_is_not_pressed_is_not_learned_from_first(tmp_path, client, monkeypatch):

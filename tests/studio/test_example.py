@@ -43,6 +43,7 @@ def test_one_click_opens_it_and_the_next_buttons_stay_in_sight(tmp_path):
         in_sight("learn")
         page.goto(f"{studio.home}measured")
         page.wait_for_selector(by("run-import"))
+        page.locator(by("all-files")).click()
         page.wait_for_function("document.querySelectorAll('.q-chip').length === 6")
         page.locator(by("run-import")).click()
         in_sight("to-tissue")

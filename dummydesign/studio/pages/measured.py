@@ -53,19 +53,15 @@ class MeasuredPage:
         self._folder = self._root / "measured"
         self._let_go: set[str] = set()
         wanted, last = query.get("files"), jobs.latest(self._root, "import")
-        chosen = (
-            wanted.split(SEPARATOR)
-            if wanted
-            else [Path(name).name for name in _sources(last)]
-            if last
-            else self._names()
-        )
+        chosen = wanted.split(SEPARATOR) if wanted else [Path(name).name for name in _sources(last)] if last else []
         for name in chosen:
             if wanted and name not in self._names():
                 widgets.tell_problem(f"'{name}' is not in measured/ (any more). Choose another file, or bring it back.")
         self._bar = undo_bar(self._root)
         self._drop = DropList(self._take, lambda: None, test="measured")
         self._chosen = widgets.select_several("Files to read", {}, [], "files")
+        self._all = widgets.button("Choose all files", lambda: self._choose(self._names()), "all-files")
+        self._all.style("margin-top:.4rem")
         self._work = JobPanel(
             self._root,
             "import",
@@ -128,6 +124,7 @@ class MeasuredPage:
         there = self._names()
         self._chosen.set_options(there, value=[name for name in names if name in there])
         self._chosen.set_enabled(bool(there))
+        self._all.set_visibility(bool(there) and not self._chosen.value)
         self._work.renew()
 
     def _add(self, name: str) -> None:
@@ -137,6 +134,7 @@ class MeasuredPage:
 
     def _renew(self) -> None:
         keep_state(self._state, files=SEPARATOR.join(self._chosen.value or []))
+        self._all.set_visibility(bool(self._chosen.options) and not self._chosen.value)
         self._work.renew()
 
     def _words(self) -> list[str]:

@@ -26,7 +26,6 @@ LEFT_OUT = (
     "xarray",
     "nicegui",
     "numba",
-    "PIL",
 )
 
 

@@ -5,7 +5,8 @@ pads with overshoot (0 to 10 %), ringing, drift (to 0.1 N/s), slope with travel 
 digits of the force, noise that wanders, dropped rows and, in three of ten, a zero of the position far from contact.
 Each is written in a drawn layout (languages, units, two time bases, wrong units of the header:
 :mod:`benchmarks.accuracy.import_layouts`; ``--plain``: as a canonical CSV) and imported. The table gives the rates of
-wrong answers without a warning, of questions of files that say all, and of contact intervals (95 %) with the truth.
+wrong answers without a warning, of questions of files that say all, and of intervals (95 %) of contact and steady force
+with the truth. A steady force off by more than 1 % that lies within its stated interval counts as ``stated``.
 """
 
 from __future__ import annotations
@@ -127,10 +128,10 @@ def write_plain(file: Path, press: Drawn, rng: np.random.Generator) -> dict[str,
     return {"slip": "", "needs": {}, "layout": {"form": "plain"}}
 
 
-def judge(press: Drawn, found: Imported) -> tuple[list[str], bool | None]:
-    """What is wrong with one imported press, and whether its contact interval holds the truth."""
+def judge(press: Drawn, found: Imported) -> tuple[list[str], bool | None, bool | None]:
+    """What is wrong with one imported press, and whether the intervals of contact and steady force hold the truth."""
     if len(found.presses) != 1:
-        return ["presses"], None
+        return ["presses"], None, None
     one = found.presses[0]
     summary, faults = one.summary, []
     moved = float(np.max(one.displacement_mm)) - (np.max(press.displacement_mm) - press.zero_mm)
@@ -145,7 +146,10 @@ def judge(press: Drawn, found: Imported) -> tuple[list[str], bool | None]:
         or not 0.5 < (float(np.ptp(one.displacement_mm)) / float(np.ptp(press.displacement_mm))) < 2.0
     ):
         faults = ["unit"]
-    return faults, bool(one.contact_low_mm <= moved <= one.contact_high_mm)
+    within = None
+    if summary.steady_force_N is not None and one.steady_error_N is not None:
+        within = bool(abs(summary.steady_force_N - press.steady_N) <= one.steady_error_N)
+    return faults, bool(one.contact_low_mm <= moved <= one.contact_high_mm), within
 
 
 def main() -> None:
@@ -159,6 +163,7 @@ def main() -> None:
     options = parser.parse_args()
     counts: Counter[str] = Counter()
     inside: list[bool] = []
+    steady: list[bool] = []
     with tempfile.TemporaryDirectory() as folder:
         for number in range(options.draws):
             rng = np.random.default_rng([options.seed, number])
@@ -182,15 +187,16 @@ def main() -> None:
                 counts["several tests"] += 1
                 continue
             codes = {warning["code"] for warning in read[0].warnings}
-            faults, held = judge(press, read[0])
-            if held is not None:
-                inside.append(held)
+            faults, held, within = judge(press, read[0])
+            inside += [] if held is None else [held]
+            steady += [] if within is None else [within]
             doubted = bool(codes - {"hold_too_short", "no_hold"})
             if truth["slip"]:
                 counts["slip caught" if doubted else "quiet: unit"] += 1
                 continue
             for fault in faults:
-                counts[f"{'warned' if doubted else 'quiet'}: {fault}"] += 1
+                stated = "stated" if within and fault == "steady force" else "quiet"
+                counts[f"{'warned' if doubted else stated}: {fault}"] += 1
             counts["right" if not faults else "wrong"] += 1
             if faults and number < options.show:
                 drawn = {key: round(value, 4) for key, value in press.kinds.items()}
@@ -201,9 +207,12 @@ def main() -> None:
         "plain": options.plain,
         "contact_intervals": len(inside),
         "contact_coverage": round(float(np.mean(inside)), 4),
+        "steady_intervals": len(steady),
+        "steady_coverage": round(float(np.mean(steady)), 4),
         "counts": dict(sorted(counts.items())),
     }
     print(f"contact intervals that hold the truth: {result['contact_coverage']:.3f} of {len(inside)}")
+    print(f"intervals of the steady force that do: {result['steady_coverage']:.3f} of {len(steady)}")
     for name, count in sorted(counts.items()):
         print(f"{name:28s} {count:5d}  {100.0 * count / options.draws:.1f} %")
     if options.out:

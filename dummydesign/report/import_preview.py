@@ -122,8 +122,17 @@ def _toe(number: int, one: Imported, press: ImportedPress) -> Plot:
 
 
 def _traces(written: Mapping[str, Any]) -> Table:
-    head = ["trace", "samples", "mm/s", "hold s", "depth mm", "peak N", "steady N"]
-    keys = ("file", "samples", "velocity_mm_s", "hold_s", "depth_mm", "peak_force_N", "steady_force_N")
+    head = ["trace", "samples", "mm/s", "hold s", "depth mm", "peak N", "steady N", "+- N (95 %)"]
+    keys = (
+        "file",
+        "samples",
+        "velocity_mm_s",
+        "hold_s",
+        "depth_mm",
+        "peak_force_N",
+        "steady_force_N",
+        "steady_error_N",
+    )
     return Table(head, [[trace[key] for key in keys] for trace in written["traces"]])
 
 

@@ -169,10 +169,10 @@ def test_the_puck_test_finds_slow_noise_and_misfit():
         holds=(Hold(0.5, 60.5, 9.0),),
     )
     truth = PuckNoise(0.02, 0.3, 6.0, 0.06)
-    lower = np.linalg.cholesky(covariance(puck, 30.0, truth))
+    lower = np.linalg.cholesky(covariance([puck], 30.0, truth))
     rng = np.random.default_rng(5)
     columns = np.ones((len(one.samples), 1))
-    found = [estimate(puck, 30.0, lower @ rng.normal(size=len(columns)), columns) for _ in range(24)]
+    found = [estimate([puck], 30.0, lower @ rng.normal(size=len(columns)), columns) for _ in range(24)]
     assert np.mean([one.slow_N for one in found]) == pytest.approx(0.3, rel=0.25)
     assert np.exp(np.mean(np.log([one.misfit for one in found]))) == pytest.approx(0.06, rel=0.3)
 

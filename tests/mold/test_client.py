@@ -44,7 +44,7 @@ def test_text_answer_shows_weights_checks_and_files(lidded_package):
     from dummydesign.cli.commands.mold import render
 
     text = render(lidded_package[1].answer)
-    assert "polyol" in text and " 0 failed" in text and "pad_t8.step" in text and "None" not in text
+    assert "polyol" in text and " 0 failed" in text and "mould_t8.step" in text and "None" not in text
 
 
 BAD = [
@@ -90,7 +90,7 @@ def test_crash_of_the_kernel_is_told_with_the_parameters_and_harms_nothing(monke
 
 
 LIMITED = (
-    "import json, sys; from dummydesign.core.cpu_limit import limit_processor_time; "
+    "import json, sys; from dummydesign.core.cpu_limit import limit_processor_time; sys.stdin.read(); "
     "limit_processor_time(json.load(open(sys.argv[1]))['processor_s']);"
 )
 
@@ -159,7 +159,7 @@ def test_failed_check_keeps_no_file_but_reports_all_checks(monkeypatch, tmp_path
         "memory_MB": 1.0,
     }
     code = (
-        "import json, sys, pathlib; folder = json.load(open(sys.argv[1]))['folder']; "
+        "import json, sys, pathlib; sys.stdin.read(); folder = json.load(open(sys.argv[1]))['folder']; "
         "(pathlib.Path(folder) / 'mould_t5.step').write_text('bad'); "
         f"pathlib.Path(sys.argv[2]).write_text({json.dumps(found)!r})"
     )
@@ -190,7 +190,7 @@ def test_final_name_taken_by_a_folder_is_refused(monkeypatch, tmp_path):
         "memory_MB": 1.0,
     }
     code = (
-        "import json, sys, pathlib; folder = json.load(open(sys.argv[1]))['folder']; "
+        "import json, sys, pathlib; sys.stdin.read(); folder = json.load(open(sys.argv[1]))['folder']; "
         "(pathlib.Path(folder) / 'mould_t5.step').write_text('good'); "
         f"pathlib.Path(sys.argv[2]).write_text({json.dumps(found)!r})"
     )
@@ -215,7 +215,7 @@ def test_a_folder_that_has_a_final_name_is_left_and_the_mould_goes_into_a_folder
         "memory_MB": 1.0,
     }
     code = (
-        "import json, sys, pathlib; folder = json.load(open(sys.argv[1]))['folder']; "
+        "import json, sys, pathlib; sys.stdin.read(); folder = json.load(open(sys.argv[1]))['folder']; "
         "(pathlib.Path(folder) / 'mould_t5.step').write_text('good'); "
         f"pathlib.Path(sys.argv[2]).write_text({json.dumps(found)!r})"
     )

@@ -120,7 +120,7 @@ def test_a_campaign_on_pads_of_it_is_held_against_its_modulus_and_a_design_takes
     """The pads of the campaign have 32 kPa; the toy promises 41 (26 to 66) kPa at the ratio that is declared."""
     make_campaign(tmp_path / "campaign")
     file = tmp_path / "campaign" / "campaign.toml"
-    file.write_text(file.read_text().replace("young_kPa_nominal = 30.0", 'resin = "toy"\nratio = 25.0'))
+    file.write_text(file.read_text().replace("ratio = 15.0\nyoung_kPa_nominal = 30.0", 'resin = "toy"\nratio = 25.0'))
     found = asked("loop", tmp_path / "campaign", "--out", tmp_path / "out")
     assert found["after"]["parameters"]["young_kPa"]["value"] == pytest.approx(32.0, rel=0.05)
     saved = json.loads((tmp_path / "out" / "calibration.json").read_text())

@@ -136,7 +136,11 @@ def render(result: dict[str, Any]) -> str:
 
 
 MOTION = [("mm/s", "velocity_mm_s", ">8.4g"), ("hold s", "hold_s", ">8.3g")]
-FORCES = [("peak N", "peak_force_N", ">8.3f"), ("steady N", "steady_force_N", ">8.3f")]
+FORCES = [
+    ("peak N", "peak_force_N", ">8.3f"),
+    ("steady N", "steady_force_N", ">8.3f"),
+    ("+- N", "steady_error_N", ">6.2g"),
+]
 
 
 def _decided(known: dict[str, str]) -> str:

@@ -72,6 +72,8 @@ class Baseline:
     ``mean_N`` is the mean before contact, ``before_N`` the change there, ``effect_N`` (and its
     error) that from contact to the end of the hold.
     ``drift_alone_N_s`` and ``slope_alone_N_mm`` are set where a change is clear, but not of which kind.
+    ``held_error_N`` is how far (95 %) level, drift and slope that are not seen may move the force by the end of the
+    hold; infinite without samples before contact.
     """
 
     level_N: float
@@ -89,6 +91,7 @@ class Baseline:
     drift_alone_N_s: float = 0.0
     slope_alone_N_mm: float = 0.0
     comes_back: bool = False
+    held_error_N: float = float("inf")
 
     def at(self, time: NDArray, x: NDArray) -> NDArray:
         """Reading at no load along a motion. [N]"""
@@ -154,32 +157,36 @@ def _with_changes(
     floors = np.array([0.0, slow / max(float(np.ptp(clock)), 1e-9), slow / max(float(np.ptp(way)), 1e-9)])
     columns = np.stack([np.ones_like(clock), clock, way])
 
-    def fit(*kept: int) -> tuple[NDArray, NDArray]:
-        """Level, drift and slope with their errors; those that are left out are 0."""
+    def fit(*kept: int) -> tuple[NDArray, NDArray, NDArray]:
+        """Level, drift and slope with their errors (those that are left out are 0), and the covariance of these."""
         rows, at = columns[list(kept)], list(kept)
         prior = np.array([0.0, DRIFT_N_S**-2, SLOPE_N_MM**-2])[at]
         covariance = np.linalg.inv((rows / variance) @ rows.T + np.diag(prior))
         value, error = np.zeros(3), np.zeros(3)
         value[at] = covariance @ (rows @ (mean / variance))
         error[at] = np.hypot(np.sqrt(np.diag(covariance)), floors[at])
-        return value, error
+        return value, error, covariance
 
-    value, error = fit(0, 1, 2)
+    deepest, stop = press
+    held = deepest + np.nonzero(x[deepest:stop] >= plain.at_mm + 0.9 * (x[deepest] - plain.at_mm))[0][-1]
+    lasts, depth = float(time[held]) - plain.at_s, float(x[deepest]) - plain.at_mm
+    value, error, covariance = fit(0, 1, 2)
+    whole = value
+    end = np.array([1.0, lasts, depth])
+    unseen = np.minimum(floors, [0.0, DRIFT_N_S, SLOPE_N_MM]) * end
+    plain = replace(plain, held_error_N=2.0 * float(np.sqrt(end @ covariance @ end + unseen @ unseen)))
     clear = [kind for kind in (1, 2) if abs(value[kind]) > CLEAR * error[kind]]
     alone = [fit(0, kind) for kind in (1, 2)]
     steady = [abs(one[0][kind]) > CLEAR * one[1][kind] for kind, one in zip((1, 2), alone)]
     if clear:
-        value, error = fit(0, *clear)
+        value, error, _ = fit(0, *clear)
     elif all(steady):  # of which kind it is remains open: a drift, until the user settles it
-        value, error = alone[0]
+        value, error, _ = alone[0]
         plain = replace(plain, drift_alone_N_s=float(alone[0][0][1]), slope_alone_N_mm=float(alone[1][0][2]))
     elif any(steady):
-        value, error = alone[steady.index(True)]
+        value, error, _ = alone[steady.index(True)]
     else:
         return plain
-    deepest, stop = press
-    held = deepest + np.nonzero(x[deepest:stop] >= plain.at_mm + 0.9 * (x[deepest] - plain.at_mm))[0][-1]
-    lasts, depth = float(time[held]) - plain.at_s, float(x[deepest]) - plain.at_mm
     effect = abs(value[1]) * lasts + abs(value[2]) * depth
     before = float(value[1] * -clock[0] + value[2] * -way[0])
     return replace(
@@ -192,4 +199,6 @@ def _with_changes(
         effect_N=float(effect),
         effect_error_N=float(np.hypot(error[1] * lasts, error[2] * depth)),
         comes_back=len(parts) > leading,
+        # a change that the line leaves out may still be there
+        held_error_N=float(np.hypot(plain.held_error_N, 2.0 * end @ (whole - value))),
     )

@@ -20,7 +20,7 @@ from dummydesign.core.user_library import DEVICE, Entry, entries, find, read_tom
 from dummydesign.measurement.importing import contact as contact_zero
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, Settings
 from dummydesign.measurement.importing.decoding import LEFT_OUT
-from dummydesign.measurement.importing.press_checks import check_press, fingerprint
+from dummydesign.measurement.importing.press_checks import Warn, check_press, fingerprint
 from dummydesign.measurement.importing.sign_convention import HIGH, Span, find_presses, find_signs
 from dummydesign.measurement.importing.table import Columns, Ranges, columns_of, read_texts
 from dummydesign.measurement.importing.vocabulary import BASE, KIND_OF_ROLE, ROLES, USUAL_UNITS, find_unit, scaled_unit
@@ -36,7 +36,9 @@ class ImportedPress:
     """One press as it is written: time from 0 at its first sample, zero at contact, tared, compression positive.
 
     ``contact_low_mm`` and ``contact_high_mm`` are the 95 % interval of the contact by the force alone, about the zero
-    that was taken; ``begins_s`` is the time of the file at the first sample.
+    that was taken; ``begins_s`` is the time of the file at the first sample. ``steady_error_N`` is how far (95 %) a
+    level, drift or slope of the force that is not seen before contact may move the steady force; None without samples
+    there, or without a hold.
     """
 
     number: int
@@ -47,6 +49,7 @@ class ImportedPress:
     contact_low_mm: float
     contact_high_mm: float
     begins_s: float
+    steady_error_N: float | None
 
 
 @dataclass(frozen=True)
@@ -107,10 +110,30 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog) -> Imported:
         if fault:
             option = "--units time=.., displacement=.. or force=.. with the unit that it is in"
             raise log.question(f"press {number}: {fault.message}", option)
-        check_press(t, way, force, contact, summary, partial(log.warn, name=name))
+        warn = partial(log.warn, name=name)
+        check_press(t, way, force, contact, summary, warn)
         interval = contact.low_mm - at, contact.high_mm - at
-        presses.append(ImportedPress(number, t, way, force, summary, *interval, float(time[span.start])))
+        error = _steady_error(summary, contact.baseline.held_error_N, warn)
+        presses.append(ImportedPress(number, t, way, force, summary, *interval, float(time[span.start]), error))
     return Imported(path, tuple(presses), tuple(log.decisions), tuple(log.warnings), columns, sheet)
+
+
+UNSURE = 0.05
+"""Share of the steady force by which drift and slope that are not seen may move it without a warning."""
+
+
+def _steady_error(summary: Summary, error_N: float, warn: Warn) -> float | None:
+    """How far unseen drift and slope may move the steady force (95 %); None where it is not known. [N]"""
+    steady = summary.steady_force_N
+    if steady is None or not np.isfinite(error_N):
+        return None
+    if error_N > UNSURE * abs(steady):
+        warn(
+            "steady_uncertain",
+            f"a drift or a slope that is not seen before contact may move the steady force of {steady:.3g} "
+            f"N by {error_N:.2g} N (95 %): record longer and farther before contact, or until the punch is back",
+        )
+    return error_N
 
 
 def _read_option(option: str, word: str, kind: str) -> float | None:
@@ -319,7 +342,13 @@ def describe(imported: Sequence[Imported], planned: Sequence[Planned]) -> list[d
             "source": str(one.source),
             **({"sheet": one.sheet} if one.sheet else {}),
             "traces": [
-                {"file": name, "press": press.number, "samples": len(press.time_s), **press.summary.to_dict()}
+                {
+                    "file": name,
+                    "press": press.number,
+                    "samples": len(press.time_s),
+                    **press.summary.to_dict(),
+                    "steady_error_N": press.steady_error_N,
+                }
                 for owner, press, name in planned
                 if owner is one
             ],

@@ -50,6 +50,32 @@ def test_contact_is_never_the_parking_place_and_drift_and_slope_are_removed(tmp_
     assert np.sqrt(np.mean((one.force_N - true) ** 2)) < 0.06 + digit
 
 
+@pytest.mark.slow
+def test_what_is_not_seen_before_contact_is_in_the_error_of_the_steady_force(tmp_path):
+    """Small drifts and slopes on short recordings: the stated 95 % hold in nine of ten at least."""
+    draw, held, hidden = np.random.default_rng(20261127), [], []
+    for seed in range(60):
+        drift, slope, dwell, gap = draw.uniform((-0.02, -0.01, 0.5, 1.0), (0.02, 0.01, 4.0, 5.0))
+        found = imported(tmp_path, press(seed, drift, slope, dwell, gap, release=bool(seed % 2)), tare="auto")
+        (one,) = found.presses
+        off = abs(one.summary.steady_force_N - 6.4)
+        held.append(off <= one.steady_error_N)
+        hidden.append(off > 0.064 and "force_drifts" not in [warning["code"] for warning in found.warnings])
+    assert np.mean(held) >= 0.9 and sum(hidden) <= 6
+
+
+def test_the_error_of_the_steady_force_falls_with_what_is_recorded_before_contact(tmp_path):
+    errors = []
+    for dwell, gap in ((0.15, 0.3), (2.0, 3.0), (8.0, 12.0)):
+        found = imported(tmp_path, press(4, dwell=dwell, gap=gap, release=False))
+        errors.append(found.presses[0].steady_error_N)
+        warned = "steady_uncertain" in [warning["code"] for warning in found.warnings]
+        assert warned == (errors[-1] > 0.05 * found.presses[0].summary.steady_force_N)
+    assert errors[0] > 3.0 * errors[1] > 6.0 * errors[2] and errors[0] > 0.32
+    none = imported(tmp_path, press(4, dwell=0.0, gap=0.0, release=False)).presses[0]
+    assert none.steady_error_N is None
+
+
 def test_a_drift_that_is_seen_before_contact_only_is_named(tmp_path):
     found = imported(tmp_path, press(1, drift=0.08, release=False))
     assert "force_drifts" in [warning["code"] for warning in found.warnings]

@@ -135,10 +135,11 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
         return text, "dummydesign tissues list"
     given = files["tissue"][-1].folder if files["tissue"] else designed_for
     tissue = "" if project.tissue else f" --tissue {quote(given)}"
-    if not designs and files["calibrations"] and (files["calibrations"][-1].summary or {}).get("designable", True):
-        return _learned(files["calibrations"][-1], tissue, again=False)
-    if not designs and not files["calibrations"]:
+    learned = files["calibrations"][-1] if files["calibrations"] else None
+    if not designs and learned is None:
         return "design a pad", f"dummydesign suggest{tissue} --no-cad"
+    if not designs and learned and (learned.summary or {}).get("designable", True):
+        return _learned(learned, tissue, again=False)
     best = (designs[-1].summary or {}) if designs else {}
     red = best.get("verdict") == "not_representative"
     if designs and ((red and not files["campaigns"]) or (not pads_of(files) and "mould" not in best)):
@@ -156,8 +157,8 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
         rest = f"press the rest ({left['missing']} of {left['missing'] + left['pressed']} presses)"
         text = "fix the problems of the campaign" if left["wrong"] else rest
         return text, f"dummydesign campaign check {quote(open_plans[-1].folder)}"
-    if all(one.date < files["calibrations"][-1].date for one in designs):
-        return _learned(files["calibrations"][-1], tissue, bool(designs))
+    if learned and all(one.date < learned.date for one in designs):
+        return _learned(learned, tissue, bool(designs))
     if red:
         return _after_design(project, best, bool(files["moulds"]), tissue)
     return f"all steps are done: read {designs[-1].folder}/report.html", "dummydesign status"

@@ -132,8 +132,7 @@ class LearnPage:
         if rows:
             widgets.table(["effect", "parameter", "unit", "value", "95 % low", "95 % high"], rows)
         with ui.element("div").classes("links"):
-            known = self._again(answer["calibration_file"])
-            kind = "go more" if known else "go"
+            kind = "go more" if self._again(answer["calibration_file"]) else "go"
             html(f'<a class="{escape(kind)}" href="#next">Plan the next measurement</a>')
         widgets.warnings(answer)
         _curves(self.root, folder)

@@ -13,6 +13,7 @@ from importlib import metadata
 from pathlib import Path
 
 from dummydesign.core import cache
+from dummydesign.core.blas_threads import surroundings
 from dummydesign.core.errors import DummydesignError
 from dummydesign.core.serialise import Serialised
 from dummydesign.core.user_library import user_folder
@@ -147,7 +148,13 @@ def _solid() -> HealthCheck:
     try:
         words = [sys.executable, "-c", SOLID]
         done = subprocess.run(
-            words, capture_output=True, encoding="utf-8", errors="replace", timeout=SOLID_S, check=False
+            words,
+            capture_output=True,
+            encoding="utf-8",
+            errors="replace",
+            timeout=SOLID_S,
+            check=False,
+            env=surroundings(),
         )
     except (OSError, subprocess.TimeoutExpired) as problem:
         return HealthCheck("solid", "missing", f"{type(problem).__name__}", advice)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -19,6 +21,15 @@ ONE_THREAD = {
     "VECLIB_MAXIMUM_THREADS": "1",
 }
 """What a process of our own has in its environment before numpy is loaded."""
+
+
+def surroundings() -> dict[str, str]:
+    """The environment of a Python of our own: this package, one thread, no module of the folder that it is run in.
+
+    A folder from elsewhere may hold a ``json.py``.
+    """
+    path = os.pathsep.join(filter(None, (str(Path(__file__).resolve().parents[2]), os.environ.get("PYTHONPATH"))))
+    return {**os.environ, **ONE_THREAD, "PYTHONPATH": path, "PYTHONSAFEPATH": "1"}
 
 
 _lock = threading.Lock()

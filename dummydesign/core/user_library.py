@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from dummydesign.core.errors import InputError, NoAnswerError, quantity_name, unknown_name
-from dummydesign.core.files import write_text
+from dummydesign.core.files import write_bytes
 
 
 @dataclass(frozen=True)
@@ -216,17 +216,20 @@ def rename_own(kind: str, what: str, old: str, new: str) -> tuple[Path, list[dic
         message = f"{what} '{taken.name}' exists; remove it first, or choose another name"
         raise InputError(message, "file_exists", quantity_name(what), new)
     target = user_folder() / kind / f"{new}.toml"
-    text = entry.path.read_text(encoding="utf-8")
-    # the name of the file itself stands before the first table
-    head, table, rest = text.partition("\n[")
-    renamed = re.sub(r"(?m)^name\s*=.*$", lambda _: f'name = "{new}"', head, count=1) + table + rest
     companions = _with_companions(entry.path)[1:]
-    write_text(target, renamed)
+    write_bytes(target, with_name(entry.path.read_bytes(), new))
     for path in companions:
         path.rename(path.with_name(f"{new}{path.name.removeprefix(entry.path.stem)}"))
     if target != entry.path and not (target.exists() and target.samefile(entry.path)):
         entry.path.unlink()
     return target, hidden_by(kind, what, new)
+
+
+def with_name(content: bytes, name: str) -> bytes:
+    """A TOML file with another ``name``, which stands before its first table; all else as it is."""
+    head, table, rest = content.partition(b"\n[")
+    line = f"name = {toml_text(name)}".encode()
+    return re.sub(rb"(?m)^[ \t]*name[ \t]*=[^\r\n]*", lambda _: line, head, count=1) + table + rest
 
 
 def _with_companions(path: Path) -> list[Path]:

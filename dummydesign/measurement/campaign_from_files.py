@@ -138,7 +138,7 @@ def trials_of(
     if twice:
         message = f"two files are called '{twice}'; a campaign holds plain file names, each once"
         raise InputError(message, "duplicate", "file", twice)
-    rows = {} if table is None else _read_table(Path(table), names)
+    rows = {} if table is None else read_table(Path(table), names)
     trials, decisions = [], []
     repeats: Counter[tuple[Any, ...]] = Counter()
     for path in paths:
@@ -182,7 +182,8 @@ def named_values(path: Path) -> dict[str, Any]:
     return {key: int(one[1]) if key in _WHOLE else float(one[1]) for key, one in matches.items() if one}
 
 
-def _read_table(path: Path, names: Sequence[str]) -> dict[str, dict[str, Any]]:
+def read_table(path: Path, names: Sequence[str] | None = None) -> dict[str, dict[str, Any]]:
+    """Read what a table of trials says of each file; of those named alone, where they are known."""
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as problem:
@@ -204,7 +205,7 @@ def _read_table(path: Path, names: Sequence[str]) -> dict[str, dict[str, Any]]:
             raise InputError(message, "malformed", "table", len(cells), len(head))
         row = {key: cell.strip() for key, cell in zip(head, cells) if cell.strip()}
         file = row.pop("file", "")
-        if file not in names:
+        if names is not None and file not in names:
             raise unknown_name("file", file, names).within(f"{path.name}:{number}")
         if file in rows:
             raise InputError(f"{path.name}:{number}: '{file}' is listed twice", "duplicate", "file", file)

@@ -16,7 +16,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dummydesign.core.blas_threads import ONE_THREAD
+from dummydesign.core.blas_threads import surroundings
 from dummydesign.core.cpu_limit import HUNG_S, ran_out
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import output_folder, writing
@@ -100,8 +100,6 @@ class CadChild:
     """
 
     def __init__(self) -> None:
-        package = str(Path(__file__).resolve().parents[2])
-        path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
         self._work = tempfile.TemporaryDirectory(prefix="dummydesign-cad-", ignore_cleanup_errors=True)
         self._question, self._answer = (Path(self._work.name) / f"{name}.json" for name in ("question", "answer"))
         self._process = subprocess.Popen(
@@ -111,7 +109,7 @@ class CadChild:
             stderr=subprocess.PIPE,
             encoding="utf-8",
             errors="replace",
-            env={**os.environ, **ONE_THREAD, "PYTHONPATH": path},
+            env=surroundings(),
         )
         self.meanwhile: Callable[[], None] | None = None
 

@@ -56,7 +56,7 @@ class ProjectStatus:
 
 
 def finished_manifest(path: Path) -> dict[str, Any] | None:
-    """Return the content of a finished manifest, its summary a table or None; None where none can be read."""
+    """Return the content of a finished manifest, its summary as a command writes it or None; None without any."""
     try:
         content = _manifest(path, path.stat().st_mtime_ns)
     except OSError:
@@ -64,7 +64,13 @@ def finished_manifest(path: Path) -> dict[str, Any] | None:
     if not (content.get("command") and content.get("finished")):
         return None
     summary = content.get("summary")
-    return content | {"summary": summary if isinstance(summary, dict) else None}
+    return content | {"summary": summary if isinstance(summary, dict) and _is_plain(summary) else None}
+
+
+def _is_plain(summary: dict[str, Any]) -> bool:
+    """Whether numbers and names of a pad are such, also in a file that was edited or comes from elsewhere."""
+    numbers, names = (summary.get(key, 0.0) for key in ("thickness_mm", "ratio")), summary.get("shape", "")
+    return all(isinstance(one, int | float) and abs(one) < 1e6 for one in numbers) and isinstance(names, str)
 
 
 @lru_cache(maxsize=4096)
@@ -171,7 +177,7 @@ def _learned(latest: ProjectFile, tissue: str, again: bool) -> tuple[str, str]:
         given = quote(f"{latest.folder}/calibration.json")
         text = f"design {'again' if again else 'a pad'} with what was learned"
         return text, f"dummydesign suggest{tissue} --shape slab --calibration {given}"
-    campaign = f"campaigns/{summary['campaign']}"
+    campaign = f"campaigns/{summary.get('campaign', 'first')}"
     text = "the presses do not settle the modulus: plan the next measurement"
     return text, f"dummydesign loop {quote(campaign)} --plan {quote(f'{campaign}-next')}"
 

@@ -13,7 +13,7 @@ from functools import partial
 from html import escape
 from pathlib import Path
 from secrets import token_bytes, token_urlsafe
-from typing import IO, Any
+from typing import Any
 from urllib.parse import quote
 
 import uvicorn
@@ -21,8 +21,8 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import FileResponse, HTMLResponse, PlainTextResponse, RedirectResponse, StreamingResponse
 from nicegui import ui
+from starlette.background import BackgroundTask
 from starlette.responses import Response
-from starlette.types import Receive, Scope, Send
 
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.files import acquire_lock, writing
@@ -107,7 +107,13 @@ def make_app(root: Path) -> FastAPI:
         folder = file_transfer.inside(root, path)
         if folder == root or not folder.is_dir():
             return PlainTextResponse(f"'{path}' is no folder of this project", 404)
-        return Archive(file_transfer.zipped(root, folder), folder.name)
+        packed = file_transfer.zipped(root, folder)
+        heads = {
+            "content-disposition": f"attachment; filename*=UTF-8''{quote(folder.name + '.zip', safe='')}",
+            "content-length": str(os.fstat(packed.fileno()).st_size),
+        }
+        pieces, away = iter(lambda: packed.read(1 << 20), b""), BackgroundTask(packed.close)
+        return StreamingResponse(pieces, media_type="application/zip", headers=heads, background=away)
 
     @app.get("/plotly.gz")
     def plotly() -> Response:
@@ -179,23 +185,6 @@ def _framed(address: str, name: str) -> Response:
     return HTMLResponse(text, headers=heads)
 
 
-class Archive(StreamingResponse):
-    """An archive as a download; closed when it is out, or when nobody wants it any more."""
-
-    def __init__(self, packed: IO[bytes], name: str) -> None:
-        heads = {
-            "content-disposition": f"attachment; filename*=UTF-8''{quote(name + '.zip', safe='')}",
-            "content-length": str(os.fstat(packed.fileno()).st_size),
-        }
-        super().__init__(iter(lambda: packed.read(1 << 20), b""), media_type="application/zip", headers=heads)
-        self._packed = packed
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Send it."""
-        with self._packed:
-            await super().__call__(scope, receive, send)
-
-
 HOST, FIRST_PORT, TRIED_PORTS = "127.0.0.1", 8420, 20
 ONCE = "once"
 """File with the key of a browser that is started: it opens the studio one time."""
@@ -254,45 +243,36 @@ def _show(home: Path, address: str) -> None:
 
 def _use_once(home: Path, key: str) -> bool:
     """Whether a key is that of a browser that was started; it is used up then."""
-    try:
+    with suppress(OSError):
         right = (home / ONCE).read_text(encoding="utf-8")
-    except OSError:
-        return False
-    same = bool(right) and same_secret(key, right)
-    if same:
-        (home / ONCE).unlink(missing_ok=True)
-    return same
+        if right and same_secret(key, right):
+            (home / ONCE).unlink()
+            return True
+    return False
 
 
 def _refuse_links(home: Path) -> None:
     """Refuse links, pipes and devices among the studio's own files, which a folder from elsewhere may bring."""
-    if not (home.exists() or home.is_symlink()):
-        return
-    if home.is_symlink() or not home.is_dir():
+    if home.is_symlink() or (home.exists() and not home.is_dir()):
         message = f"'{home}' is a link or no folder: remove it; the studio makes its own"
         raise InputError(message, "not_allowed", "folder")
     for folder, folders, names in os.walk(home):
         for name in (*folders, *names):
-            try:
-                kind = os.lstat(os.path.join(folder, name)).st_mode
-            except FileNotFoundError:
-                # another studio of this folder is at work
-                continue
-            if not (stat.S_ISDIR(kind) or stat.S_ISREG(kind)):
-                message = f"'{os.path.join(folder, name)}' is a link or no plain file: remove it"
-                raise InputError(message, "not_allowed", "file")
+            path = os.path.join(folder, name)
+            with suppress(FileNotFoundError):  # another studio of this folder is at work
+                kind = os.lstat(path).st_mode
+                if not (stat.S_ISDIR(kind) or stat.S_ISREG(kind)):
+                    raise InputError(f"'{path}' is a link or no plain file: remove it", "not_allowed", "file")
         # what was deleted may have links of its own; it is only moved
         folders[:] = [name for name in folders if name != "content"]
 
 
 def _clear(home: Path) -> None:
-    """Keep the folder from others and from Git, and take away what a killed studio left."""
+    """Keep the folder from others and from Git, and take away the keys that a killed studio left."""
     with suppress(PermissionError):
         # the folder of another user, who let us write in it
         home.chmod(0o700)
     _forget(home)
-    for left in home.glob("zip-*"):
-        left.unlink(missing_ok=True)
     (home / ".gitignore").write_text("*\n", encoding="utf-8")
 
 

@@ -49,7 +49,7 @@ def manage(root: Path, path: str, kind: str, then: Then) -> None:
     def ask_name() -> None:
         refused.clear()
         with widgets.fresh(form), ui.element("div").classes("fields"):
-            field = ui.input(f"New name of {name}", value=_short(root, path)).props('data-test="new-name"')
+            field = ui.input(f"New name of {name}", value=bin.short_name(root, path)).props('data-test="new-name"')
             with ui.element("div"):
                 widgets.button("Save", lambda: take_name(field.value or ""), "save-name", main=True)
                 widgets.button("Cancel", close)
@@ -77,13 +77,13 @@ def manage(root: Path, path: str, kind: str, then: Then) -> None:
             if Path(sent).suffix.lower() != ending:
                 message = f"{sent} was refused: choose a file that ends in {ending}"
                 raise InputError(message, "unknown_name", "file_ending", sent, ending)
-            stored = bin.store(root, (root / path).parent, name, content, replace=True)
-            form.clear()
-            if stored.gone is None:
-                bar.say(f"{sent} is the same as {stored.name}, which is there: nothing was changed.")
+            folder = (root / path).parent
+            if same := bin.twin(folder, name, content):
+                bar.say(f"{sent} is the same as {same}, which is there: nothing was changed.")
             else:
-                bar.offer(stored.gone, then)
+                bar.offer(bin.replace_file(root, folder, name, content), then)
                 replaced = True
+            form.clear()
         if replaced:
             bar.run(lambda: then(path, path))
 
@@ -113,13 +113,6 @@ def thing(words: str, root: Path, path: str, kind: str, then: Then) -> ui.elemen
         with ui.element("div"):
             manage(root, path, kind, then)
     return row
-
-
-def _short(root: Path, path: str) -> str:
-    """What can be changed of a name."""
-    target = root / path
-    name = target.stem if target.is_file() else target.name
-    return name.removeprefix("import-") if bin.is_import(path) else name
 
 
 def drop_zone(

@@ -54,13 +54,9 @@ def numbered(name: str, ending: str = "") -> Iterator[str]:
         yield f"{name}-{number}{ending}"
 
 
-def new_folder(home: Path, names: Iterator[str]) -> Path:
-    """Make a folder under the first of some names that is free."""
-    while True:
-        folder = home / next(names)
-        with suppress(FileExistsError):
-            folder.mkdir()
-            return folder
+def holds(path: Path, content: bytes) -> bool:
+    """Whether a file is there with this content."""
+    return path.is_file() and path.stat().st_size == len(content) and path.read_bytes() == content
 
 
 def save_upload(folder: Path, name: str, content: bytes) -> Path:
@@ -69,7 +65,7 @@ def save_upload(folder: Path, name: str, content: bytes) -> Path:
     with writing("folder", folder.name, "folder"):
         folder.mkdir(parents=True, exist_ok=True)
         while (target := folder / next(names)).exists():
-            if target.is_file() and target.read_bytes() == content:
+            if holds(target, content):
                 return target
     return write_bytes(target, content)
 

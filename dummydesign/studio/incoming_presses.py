@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import shutil
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -15,13 +12,13 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import csv_text, read_json, write_bytes, write_text, writing
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.measurement.campaign_file import FILE, read_campaign_toml, trial_tables
-from dummydesign.measurement.campaign_from_files import COLUMNS, named_values, read_trials
+from dummydesign.measurement.campaign_from_files import COLUMNS, named_values, read_table, read_trials
 from dummydesign.measurement.campaign_status import differences_from_plan
 from dummydesign.measurement.trace import read_trace
-from dummydesign.studio.file_transfer import check_press, inside, plain_name, save_upload
+from dummydesign.studio.file_transfer import check_press, holds, inside, plain_name, read_sent, save_upload
 from dummydesign.studio.project_index import Mould, moulds, shape_key
 from dummydesign.studio.state import State
-from dummydesign.studio.trash import Deleted, delete, replace_file
+from dummydesign.studio.trash import Deleted, check_idle, delete, replace_file
 
 HELD = "unassigned"
 """Folder in that of a campaign, for files that have no planned name."""
@@ -48,7 +45,7 @@ def take(root: Path, campaign: str, name: str, content: bytes) -> Taken:
 
 def held(root: Path, campaign: str) -> list[str]:
     """Files of a campaign that wait for their press."""
-    return sorted(path.name for path in (root / campaign / HELD).glob("*") if path.is_file())
+    return _names(root / campaign / HELD)
 
 
 def presses_for(root: Path, campaign: str, name: str) -> dict[str, str]:
@@ -89,21 +86,21 @@ def discard(root: Path, campaign: str, name: str) -> Deleted:
 def _put(root: Path, campaign: str, name: str, content: bytes) -> Taken:
     plain_name(name)  # a plan can name another file of its folder as a press, such as itself
     folder = inside(root, campaign)
-    for trial in read_trials(folder):
-        other = folder / trial["file"]
-        if trial["file"] != name and other.is_file() and other.read_bytes() == content:
-            message = f"{name} is the same as {trial['file']}, which is there: press it again"
+    for other in (trial["file"] for trial in read_trials(folder)):
+        if other != name and holds(folder / other, content):
+            message = f"{name} is the same as {other}, which is there: press it again"
             raise InputError(message, "duplicate", "trace", name)
     if not (folder / name).is_file():
         save_upload(folder, name, content)
         return Taken(f"{name} was added.")
-    if (folder / name).read_bytes() == content:
+    if holds(folder / name, content):
         return Taken(f"{name} is there already.")
     return Taken(f"{name} was added. The earlier one is in the bin.", replace_file(root, folder, name, content))
 
 
 FOLDER = "measured/to-bring-in"
-TABLE = "trials.csv"
+TABLE, AS_SENT = "trials.csv", ".trials.csv"
+"""The table that the page writes, of the presses that came so far; and the one that was dropped, for those to come."""
 KEYS = ("sequence", "thickness_mm", "velocity_mm_s", "target_force_N", "repeat", "age_days", "temperature_C", "rest_s")
 """Columns of the table that are filled in on the page."""
 ENDINGS = (".csv", ".toml", ".txt", ".md", ".json", ".html")
@@ -118,12 +115,19 @@ def save_waiting_file(root: Path, name: str, content: bytes) -> str:
         raise InputError(message, "unknown_name", "file_ending", name, ENDINGS)
     with writing("folder", FOLDER, "folder"):
         inside(root, FOLDER).mkdir(parents=True, exist_ok=True)
+    if name == TABLE:
+        read_sent(name, content, read_table)
+        write_bytes(root / FOLDER / AS_SENT, content)
     return write_bytes(root / FOLDER / name, content).name
 
 
 def waiting(root: Path) -> list[str]:
     """Files that wait to be brought in."""
-    return sorted(path.name for path in (root / FOLDER).glob("*") if path.is_file() and path.name[0] != ".")
+    return _names(root / FOLDER)
+
+
+def _names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.glob("[!.]*") if path.is_file())
 
 
 def traces(root: Path) -> list[str]:
@@ -143,36 +147,23 @@ def bring_in(root: Path, name: str) -> str:
     """Make a campaign of the files as they are; return its folder from the project folder on."""
     folder = new_campaign_folder(root, name)
     read_campaign_toml(root / FOLDER)
+    check_idle(root, FOLDER)
     with writing("campaign", folder, "campaign"):
         (root / folder).parent.mkdir(exist_ok=True)
-        shutil.move(root / FOLDER, root / folder)
+        (root / FOLDER).rename(root / folder)
     return folder
 
 
 def table(root: Path) -> list[dict[str, Any]]:
     """A row for each press: what its name says, and what a table of trials among the files says."""
-    given = _rows_of_table(root / FOLDER / TABLE)
+    given: dict[str, dict[str, Any]] = {}
+    for one in (AS_SENT, TABLE):
+        with suppress(InputError):
+            given |= read_table(root / FOLDER / one)
     return [
         {"file": name, **dict.fromkeys(COLUMNS[1:]), **named_values(Path(name)), **given.get(name, {})}
         for name in traces(root)
     ]
-
-
-def _rows_of_table(path: Path) -> dict[str, dict[str, Any]]:
-    """Rows of a table of trials by file; numbers alone, cells that are none stay with the command to refuse."""
-    try:
-        lines = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8-sig"))))
-    except (OSError, UnicodeDecodeError, csv.Error):
-        return {}
-    cells = [{key: (line.get(key) or "").strip() for key in COLUMNS} for line in lines]
-    return {row["file"]: {key: _cell(row[key]) for key in COLUMNS[1:] if row[key]} for row in cells}
-
-
-def _cell(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text
 
 
 def write_table(root: Path, rows: Sequence[Mapping[str, Any]]) -> None:
@@ -250,7 +241,7 @@ def plan_of(root: Path, campaign: str) -> dict[str, Any]:
             "ratio": set_up.get("ratio"),
             "punch": str(set_up["punch"]),
         }
-    except (ValueError, KeyError, TypeError):
+    except (AttributeError, ValueError, KeyError, TypeError, OverflowError):
         return {}
     return plan if plan["resin"] and plan["ratio"] else {}
 

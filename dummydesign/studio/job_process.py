@@ -44,7 +44,7 @@ def main(folder: Path, handed_on: int | None = None) -> int:
         return 2
     awake = acquire_lock(folder / AWAKE, PATIENCE_S)
     asked = json.loads((folder / COMMAND).read_text(encoding="utf-8"))
-    write_text(folder / PID, str(os.getpid()))
+    _note(folder / PID, os.getpid())
     signals: list[int] = []
     signal.signal(signal.SIGTERM, lambda number, frame: signals.append(number))
     start = time.time()
@@ -63,7 +63,7 @@ def main(folder: Path, handed_on: int | None = None) -> int:
                 env=environment,
                 pass_fds=() if os.name == "nt" else (lock.fileno(),),
             )
-        write_text(folder / CHILD, str(child.pid))
+        _note(folder / CHILD, child.pid)
         status, stopped = _wait(child, lambda: bool(signals) or (folder / STOP).exists())
         if status or stopped:
             break
@@ -75,6 +75,12 @@ def main(folder: Path, handed_on: int | None = None) -> int:
     if status in (0, 1) and not stopped:
         remember(asked.get("name", ""), ended["end"] - start)
     return status
+
+
+def _note(path: Path, number: int) -> None:
+    """Keep the number of a process; a disk that is full just now must not leave a command without its runner."""
+    with suppress(InputError):
+        write_text(path, str(number))
 
 
 def times_file() -> Path:

@@ -15,23 +15,23 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass
-from functools import lru_cache
-from itertools import chain, count
+from functools import cached_property, lru_cache
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from dummydesign.core.blas_threads import surroundings
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import acquire_lock, is_locked, read_json, unwritable, write_text
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
 from dummydesign.core.user_library import find
 from dummydesign.studio import job_process as runner
-from dummydesign.studio.file_transfer import new_folder
 
 
 def shown(words: Sequence[str]) -> str:
     """A command line as it is typed; names with other letters than these are quoted."""
-    return " ".join(["dummydesign", *(shlex.quote(word) for word in words)])
+    return shlex.join(["dummydesign", *words])
 
 
 def options(given: Mapping[str, object]) -> list[str]:
@@ -141,7 +141,7 @@ class Job:
         """Whether it ended with an answer, also with one that is not acceptable; an error is none."""
         return self.state in ("done", "failed") and bool(self.answer)
 
-    @property
+    @cached_property
     def answer(self) -> dict[str, Any]:
         """What the command printed; empty where it printed no answer, or only an error."""
         content = self.answer_of(len(self.commands))
@@ -149,8 +149,7 @@ class Job:
 
     def answer_of(self, number: int) -> dict[str, Any]:
         """What one of several commands printed, the first being number 1."""
-        path = self.folder / runner.answer_name(number, len(self.commands))
-        return _answer(path, path.stat().st_mtime_ns) if path.is_file() else {}
+        return read_json(self.folder / runner.answer_name(number, len(self.commands)))
 
     @property
     def error(self) -> str:
@@ -169,11 +168,6 @@ class Job:
         return lines[-1] if lines else "" if self.answer else UNEXPECTED
 
 
-@lru_cache(maxsize=16)
-def _answer(path: Path, stamp: int) -> dict[str, Any]:
-    return read_json(path)
-
-
 def start(root: Path, name: str, *commands: Sequence[str]) -> Job:
     """Start a command in a project folder, or several one after the other."""
     running = [one for one in all_jobs(root) if one.state == "running"]
@@ -189,16 +183,11 @@ def start(root: Path, name: str, *commands: Sequence[str]) -> Job:
     try:
         home.mkdir(parents=True, exist_ok=True)
         numbers = [int(match[1]) for path in home.iterdir() if (match := re.match(r"(\d+)-", path.name))]
-        folder = new_folder(home, (f"{number:04d}-{name}" for number in count(max(numbers, default=0) + 1)))
+        folder = home / f"{max(numbers, default=0) + 1:04d}-{name}"
+        folder.mkdir()
         try:
-            request = {
-                "name": name,
-                "first": commands[:-1],
-                "words": commands[-1],
-                "cwd": str(root),
-                "start": time.time(),
-            }
-            write_text(folder / runner.COMMAND, json.dumps(request))
+            asked = {"name": name, "first": commands[:-1], "words": commands[-1], "cwd": str(root)}
+            write_text(folder / runner.COMMAND, json.dumps(asked | {"start": time.time()}))
             _spawn(root, folder)
         except (OSError, InputError):
             shutil.rmtree(folder, ignore_errors=True)
@@ -229,27 +218,22 @@ def progress_line(job: Job, usual: float | None) -> str:
 
 
 def _spawn(root: Path, folder: Path) -> None:
-    detached: dict[str, Any] = {"start_new_session": True}
-    if os.name == "nt":
-        detached = {"creationflags": getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)}
-    path = os.pathsep.join(filter(None, (str(Path(__file__).resolve().parents[2]), os.environ.get("PYTHONPATH"))))
     _CHILDREN[:] = [child for child in _CHILDREN if child.poll() is None]
-    words = [sys.executable, "-m", "dummydesign.studio.job_process", str(folder)]
+    # held from the first moment on, however long a busy machine takes to start the process
     lock = None if os.name == "nt" else acquire_lock(folder / runner.LOCK, runner.PATIENCE_S)
-    if lock is not None:
-        # held from the first moment on, however long a busy machine takes to start the process
-        detached["pass_fds"] = (lock.fileno(),)
-        words.append(str(lock.fileno()))
+    handed_on = () if lock is None else (lock.fileno(),)
     with lock or nullcontext(), open(folder / "runner.txt", "wb") as output:
         _CHILDREN.append(
             subprocess.Popen(
-                words,
+                [sys.executable, "-m", "dummydesign.studio.job_process", str(folder), *map(str, handed_on)],
                 cwd=root,
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=output,
-                env={**os.environ, "PYTHONPATH": path},
-                **detached,
+                env=surroundings(),
+                pass_fds=handed_on,
+                start_new_session=True,
+                creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
             )
         )
 
@@ -272,13 +256,11 @@ def read_job(folder: Path) -> Job:
 
 
 def _state(folder: Path, started: float) -> tuple[str, float]:
+    # in this order: it may end between the two looks
+    held = is_locked(folder / runner.LOCK)
     if not (folder / runner.STATUS).exists():
-        if is_locked(folder / runner.LOCK):
-            return "running", time.time() - started
-        # it may have ended between the two looks
-        if not (folder / runner.STATUS).exists():
-            young = os.name == "nt" and not (folder / runner.PID).exists() and time.time() - started < STARTING_S
-            return ("running" if young else "lost"), time.time() - started
+        young = os.name == "nt" and not (folder / runner.PID).exists() and time.time() - started < STARTING_S
+        return ("running" if held or young else "lost"), time.time() - started
     ended = json.loads((folder / runner.STATUS).read_text(encoding="utf-8"))
     seconds = float(ended["end"]) - started
     if ended["stopped"]:
@@ -289,8 +271,10 @@ def _state(folder: Path, started: float) -> tuple[str, float]:
 def all_jobs(root: Path, name: str = "*") -> list[Job]:
     """Return all commands of a project, or of a step, the oldest first; pages ask for them twice a second."""
     jobs = []
-    for folder in sorted((root / HOME / "jobs").glob(f"[0-9]*-{name}")):
-        with suppress(OSError, ValueError, KeyError, TypeError):
+    folders = (root / HOME / "jobs").glob(f"[0-9]*-{name}")
+    # by their numbers: the ten-thousandth has a digit more
+    for folder in sorted(folders, key=lambda folder: (folder.name.index("-"), folder.name)):
+        with suppress(OSError, ValueError, KeyError, TypeError, OverflowError):
             status = folder / runner.STATUS
             jobs.append(_ended_job(folder, status.stat().st_mtime_ns) if status.exists() else read_job(folder))
     return jobs

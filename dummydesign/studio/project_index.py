@@ -146,7 +146,7 @@ def moulds(root: Path) -> list[Mould]:
     """Moulds of a project, the newest last; those whose manifest cannot be read are left out."""
     own = []
     for folder, manifest in _manifests(root, "moulds", "mold"):
-        with suppress(KeyError, TypeError, ValueError):
+        with suppress(KeyError, TypeError, ValueError, OverflowError):
             given = manifest["inputs"]
             pad = {
                 "shape": str(given["shape"]),
@@ -162,23 +162,17 @@ def calibrations(root: Path, campaign: str) -> list[CalibrationEntry]:
     """Calibrations learned from a campaign, the newest last, also those made on the terminal."""
     own = []
     for folder, manifest in _manifests(root, "calibrations", "loop"):
-        path = str(manifest.get("inputs", {}).get("campaign", ""))
-        sums = tuple(
-            (str(one["file"]), one.get("sha256"))
-            for one in manifest.get("files_read") or []
-            if str(one.get("name", "")).rpartition("/")[0] == path.rstrip("/")
-        )
-        of_campaign = _names(root, path, campaign) or _was_renamed(root, path, campaign, dict(sums))
-        if of_campaign and (root / folder / "calibration.json").is_file():
-            own.append(
-                CalibrationEntry(
-                    folder,
-                    str((manifest["summary"] or {}).get("text", "")),
-                    campaign,
-                    str(manifest["inputs"].get("prior") or ""),
-                    sums,
-                )
+        with suppress(AttributeError, KeyError, TypeError):
+            path = str(manifest["inputs"]["campaign"])
+            sums = tuple(
+                (str(one["file"]), one.get("sha256"))
+                for one in manifest.get("files_read") or []
+                if str(one.get("name", "")).rpartition("/")[0] == path.rstrip("/")
             )
+            of_campaign = _names(root, path, campaign) or _was_renamed(root, path, campaign, dict(sums))
+            if of_campaign and (root / folder / "calibration.json").is_file():
+                text, prior = (manifest["summary"] or {}).get("text", ""), manifest["inputs"].get("prior") or ""
+                own.append(CalibrationEntry(folder, str(text), campaign, str(prior), sums))
     return own
 
 
@@ -311,20 +305,18 @@ def _of_campaign(root: Path, folder: str) -> list[PadWithPresses]:
         if pad and file and (root / folder / file).is_file():
             by_pad.setdefault((shape, float(thickness)), []).append(f"{folder}/{file}")
     punch, lowpass = _punch(data.get("punch"), folder), _lowpass(data.get("sensor"))
-    pads = []
-    for (shape, thickness), presses in by_pad.items():
-        pads.append(
-            PadWithPresses(
-                f"{folder}: {shape}, {thickness:g} mm, {presses_text(presses)}",
-                tuple(presses),
-                punch,
-                lowpass,
-                folder,
-                shape,
-                thickness,
-            )
+    return [
+        PadWithPresses(
+            f"{folder}: {shape}, {thickness:g} mm, {presses_text(presses)}",
+            tuple(presses),
+            punch,
+            lowpass,
+            folder,
+            shape,
+            thickness,
         )
-    return pads
+        for (shape, thickness), presses in by_pad.items()
+    ]
 
 
 def _punch(table: Any, folder: str) -> str:
@@ -338,7 +330,7 @@ def _punch(table: Any, folder: str) -> str:
 
 
 def _lowpass(table: Any) -> str:
-    table = table if isinstance(table, dict) else {}
-    if "lowpass_hz" not in table:
-        return ""
-    return f"{table['lowpass_hz']:g}:{table.get('lowpass_order', 2)}:{table.get('lowpass_passes', 1)}"
+    """The filter of a campaign as an option of ``compare``; none where the file has another form."""
+    with suppress(KeyError, TypeError, ValueError):
+        return f"{table['lowpass_hz']:g}:{table.get('lowpass_order', 2)}:{table.get('lowpass_passes', 1)}"
+    return ""

@@ -160,10 +160,7 @@ def design_summary(root: Path, folder: str) -> dict[str, Any]:
 def _inside(root: Path, path: object) -> str:
     """A path from the project folder on; names of the library and paths elsewhere as they are."""
     text = str(path or "")
-    try:
-        return Path(text).relative_to(root).as_posix() if Path(text).is_absolute() else text
-    except ValueError:
-        return text
+    return Path(text).relative_to(root).as_posix() if Path(text).is_relative_to(root) else text
 
 
 def _of_project(project: Project) -> dict[str, Any]:

@@ -6,22 +6,23 @@ import json
 import os
 import re
 import shutil
+import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import chain
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import read_json, unwritable, write_bytes, write_text, writing
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
-from dummydesign.core.user_library import toml_text
+from dummydesign.core.user_library import with_name
 from dummydesign.project.folder import FOLDERS, Project, change_project, project_of
 from dummydesign.studio import jobs
-from dummydesign.studio.file_transfer import inside, new_folder, numbered, plain_name, save_upload
+from dummydesign.studio.file_transfer import holds, inside, numbered, plain_name, save_upload
 
 HOME = ".studio/bin"
 ENTRY, CONTENT = "entry.json", "content"
@@ -55,11 +56,15 @@ def delete(root: Path, path: str, why: str = "deleted") -> Deleted:
     """Move a file or folder of a project into the bin."""
     parts = parts_of(root, path)
     check_idle(root, path)
-    now = time.time()
+    now, home = time.time(), root / HOME
     for old in deleted(root):
         if now - old.time > KEPT_DAYS * 86400.0:
             shutil.rmtree(old.folder, ignore_errors=True)
-    entry = Deleted(_new_folder(root / HOME, PurePosixPath(path).name, now), path, now, why)
+    # of a long name the beginning: the whole of it stands inside
+    begins = f"{time.strftime('%Y%m%d-%H%M%S', time.localtime(now))}-{parts[0].name[:40]}-"
+    with writing("bin", home, "bin"):
+        home.mkdir(parents=True, exist_ok=True)
+        entry = Deleted(Path(tempfile.mkdtemp(prefix=begins, dir=home)), path, now, why)
     try:
         write_text(entry.folder / ENTRY, json.dumps({"path": path, "time": now, "why": why}))
         _move([(part, entry.folder / CONTENT / part.name) for part in parts])
@@ -146,7 +151,7 @@ def rename(root: Path, path: str, name: str) -> str:
             _follow_in_manifest(root, manifest, path, new)
         if project is not None:
             _follow_in_project(project, path, new)
-    except InputError:
+    except Exception:
         _move([(now, part) for part, now in moves])
         for part, content in before.items():
             if part.read_bytes() != content:
@@ -157,40 +162,32 @@ def rename(root: Path, path: str, name: str) -> str:
 
 def _follow_in_manifest(root: Path, manifest: Path, old: str, new: str) -> None:
     """Write the new path into a manifest that names a renamed tissue or calibration, so that its answer stays open."""
-    kept = read_json(manifest)
-    inputs, read = kept.get("inputs"), kept.get("files_read")
-    if not isinstance(inputs, dict):
-        return
-
-    def moved(text: object) -> object:
-        """A path, typed from the project folder on or whole; with the words before it."""
-        for home in ("", f"{root}/"):
-            at = str(text).partition(f"{home}{old}")
-            if isinstance(text, str) and at[1] and at[0] in ("", "tissue ") and at[2][:1] in ("", "/"):
-                return f"{at[0]}{home}{new}{at[2]}"
-        return text
-
-    after = {key: moved(value) for key, value in inputs.items()}
-    if after == inputs:
-        return
-    files = []
-    for one in read if isinstance(read, list) else []:
-        name = moved(one["name"])
-        now = root / str(name).removeprefix("tissue ")
-        files.append(one if name == one["name"] else {"name": name, "file": now.name, "sha256": sha256_of(now)})
-    write_text(manifest, json.dumps(kept | {"inputs": after, "files_read": files}, indent=1) + "\n")
+    kept, files = read_json(manifest), []
+    with suppress(AttributeError, KeyError, TypeError):  # no command wrote such a manifest
+        inputs = {key: follow(root, value, old, new) for key, value in kept["inputs"].items()}
+        if inputs == kept["inputs"]:
+            return
+        for one in kept.get("files_read") or []:
+            name = follow(root, one["name"], old, new)
+            now = root / name.removeprefix("tissue ")
+            files.append(one if name == one["name"] else {"name": name, "file": now.name, "sha256": sha256_of(now)})
+        write_text(manifest, json.dumps(kept | {"inputs": inputs, "files_read": files}, indent=1) + "\n")
 
 
 def _follow_in_project(project: Project, old: str, new: str) -> None:
     given = {key: text for key, text in project.given().items() if key in ("tissue", "calibration")}
-    moved = {key: follow(text, old, new) for key, text in given.items()}
+    moved = {key: follow(project.root, text, old, new) for key, text in given.items()}
     if moved != given:
         change_project(project, **moved)
 
 
-def follow(text: str, old: str, new: str) -> str:
-    """A path after something was renamed: the new one for the thing itself and for what lies in it."""
-    return new + text[len(old) :] if text == old or text.startswith(f"{old}/") else text
+def follow(root: Path, text: Any, old: str, new: str) -> Any:
+    """A path after something was renamed, for the thing itself and for what lies in it; all else as it is.
+
+    It may be typed from the project folder on or whole, and have the word before it that manifests give a tissue.
+    """
+    named = rf"\A((?:tissue )?(?:{re.escape(f'{root}/')})?){re.escape(old)}(?=/|\Z)"
+    return re.sub(named, lambda found: found[1] + new, text) if isinstance(text, str) else text
 
 
 def is_import(path: str) -> bool:
@@ -200,20 +197,13 @@ def is_import(path: str) -> bool:
 
 def check_idle(root: Path, path: str) -> None:
     """Refuse what a running command reads or writes (InputError)."""
-    target = PurePosixPath(path)
+    target = root / path
     for job in (one for one in jobs.all_jobs(root) if one.state == "running"):
-        for word in (piece for text in chain(*job.commands) for piece in {text, *text.split(",")}):
-            used = _path_in(root, word)
-            if used is not None and (used == target or used in target.parents[:-1] or target in used.parents):
+        for word in (piece for text in chain(*job.commands) for piece in (text, *re.split("[,:]", text))):
+            used = Path(os.path.normpath(root / word))
+            if root in used.parents and (target.is_relative_to(used) or used.is_relative_to(target)):
                 message = f"'{path}' is in use by a running command ({job.name}). Wait for it, or stop it"
                 raise InputError(message, "busy", "path", path)
-
-
-def _path_in(root: Path, word: str) -> PurePosixPath | None:
-    """Path from the project's folder to what a word names; None on another drive."""
-    with suppress(ValueError):
-        return PurePosixPath(os.path.relpath(root / word, root).replace(os.sep, "/"))
-    return None
 
 
 def parts_of(root: Path, path: str) -> list[Path]:
@@ -237,6 +227,11 @@ def _is_tissue(path: str) -> bool:
     return path.startswith("tissue/") and path.endswith(".toml")
 
 
+def short_name(root: Path, path: str) -> str:
+    """What can be changed of the name of a thing."""
+    return _stem(root / path).removeprefix("import-" if is_import(path) else "")
+
+
 def _stem(path: Path) -> str:
     return path.name if path.is_dir() else path.stem
 
@@ -255,11 +250,7 @@ def _follow_inside(folder: Path, names: Sequence[str], old: str, new: str) -> No
     tissue, manifest = folder / f"{new}.toml", folder / f"{new}-{MANIFEST}"
     if folder.name != "tissue" or tissue.name not in names:
         return
-    head, table, rest = tissue.read_text(encoding="utf-8").partition("\n[")
-    lines = [
-        f"name = {toml_text(new)}" if line.replace(" ", "").startswith("name=") else line for line in head.split("\n")
-    ]
-    write_text(tissue, "\n".join(lines) + table + rest)
+    write_bytes(tissue, with_name(tissue.read_bytes(), new))
     if manifest.name not in names or not _sums(manifest):
         return
     kept = read_json(manifest)
@@ -280,13 +271,6 @@ def _move(pairs: Sequence[tuple[Path, Path]]) -> None:
             with suppress(OSError):
                 end.rename(start)
         raise unwritable("folder of", pairs[0][0].name, problem, "path") from None
-
-
-def _new_folder(home: Path, name: str, now: float) -> Path:
-    names = numbered(f"{time.strftime('%Y%m%d-%H%M%S', time.localtime(now))}-{name}")
-    with writing("bin", home, "bin"):
-        home.mkdir(parents=True, exist_ok=True)
-        return new_folder(home, names)
 
 
 @dataclass(frozen=True)
@@ -311,15 +295,13 @@ class Stored:
         }[self.outcome]
 
 
-def store(root: Path, folder: Path, name: str, content: bytes, replace: bool = False) -> Stored:
+def store(root: Path, folder: Path, name: str, content: bytes) -> Stored:
     """Store a file that was sent."""
     plain_name(name)
     inside(root, folder.relative_to(root).as_posix())
     same = twin(folder, name, content)
     if same is not None:
         return Stored(same, "same", name)
-    if replace and (folder / name).is_file():
-        return Stored(name, "replaced", name, replace_file(root, folder, name, content))
     kept = save_upload(folder, name, content).name
     return Stored(kept, "new" if kept == name else "numbered", name)
 
@@ -334,9 +316,8 @@ def replace_file(root: Path, folder: Path, name: str, content: bytes) -> Deleted
 
 def take_back(root: Path, gone: Deleted) -> str:
     """Restore; what took the place of a file goes to the bin first."""
-    if not gone.folder.is_dir():
-        raise InputError(f"'{gone.path}' is not in the bin any more", "file_not_found", "bin", gone.path)
-    if gone.why in ("replaced", "undone") and (root / gone.path).is_file():
+    there = (gone.folder / CONTENT).is_dir()
+    if there and gone.why in ("replaced", "undone") and (root / gone.path).is_file():
         delete(root, gone.path, "undone")
     return restore(root, gone)
 
@@ -344,7 +325,7 @@ def take_back(root: Path, gone: Deleted) -> str:
 def twin(folder: Path, name: str, content: bytes) -> str | None:
     """Name of the file of a folder with the same content; the one of this name first."""
     for path in sorted(folder.glob("[!.]*"), key=lambda path: (path.name != name, path.name)):
-        if path.is_file() and path.stat().st_size == len(content) and path.read_bytes() == content:
+        if holds(path, content):
             return path.name
     return None
 
@@ -352,7 +333,6 @@ def twin(folder: Path, name: str, content: bytes) -> str | None:
 def rename_over(root: Path, folder: Path, kept: str, name: str) -> Stored:
     """Let a file that got a number take the place of the one whose name it was sent with."""
     home = folder.relative_to(root).as_posix()
-    check_idle(root, f"{home}/{kept}")
     gone = delete(root, f"{home}/{name}", "replaced")
     with undone_if_refused(root, gone):
         rename(root, f"{home}/{kept}", name)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import ntpath
 import os
 import re
 import subprocess
 import sys
-from pathlib import Path, PureWindowsPath
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -84,16 +83,6 @@ def test_a_file_is_taken_as_one_with_either_slash(monkeypatch):
         with pytest.raises(InputError) as caught:
             user_library.find("materials/resins", "resin", name)
         assert caught.value.code == "file_not_found"
-
-
-def test_places_in_a_project_have_forward_slashes_and_another_drive_is_outside(monkeypatch):
-    pytest.importorskip("nicegui")
-    from dummydesign.studio import trash
-
-    monkeypatch.setattr(trash, "os", SimpleNamespace(sep="\\", path=ntpath))
-    root = PureWindowsPath("C:/lab/project")
-    assert str(trash._path_in(root, "measured\\import-1\\a.csv")) == "measured/import-1/a.csv"
-    assert trash._path_in(root, "D:\\a.csv") is None
 
 
 @pytest.mark.slow

@@ -3,6 +3,8 @@
 import json
 import os
 
+import pytest
+
 from dummydesign.project import status
 from dummydesign.project.folder import change_project, make_project, read_project
 from dummydesign.project.status import ProjectFile, finished_manifest, status_of
@@ -149,3 +151,16 @@ def test_presses_that_leave_the_modulus_open_ask_for_further_ones(tmp_path):
     told = status_of(project)
     assert told.next_command == "dummydesign loop campaigns/first --plan campaigns/first-next"
     assert next_page(told) == "/learn"
+
+
+@pytest.mark.parametrize(
+    "odd", [{"thickness_mm": [6]}, {"ratio": "15"}, {"ratio": None}, {"thickness_mm": 10**400}, {"shape": ["slab"]}]
+)
+def test_a_pad_whose_numbers_are_none_is_no_pad(tmp_path, odd):
+    """A project from elsewhere, or a manifest that was edited, ends no command and no page in a traceback."""
+    pad = {"shape": "slab", "thickness_mm": 6.0, "ratio": 15.0, "resin": "polyurethane-nagoya"}
+    path = tmp_path / "manifest.json"
+    for number, (summary, kept) in enumerate(((pad, pad), (pad | odd, None))):
+        path.write_text(json.dumps({"command": "suggest", "finished": True, "summary": summary}), encoding="utf-8")
+        os.utime(path, ns=(number, number))
+        assert finished_manifest(path)["summary"] == kept

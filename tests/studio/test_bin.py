@@ -203,6 +203,33 @@ def test_designs_follow_a_tissue_and_a_calibration_that_are_renamed(root, whole)
     assert design_state(root, "designs/a") == state
 
 
+def test_project_toml_follows_also_where_it_has_the_whole_path(root):
+    change_project(read_project(root), tissue=f"{root}/tissue/mine.toml")
+    bin.rename(root, "tissue/mine.toml", "thumb")
+    assert read_project(root).tissue == f"{root}/tissue/thumb.toml"
+
+
+@pytest.mark.parametrize("odd", ['{"inputs": [1]}', '{"inputs": {"tissue": "tissue/mine.toml"}, "files_read": [1]}'])
+def test_a_manifest_that_no_command_wrote_stays_as_it_is_and_hinders_no_rename(root, odd):
+    (root / "designs" / "a").mkdir()
+    (root / "designs" / "a" / "manifest.json").write_text(odd)
+    assert bin.rename(root, "tissue/mine.toml", "thumb") == "tissue/thumb.toml"
+    assert (root / "designs" / "a" / "manifest.json").read_text() == odd
+
+
+def test_of_a_tissue_in_another_encoding_the_name_alone_changes(root):
+    content = b'note = "\xe9"\r\nname = "minerva"\r\n[[subject]]\r\nname = "minerva"\r\n'
+    (root / "tissue" / "minerva.toml").write_bytes(content)
+    bin.rename(root, "tissue/minerva.toml", "thumb")
+    assert (root / "tissue" / "thumb.toml").read_bytes() == content.replace(b"minerva", b"thumb", 1)
+
+
+def test_a_file_whose_name_is_as_long_as_a_name_may_be_is_deleted_and_comes_back(root):
+    name = f"{'a' * 251}.csv"
+    (root / "measured" / name).write_text("1")
+    assert bin.restore(root, bin.delete(root, f"measured/{name}")) == f"measured/{name}"
+
+
 def test_a_calibration_is_renamed_in_the_project(root):
     (root / "calibrations" / "loop-a").mkdir()
     change_project(read_project(root), calibration="calibrations/loop-a/calibration.json")
@@ -253,6 +280,7 @@ def test_only_things_of_the_steps_can_be_deleted(root, path):
         (["suggest", "--tissue", "tissue/mine.toml", "--out", "designs/a"], "tissue/mine.toml"),
         (["compare-designs", "designs/b,measured/import-a"], "measured/import-a"),
         (["loop", "measured"], "measured/a.csv"),
+        (["predict", "--punch", "profile:measured/a.csv"], "measured/a.csv"),
     ],
 )
 def test_what_a_running_command_reads_or_writes_stays(root, running, words, path):
@@ -282,17 +310,24 @@ def test_an_upload_of_a_name_that_is_there_gets_a_number_and_can_take_its_place(
 
 
 def test_an_upload_that_replaces_takes_the_name_and_the_old_file_comes_back_with_a_number(root):
-    stored = uploads.store(root, root / "measured", "a.csv", b"2", replace=True)
-    assert (stored.name, stored.outcome, stored.gone.why) == ("a.csv", "replaced", "replaced")
-    assert bin.restore(root, stored.gone) == "measured/a-2.csv"
+    gone = uploads.replace_file(root, root / "measured", "a.csv", b"2")
+    assert gone.why == "replaced" and (root / "measured" / "a.csv").read_bytes() == b"2"
+    assert bin.restore(root, gone) == "measured/a-2.csv"
     assert (root / "measured" / "a-2.csv").read_bytes() == b"1"
 
 
 def test_an_upload_does_not_replace_what_a_running_command_reads(root, running):
     running("import", "measured/a.csv", "--out", "measured/import-b")
     with raises_code("busy", "path"):
-        uploads.store(root, root / "measured", "a.csv", b"2", replace=True)
+        uploads.replace_file(root, root / "measured", "a.csv", b"2")
     assert (root / "measured" / "a.csv").read_bytes() == b"1"
+
+
+def test_a_file_that_is_gone_meanwhile_is_not_replaced(root):
+    bin.delete(root, "measured/a.csv")
+    with raises_code("file_not_found", "path"):
+        uploads.replace_file(root, root / "measured", "a.csv", b"2")
+    assert names(root / "measured") == ["import-a"]
 
 
 @pytest.mark.parametrize("when", ["1e300", "NaN", "Infinity", "-1e300", "null"])

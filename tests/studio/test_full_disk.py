@@ -72,10 +72,10 @@ def test_a_file_that_cannot_take_the_place_of_another_leaves_it_there(tmp_path, 
     before = content_of(root)
     free = full("entry.json")
     with pytest.raises(InputError):
-        uploads.store(root, root / "measured", "a.csv", b"2", replace=True)
+        uploads.replace_file(root, root / "measured", "a.csv", b"2")
     assert content_of(root) == before and bin.deleted(root) == []
     free()
-    assert uploads.store(root, root / "measured", "a.csv", b"2", replace=True).outcome == "replaced"
+    uploads.replace_file(root, root / "measured", "a.csv", b"2")
     assert (root / "measured" / "a.csv").read_bytes() == b"2"
 
 

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import pytest
 
+from dummydesign.core.errors import InputError
 from dummydesign.core.files import acquire_lock, is_locked
 from dummydesign.studio import job_process as runner
 from dummydesign.studio import jobs
@@ -33,10 +34,14 @@ def wait_for(folder, *states, seconds=600):
     return found
 
 
-def test_a_command_is_run_in_the_folder_and_its_answer_is_kept(tmp_path):
+def test_a_command_is_run_in_the_folder_takes_no_module_of_it_and_its_answer_is_kept(tmp_path):
+    """A project from elsewhere may hold files that are named like modules."""
+    for name in ("json", "shlex", "numpy", "dummydesign"):
+        (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'was-run')!r}, 'w')\n", encoding="utf-8")
     job = wait_for(jobs.start(tmp_path, "list", ["tissues", "list"]).folder, "done")
     assert job.answer["schema"] == "dummydesign.tissues/1" and job.error == ""
     assert jobs.latest(tmp_path, "list") == job and jobs.latest(tmp_path, "other") is None
+    assert not (tmp_path / "was-run").exists()
 
 
 def test_of_several_commands_each_keeps_its_answer_and_the_last_one_counts(tmp_path):
@@ -168,6 +173,36 @@ def test_a_job_that_takes_its_lock_itself_begins_although_someone_looks_at_it(tm
     assert runner.main(tmp_path) == 0
 
 
+def test_a_disk_that_is_full_for_a_moment_leaves_no_command_without_its_runner(tmp_path, monkeypatch):
+    asked = {"name": "list", "words": ["tissues", "list"], "cwd": str(tmp_path), "start": 0.0}
+    (tmp_path / runner.COMMAND).write_text(json.dumps(asked), encoding="utf-8")
+    real = runner.write_text
+
+    def full(path, text):
+        if path.name in (runner.PID, runner.CHILD):
+            raise InputError("No space left on device", "file_unwritable")
+        return real(path, text)
+
+    monkeypatch.setattr(runner, "write_text", full)
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / "home"))
+    assert runner.main(tmp_path) == 0 and jobs.read_job(tmp_path).has_answer
+
+
+def test_the_newest_command_is_the_one_of_the_highest_number_also_where_that_has_more_digits(tmp_path):
+    for number in (9999, 10000):
+        lab.job(tmp_path, number, "fit", ["fit", str(number)], {"a": number}, 0)
+    assert jobs.latest(tmp_path, "fit").words == ("fit", "10000")
+
+
+def test_an_answer_of_a_command_that_ended_is_read_once_however_many_there_are(tmp_path, monkeypatch):
+    """Pages look at all of a step twice a second."""
+    for number in range(1, 31):
+        lab.job(tmp_path, number, "fit", ["fit", str(number)], {"a": number}, 0)
+    assert [one.answer["a"] for one in jobs.all_jobs(tmp_path)] == list(range(1, 31))
+    monkeypatch.setattr(jobs, "read_json", None)
+    assert [one.answer["a"] for one in jobs.all_jobs(tmp_path)] == list(range(1, 31))
+
+
 def test_a_lock_is_held_by_one_and_ends_with_its_holder(tmp_path):
     lock = acquire_lock(tmp_path / "a" / "lock")
     assert lock is not None and acquire_lock(tmp_path / "a" / "lock") is None and is_locked(tmp_path / "a" / "lock")
@@ -225,6 +260,7 @@ def test_a_studio_whose_folder_cannot_be_written_is_one_line_and_lets_go_of_the_
         '{"name": "a", "words": null, "start": 1}',
         '{"name": "a", "words": [], "start": 1e300}',
         '{"name": "a", "words": [], "start": NaN}',
+        f'{{"name": "a", "words": ["y"], "start": 1{"0" * 400}}}',
     ],
 )
 def test_a_record_that_no_studio_wrote_is_passed_over(tmp_path, odd):

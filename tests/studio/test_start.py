@@ -80,8 +80,8 @@ def test_the_address_with_the_key_is_for_its_owner_alone(tmp_path, start):
 
 def test_what_a_killed_studio_left_is_taken_away(tmp_path, start):
     (tmp_path / ".studio").mkdir()
-    for name in ("zip-0123", "zip-4567"):
-        (tmp_path / ".studio" / name).write_bytes(b"PK")
+    for name in ("address", "once"):
+        (tmp_path / ".studio" / name).write_text("of a killed one", encoding="utf-8")
     found = []
     start(lambda: found.extend(path.name for path in (tmp_path / ".studio").iterdir()))
     assert sorted(found) == [".gitignore", "address", "lock"]

@@ -18,6 +18,8 @@ MOSTLY = 0.3
 """Share of the variance from which on the noise mostly wanders: then samples that follow quickly share its error."""
 CLEAR = 2.5
 """Errors that a drift or a slope must exceed to be one."""
+SHOWN = 1.0 / 3.0
+"""Share of what drift and slope may do before they are looked at to which the lead-in must narrow it to show them."""
 MATTERS = 0.002
 """Share of the largest force by which drift and slope must change it within the press to be subtracted."""
 
@@ -73,7 +75,7 @@ class Baseline:
     error) that from contact to the end of the hold.
     ``drift_alone_N_s`` and ``slope_alone_N_mm`` are set where a change is clear, but not of which kind.
     ``held_error_N`` is how far (95 %) level, drift and slope that are not seen may move the force by the end of the
-    hold; infinite without samples before contact.
+    hold; infinite where the samples before contact show too little of them.
     """
 
     level_N: float
@@ -173,8 +175,11 @@ def _with_changes(
     value, error, covariance = fit(0, 1, 2)
     whole = value
     end = np.array([1.0, lasts, depth])
-    unseen = np.minimum(floors, [0.0, DRIFT_N_S, SLOPE_N_MM]) * end
-    plain = replace(plain, held_error_N=2.0 * float(np.sqrt(end @ covariance @ end + unseen @ unseen)))
+    before_it = np.array([0.0, DRIFT_N_S, SLOPE_N_MM]) * end
+    unseen = np.minimum(floors * end, before_it)
+    spread = float(np.sqrt(end @ covariance @ end + unseen @ unseen))
+    if spread < SHOWN * float(np.linalg.norm(before_it)):
+        plain = replace(plain, held_error_N=2.0 * spread)
     clear = [kind for kind in (1, 2) if abs(value[kind]) > CLEAR * error[kind]]
     alone = [fit(0, kind) for kind in (1, 2)]
     steady = [abs(one[0][kind]) > CLEAR * one[1][kind] for kind, one in zip((1, 2), alone)]

@@ -37,8 +37,8 @@ class ImportedPress:
 
     ``contact_low_mm`` and ``contact_high_mm`` are the 95 % interval of the contact by the force alone, about the zero
     that was taken; ``begins_s`` is the time of the file at the first sample. ``steady_error_N`` is how far (95 %) a
-    level, drift or slope of the force that is not seen before contact may move the steady force; None without samples
-    there, or without a hold.
+    level, drift or slope of the force that is not seen before contact may move the steady force; None without a hold,
+    or where the samples there show too little of them.
     """
 
     number: int

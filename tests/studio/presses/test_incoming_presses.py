@@ -80,6 +80,12 @@ def test_a_file_of_another_name_is_held_and_assigned_to_a_planned_press(root):
     assert (root / FOLDER / "b.csv").read_bytes() == trace(8.5)
 
 
+def test_what_a_file_manager_leaves_is_no_press(root):
+    incoming.take(root, FOLDER, "run.csv", trace())
+    (root / FOLDER / incoming.HELD / ".DS_Store").write_bytes(b"1")
+    assert incoming.held(root, FOLDER) == ["run.csv"]
+
+
 def test_the_same_press_is_not_taken_twice(root):
     incoming.take(root, FOLDER, "a.csv", trace())
     with raises_code("duplicate", "trace"):

@@ -74,6 +74,9 @@ def test_a_plan_that_is_changed_begins_with_its_own_values(tmp_path):
     found = plan_defaults.plan_of(tmp_path, "campaigns/first")
     assert found["pads"] == "6,15" and found["forces"] == "3,9" and found["repeats"] == 3 and found["pad"] == "80x60"
     assert plan_defaults.plan_options({**plan_defaults.FIELDS, **found})["punch"] == "round:12"
+    odd = json.dumps({"command": "campaign new", "inputs": inputs | {"set_up": "x"}})
+    (folder / "manifest.json").write_text(odd, encoding="utf-8")
+    assert plan_defaults.plan_of(tmp_path, "campaigns/first") == {}
 
 
 def test_rows_of_a_day_are_those_of_one_age():

@@ -54,6 +54,13 @@ def test_a_campaign_gives_a_pad_for_each_thickness_with_the_presses_that_are_the
     assert found[0].campaign == "campaigns/first" and found[0].thickness_mm == 6.0
 
 
+@pytest.mark.parametrize("sensor", ['lowpass_hz = "35"', "lowpass_order = 2"])
+def test_a_campaign_whose_filter_has_another_form_keeps_its_pads(project, sensor):
+    plan = PLAN.replace("lowpass_hz = 35.0\nlowpass_order = 2", sensor)
+    (project.root / "campaigns" / "first" / "campaign.toml").write_text(plan, encoding="utf-8")
+    assert [one.lowpass for one in pressed_pads.pads(project.root, read_state(project, {}))] == ["", ""]
+
+
 def test_the_pad_that_is_chosen_is_taken_first(project):
     state = read_state(project, {"thickness_mm": "15"})
     found = pressed_pads.pads(project.root, state)

@@ -66,14 +66,14 @@ def test_what_is_not_seen_before_contact_is_in_the_error_of_the_steady_force(tmp
 
 def test_the_error_of_the_steady_force_falls_with_what_is_recorded_before_contact(tmp_path):
     errors = []
-    for dwell, gap in ((0.15, 0.3), (2.0, 3.0), (8.0, 12.0)):
-        found = imported(tmp_path, press(4, dwell=dwell, gap=gap, release=False))
+    for dwell, gap, noise in ((0.5, 1.0, 0.02), (2.0, 3.0, 0.005), (8.0, 12.0, 0.005)):
+        found = imported(tmp_path, press(4, dwell=dwell, gap=gap, noise=noise, release=False))
         errors.append(found.presses[0].steady_error_N)
         warned = "steady_uncertain" in [warning["code"] for warning in found.warnings]
         assert warned == (errors[-1] > 0.05 * found.presses[0].summary.steady_force_N)
     assert errors[0] > 3.0 * errors[1] > 6.0 * errors[2] and errors[0] > 0.32
-    none = imported(tmp_path, press(4, dwell=0.0, gap=0.0, release=False)).presses[0]
-    assert none.steady_error_N is None
+    for dwell, gap in ((0.0, 0.0), (0.05, 0.05)):
+        assert imported(tmp_path, press(4, dwell=dwell, gap=gap, release=False)).presses[0].steady_error_N is None
 
 
 def test_a_drift_that_is_seen_before_contact_only_is_named(tmp_path):

@@ -400,6 +400,7 @@ def calibrate(
         For files that cannot be used.
     """
     from dummydesign.core.outputs import new_folder
+    from dummydesign.design.calibrated import settles_modulus
     from dummydesign.loop.calibration import calibration_of
     from dummydesign.loop.calibration_file import read_calibration, write_calibration
     from dummydesign.loop.effects.registry import own_effects
@@ -427,7 +428,8 @@ def calibrate(
             written |= planned.settled(write_plan(planned.work, read, plan_of(calibrated)))
         if output is None:
             return Result(calibrated, {**result, "files": written}, "close_loop")
-        calibration = str(write_calibration(calibration_of(calibrated, known), output.path("calibration.json")))
+        learned = calibration_of(calibrated, known)
+        calibration = str(write_calibration(learned, output.path("calibration.json")))
         written |= {"calibration": calibration, **write_loop_report(output.work, calibrated)}
         result["inputs"] = {**inputs, "out": str(output.folder)}
         output.extra["summary"] = {
@@ -435,6 +437,7 @@ def calibrate(
             "verdict": result["verdict"],
             "effects": [one["name"] for one in result["effects"]],
             "text": result["answer"][0],
+            "designable": settles_modulus(learned),
         }
         result = output.answer({**result, "calibration_file": calibration, "files": written})
     return Result(calibrated, result, "close_loop")

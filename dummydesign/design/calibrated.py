@@ -63,6 +63,19 @@ class Calibrated:
         }
 
 
+def young_spread(calibration: Calibration) -> float:
+    """Return the logarithm of the factor within which the modulus of a new pad is known (95 %)."""
+    from dummydesign.loop.fitting.fit import NORMAL_95
+
+    known = calibration.posterior
+    return YOUNG_SPREAD if known is None else float(NORMAL_95 * known.new_pad_spread)
+
+
+def settles_modulus(calibration: Calibration) -> bool:
+    """Whether a pad can be designed with a calibration: it knows the modulus within a factor of 3."""
+    return young_spread(calibration) <= log(UNDETERMINED)
+
+
 def with_calibration(
     resin: Resin, path: str, punch: str = PUNCH, square: bool = True, edge_radius_mm: float = 0.0
 ) -> Calibrated:
@@ -95,9 +108,8 @@ def with_calibration(
     warnings = _differences(calibration, resin, punch)
     source = f"calibration {path} of a measured campaign"
     young = 1e3 * float(calibration.after.base.young_MPa)
-    known = calibration.posterior
-    spread = YOUNG_SPREAD if known is None else NORMAL_95 * known.new_pad_spread
-    if not spread <= log(UNDETERMINED):
+    spread = young_spread(calibration)
+    if not settles_modulus(calibration):
         raise InputError(
             f"calibration {path} leaves the modulus undetermined: {young:.3g} kPa, 95 % within a factor of "
             f"{exp(min(spread, 99.0)):.2g}, at most {UNDETERMINED:g} is allowed; press deeper or more pads and run "

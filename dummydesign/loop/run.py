@@ -132,7 +132,7 @@ def close_loop(
     campaign, presses, beyond = within_reach(declared, every, law)
     with processor_budget(budget_s) as budget:
         first = fit_base(presses, law, 1e-3 * start_young_kPa(campaign), progress)
-        progress("labels")
+        progress("checking the labels of the presses")
         # a label that is wrong is no effect, and would be taken for one
         doubts = doubts_of(declared, every, first)
         campaign, presses, first = without_doubted(campaign, presses, first, doubts)

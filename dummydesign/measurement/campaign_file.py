@@ -270,7 +270,9 @@ def _read_trial(
     geometry = _trial_geometry(table, pad, punch)
     name = _read_file_name(table, folder)
     if not (folder / name).is_file():
-        raise table.fault("file", "does not exist in the campaign folder", "file_not_found")
+        raise table.fault(
+            "file", "does not exist in the campaign folder: put it there, or take its [[trial]] out", "file_not_found"
+        )
     trace = read_trace(folder / name, numbers["velocity_mm_s"])
     declared: dict[str, Any] = {key: value for key, value in numbers.items() if key != "target_depth_mm"}
     repeat, sequence = table.count("repeat", 1), table.count("sequence", number)

@@ -80,7 +80,9 @@ def check_campaign(folder: str | Path) -> CampaignStatus:
         lacking = [trial["file"] for trial in trials if trial.get("file") in pressed and key not in trial]
         if lacking:
             some = ", ".join(lacking[:3]) + (f" and {len(lacking) - 3} more" if len(lacking) > 3 else "")
-            warnings.append({"code": f"no_{key}", "message": f"{key} is not written down for {some}"})
+            warnings.append(
+                {"code": f"no_{key}", "message": f"{key} is missing for {some}: fill it in before you learn"}
+            )
     listed = {*(str(trial.get("file")) for trial in trials), *OWN_TABLES}
     extra = sorted(path.name for path in folder.glob("*.csv") if path.name not in listed)
     if extra:

@@ -132,6 +132,8 @@ def make_project(folder: str | Path, name: str | None = None, **given: str | Non
 
 
 EXAMPLE_SEED, NOISE_N, RATE_HZ = 1, 0.02, 1000.0
+LEAD_S, FAR_MM = 3.0, 10.0
+"""How long and how far before contact a press of the example begins; a shorter one is doubted by `import`."""
 
 
 def make_example(root: Path) -> None:
@@ -146,12 +148,11 @@ def make_example(root: Path) -> None:
     sampling, draw = Sampling(400, 100, 400), np.random.default_rng(EXAMPLE_SEED)
     for press in make_targets(load_tissue("forefinger"), "average", sampling).conditions:
         moved = sampling.motion(press.velocity_mm_s, press.aim.depth_mm)
-        time_s = np.arange(-0.2, press.aim.time_s[-1], 1.0 / RATE_HZ)
-        way_mm = np.where(
-            time_s < 0, time_s * press.velocity_mm_s, np.interp(time_s, moved.time_s[0], moved.displacement_mm[0])
-        )
+        time_s = np.arange(-LEAD_S, press.aim.time_s[-1], 1.0 / RATE_HZ)
+        before_mm = np.maximum(time_s * press.velocity_mm_s, -FAR_MM)
+        way_mm = np.where(time_s < 0, before_mm, np.interp(time_s, moved.time_s[0], moved.displacement_mm[0]))
         force_N = np.interp(time_s, press.aim.time_s, press.aim.curves_N[0], left=0.0)
-        rows = np.column_stack([time_s + 0.2, way_mm, force_N + draw.normal(0.0, NOISE_N, len(time_s))])
+        rows = np.column_stack([time_s + LEAD_S, way_mm, force_N + draw.normal(0.0, NOISE_N, len(time_s))])
         name = f"finger_v{press.velocity_mm_s:03.0f}_f{press.steady_force_N:02.0f}.csv"
         write_text(root / "measured" / name, csv_text(("time_s", "displacement_mm", "force_N"), np.round(rows, 4)))
     shutil.copytree(data_folder() / "examples" / "campaign", root / "campaigns" / "example")

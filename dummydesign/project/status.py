@@ -141,13 +141,17 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
         return text, "dummydesign tissues list"
     given = files["tissue"][-1].folder if files["tissue"] else designed_for
     tissue = "" if project.tissue else f" --tissue {quote(given)}"
-    if not designs:
+    learned = files["calibrations"][-1] if files["calibrations"] else None
+    if not designs and learned is None:
         return "design a pad", f"dummydesign suggest{tissue} --no-cad"
-    best = designs[-1].summary or {}
-    if not pads_of(files) and "mould" not in best:
+    if not designs and learned and (learned.summary or {}).get("designable", True):
+        return _learned(learned, tissue, again=False)
+    best = (designs[-1].summary or {}) if designs else {}
+    red = best.get("verdict") == "not_representative"
+    if designs and ((red and not files["campaigns"]) or (not pads_of(files) and "mould" not in best)):
         return _after_design(project, best, bool(files["moulds"]), tissue)
     open_plans = [one for one in files["campaigns"] if one.summary and (one.summary["missing"] or one.summary["wrong"])]
-    if not files["campaigns"]:
+    if designs and not files["campaigns"]:
         moulds = [one for one in pads_of(files) if one.command == "mold"]
         return "cast the pads, then plan what to press", _plan(best, moulds[-1].folder if moulds else "")
     done = {str((one.summary or {}).get("campaign", "")) for one in files["calibrations"]}
@@ -159,11 +163,23 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
         rest = f"press the rest ({left['missing']} of {left['missing'] + left['pressed']} presses)"
         text = "fix the problems of the campaign" if left["wrong"] else rest
         return text, f"dummydesign campaign check {quote(open_plans[-1].folder)}"
-    latest = files["calibrations"][-1]
-    if all(one.date < latest.date for one in designs):
-        again = f"dummydesign suggest{tissue} --shape slab --calibration {quote(f'{latest.folder}/calibration.json')}"
-        return "design again with what was learned", again
+    if learned and all(one.date < learned.date for one in designs):
+        return _learned(learned, tissue, bool(designs))
+    if red:
+        return _after_design(project, best, bool(files["moulds"]), tissue)
     return f"all steps are done: read {designs[-1].folder}/report.html", "dummydesign status"
+
+
+def _learned(latest: ProjectFile, tissue: str, again: bool) -> tuple[str, str]:
+    """What comes after a calibration: a design with it, or more presses where it leaves the modulus open."""
+    summary = latest.summary or {}
+    if summary.get("designable", True):
+        given = quote(f"{latest.folder}/calibration.json")
+        text = f"design {'again' if again else 'a pad'} with what was learned"
+        return text, f"dummydesign suggest{tissue} --shape slab --calibration {given}"
+    campaign = f"campaigns/{summary.get('campaign', 'first')}"
+    text = "the presses do not settle the modulus: plan the next measurement"
+    return text, f"dummydesign loop {quote(campaign)} --plan {quote(f'{campaign}-next')}"
 
 
 def witness_size() -> str:

@@ -65,7 +65,8 @@ def depth_text(targets: Targets) -> str:
     force_N = force_grids(targets.protocol).measured[-1:]
     (low,), (high,) = targets.depth_range_mm(force_N)
     (aim,) = targets.aim_depth_mm(force_N)
-    return f"At {force_N[0]:g} N they give way by {low:.1f} to {high:.1f} mm; the pad aims at {aim:.1f} mm."
+    span = " to ".join(dict.fromkeys((f"{low:.1f}", f"{high:.1f}")))
+    return f"At {force_N[0]:g} N the depth is {span} mm; the pad aims at {aim:.1f} mm."
 
 
 @lru_cache(maxsize=8)

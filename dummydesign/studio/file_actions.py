@@ -261,6 +261,8 @@ def deleted_files(root: Path) -> None:
     def restore(one: bin.Deleted) -> None:
         with widgets.problems_in(message):
             back = bin.restore(root, one)
+            # the bar may still offer to undo the same deletion
+            undo_bar(root).say(f"{back} is back.")
             with message:
                 html(f'<p class="note">{escape(back)} is back. <a href="">Load the page again</a> to see it.</p>')
         renew()
@@ -268,7 +270,7 @@ def deleted_files(root: Path) -> None:
     def renew() -> None:
         entries = bin.deleted(root)
         with widgets.fresh(section):
-            html(f"<h2>Deleted</h2>{'' if entries else '<p>Nothing was deleted.</p>'}")
+            html("" if entries else "<p>Nothing was deleted.</p>")
             for one in entries:
                 when = time.strftime("%d %b %H:%M", time.localtime(one.time))
                 with ui.element("div").classes("thing"):

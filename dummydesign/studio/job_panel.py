@@ -52,7 +52,7 @@ class JobPanel:
         self.root, self.name = root, name
         self._commands: Callable[[], Steps] = lambda: [*first(), words()]
         self._show, self._belongs, self._ended, self._stamp = show, belongs, ended, stamp
-        self._needs, self._check, self._main = needs, check, main
+        self._needs, self._check, self.main = needs, check, main
         self._seen: object = None
         self.shown: jobs.Job | None = None
         self._watched = ""
@@ -130,8 +130,8 @@ class JobPanel:
             self._status.set_text(jobs.progress_line(newest, self._usual[1]))
         as_chosen = answer is not None and same(answer, words)
         # what was asked is there: the button that comes next is the main one
-        if self._main and ("outline" in self._button.props) != as_chosen:
-            self._button.props("outline") if as_chosen else self._button.props(remove="outline")
+        if ("outline" in self._button.props) != (quiet := as_chosen or not self.main):
+            self._button.props("outline") if quiet else self._button.props(remove="outline")
         ours = newest and (newest.folder.name, newest.state, mine)
         seen = ours, answer and (answer.folder.name, as_chosen), self._stamp()
         if seen == self._seen:
@@ -157,8 +157,10 @@ class JobPanel:
             return
         self._status.set_text(ENDED.get(job.state, f"done in {job.seconds:.0f} s") if mine else "")
         if mine and job.error and job.state != "done":
-            with self._problem:
-                widgets.tell_problem(job.error)
+            # an answer with a verdict says by itself what is wrong
+            if not (self.shown is not None and {"verdict", "accepted"} & job.answer.keys()):
+                with self._problem:
+                    widgets.tell_problem(job.error)
             if job.state == "failed" and job.answer:
                 self._status.set_text(f"done in {job.seconds:.0f} s, but the answer is not acceptable")
 

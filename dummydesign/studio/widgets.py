@@ -426,10 +426,9 @@ def warnings(answer: Mapping[str, Any]) -> None:
     if lines:
         html(f'<ul class="warnings">{"".join(lines[:MOST_WARNINGS])}</ul>')
     if left > 0:
-        html(
-            f'<details><summary>{left} more warnings</summary><ul class="warnings">{"".join(lines[MOST_WARNINGS:])}'
-            "</ul></details>"
-        )
+        rest = "".join(lines[MOST_WARNINGS:])
+        words = f"{left} more warning{'s' * (left > 1)}"
+        html(f'<details><summary>{words}</summary><ul class="warnings">{rest}</ul></details>')
 
 
 def table(

@@ -5,8 +5,9 @@ import os
 
 import pytest
 
+from dummydesign.project import status
 from dummydesign.project.folder import change_project, make_project, read_project
-from dummydesign.project.status import finished_manifest, status_of
+from dummydesign.project.status import ProjectFile, finished_manifest, status_of
 from dummydesign.studio.state import next_page, next_state, read_state
 
 
@@ -126,6 +127,30 @@ def test_a_manifest_that_is_written_again_is_read_again(tmp_path):
         assert finished_manifest(path)["date"] == date
     path.unlink()
     assert finished_manifest(path) is None
+
+
+def test_what_was_learned_is_used_in_the_first_design_and_a_red_design_is_never_the_end(tmp_path):
+    project = make_project(tmp_path, tissue="palm")
+    files = {room: () for room in status_of(project).files}
+    files["calibrations"] = (ProjectFile("calibrations/a", "loop", "2026-01-03", {"campaign": "first"}),)
+    files["campaigns"] = (ProjectFile("campaigns/first", "", "", {"pressed": 8, "missing": 0, "wrong": 0}),)
+    text, command = status._next(project, files)
+    assert text == "design a pad with what was learned"
+    assert command == "dummydesign suggest --shape slab --calibration calibrations/a/calibration.json"
+    red = {"shape": "slab", "thickness_mm": 8.0, "ratio": 15.4, "verdict": "not_representative"}
+    files["designs"] = (ProjectFile("designs/red", "suggest", "2026-01-04", red),)
+    files["moulds"] = (ProjectFile("moulds/older", "mold", "2026-01-01", {"thickness_mm": 5.0}),)
+    for campaigns in (files["campaigns"], ()):
+        text, command = status._next(project, files | {"campaigns": campaigns})
+        assert text.startswith("do not cast this pad") and command == "dummydesign suggest --no-cad"
+
+
+def test_presses_that_leave_the_modulus_open_ask_for_further_ones(tmp_path):
+    project = make_project(tmp_path, tissue="palm")
+    wrote(tmp_path / "calibrations" / "loop-first", "loop", "2026-01-03", campaign="first", designable=False)
+    told = status_of(project)
+    assert told.next_command == "dummydesign loop campaigns/first --plan campaigns/first-next"
+    assert next_page(told) == "/learn"
 
 
 @pytest.mark.parametrize(

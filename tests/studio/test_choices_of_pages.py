@@ -4,9 +4,18 @@ from __future__ import annotations
 
 import json
 
+import pytest
+
+pytest.importorskip("nicegui", reason="no NiceGUI here: pip install nicegui")
+
 from dummydesign.core.manifest import sha256_of
+from dummydesign.project.folder import make_project
+from dummydesign.project.status import ProjectFile
 from dummydesign.studio.jobs import changed_inputs
-from dummydesign.studio.pages.pucks import pucks
+from dummydesign.studio.pages import learn
+from dummydesign.studio.pages.pucks import PuckPage, pucks
+from dummydesign.studio.state import State
+from tests.support.refusal import raises_code
 
 HEAD = "time_s,displacement_mm,force_N\n"
 
@@ -38,3 +47,37 @@ def test_files_that_changed_or_went_since_they_were_read_are_named(tmp_path):
     (tmp_path / "c.csv").unlink()
     assert changed_inputs(tmp_path, manifest) == ["b.csv", "c.csv"]
     assert changed_inputs(tmp_path, tmp_path / "none.json") == []
+
+
+@pytest.fixture
+def client():
+    """A place for the elements of a page, without a browser."""
+    from nicegui.client import Client
+    from nicegui.page import page
+
+    made = Client(page(""), request=None)
+    with made:
+        yield made
+    made.delete()
+
+
+def test_among_several_presses_none_is_taken_for_the_pucks(tmp_path, client):
+    project = make_project(tmp_path, None, tissue="palm")
+    for count, name in enumerate(("a.csv", "b.csv"), 1):
+        (tmp_path / "measured" / name).write_text(HEAD, encoding="utf-8")
+        page = PuckPage(project, State("palm"), {"diameter": "50", "height": "30"})
+        assert page._form.fields["puck"].value == ("measured/a.csv" if count == 1 else "")
+    with raises_code("missing", "puck"):
+        page._words()
+
+
+def test_a_campaign_that_is_not_pressed_is_not_learned_from_first(tmp_path, client, monkeypatch):
+    project = make_project(tmp_path, None, tissue="palm")
+    (tmp_path / "campaigns" / "first").mkdir(parents=True)
+    (tmp_path / "campaigns" / "first" / "campaign.toml").write_text("", encoding="utf-8")
+    plan = ProjectFile("campaigns/first", "", "", {"pressed": 1, "missing": 3, "wrong": 0})
+    monkeypatch.setattr(learn, "things_in", lambda root, room: [plan])
+    page = learn.LearnPage(project, State("palm", campaign="campaigns/first"), {})
+    assert not page.work.main
+    (said,) = [one.content for one in page.lacking.descendants() if "missing" in getattr(one, "content", "")]
+    assert "3 presses of this campaign are missing" in said

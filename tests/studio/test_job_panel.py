@@ -121,6 +121,20 @@ def test_a_failure_is_told_over_an_older_answer(panel, answer, status):
     assert any("too few samples" in str(getattr(one, "content", getattr(one, "text", ""))) for one in told)
 
 
+def test_an_answer_with_a_verdict_says_itself_what_is_wrong_and_a_step_that_should_not_be_done_is_not_the_main_one(
+    panel,
+):
+    answer = {"tissue": 1, "accepted": False}
+    panel.every.append(job("1", "failed", answer=answer, error="the pad is not accepted"))
+    panel.panel.update()
+    assert panel.log["shown"] == ["1"] and not list(panel.panel._problem.descendants())
+    panel.every.clear()
+    for main in (True, False):
+        panel.panel.main = main
+        panel.panel.update()
+        assert ("outline" in panel.panel._button.props) != main
+
+
 def test_a_start_is_of_the_commands_as_shown_and_a_refused_choice_starts_nothing(panel):
     panel.panel.begin()
     assert panel.log["started"] == [(["fit", "a.csv"],)] and panel.log["focus"]

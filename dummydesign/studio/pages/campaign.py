@@ -129,8 +129,8 @@ class BringIn:
         if made := job.answer.get("decisions", []):
             columns = {"file": "what", "taken as": "value", "because": "why"}
             widgets.records(columns, made, words=True, under=f"how {len(made)} files were read")
-        link = page_link("/campaign", f"Go on with {folder}", self.state.changed(campaign=folder), "brought")
-        html(f'<p class="note">{link}. The files that waited can be removed.</p>')
+        widgets.go("/campaign", f"Go on with {folder}", self.state.changed(campaign=folder), "brought")
+        html('<p class="note">The files that waited can be removed.</p>')
 
     def bring(self) -> None:
         """Make a campaign of the files as they are."""
@@ -176,14 +176,6 @@ class CampaignPresses:
                     "Drop the presses (CSV). A file with a planned name takes its place; the "
                     "earlier one goes to the bin. Any other file is assigned to a press below.",
                 )
-        self.undone, self.held = widgets.area(), widgets.area()
-        self.holder = widgets.area()
-        self.values = widgets.fold(
-            "Values of the presses: order, age, temperature, rest",
-            "values",
-            lambda: TrialTable(self.folder, self.renew),
-        )
-        self.change = widgets.area()
         links = [
             ("the sheet to press from", f"{self.campaign}/{name}")
             for name in ("sheet.html", "sheet.csv")
@@ -192,6 +184,14 @@ class CampaignPresses:
         with ui.element("div").classes("links"):
             widgets.file_links([*links, ("campaign.toml", f"{self.campaign}/campaign.toml")])
             widgets.zip_link(self.campaign)
+        self.undone, self.held = widgets.area(), widgets.area()
+        self.holder = widgets.area()
+        self.values = widgets.fold(
+            "Values of the presses: order, age, temperature, rest",
+            "values",
+            lambda: TrialTable(self.folder, self.renew),
+        )
+        self.change = widgets.area()
         manage(root, self.campaign, "plan", lambda old, new: open_page("/campaign", state.changed(campaign=new)))
         self.show_held()
         status = check_campaign(self.folder)
@@ -232,7 +232,9 @@ class CampaignPresses:
     def _held(self, name: str) -> None:
         def assign() -> None:
             with widgets.problems_in(self.undone):
-                taken = incoming.assign(self.root, self.campaign, name, pressed.value or "")
+                if not pressed.value:
+                    raise InputError(f"Choose which press {name} is, then assign it.", "missing", "press")
+                taken = incoming.assign(self.root, self.campaign, name, pressed.value)
                 with self.undone:
                     html(f'<p class="note" role="status">{escape(taken.text)}</p>')
                 self._offer_undo(taken)
@@ -244,10 +246,12 @@ class CampaignPresses:
             bar.offer(incoming.discard(self.root, self.campaign, name), lambda old, new: self.show_held())
             bar.run(self.show_held)
 
-        with ui.element("div").classes("fields").props('data-test="held"'):
-            pressed = ui.select(
-                incoming.presses_for(self.root, self.campaign, name), label=f"{name} is the press"
-            ).props('data-test="assign-to"')
+        with ui.element("div").classes("links").props('data-test="held"'):
+            pressed = (
+                ui.select(incoming.presses_for(self.root, self.campaign, name), label=f"{name} is the press")
+                .props('data-test="assign-to"')
+                .style("min-width:min(100%,20rem)")
+            )
             widgets.button("Assign", assign, "assign", f"assign {name}", main=True)
             widgets.button("Move to the bin", discard, "discard", f"move {name} to the bin")
 
@@ -517,8 +521,7 @@ class PlanForm:
         if power := answer.get("power"):
             html(f"<p>Effects that this plan can detect: {escape(', '.join(power['seen']) or 'none')}.</p>")
         widgets.warnings(answer)
-        link = page_link("/campaign", "Go on to the presses", self.state.changed(campaign=folder), "presses")
-        html(f'<p class="note">{link}</p>')
+        widgets.go("/campaign", "Go on to the presses", self.state.changed(campaign=folder), "presses")
 
 
 def folder_of(job: jobs.Job) -> str:

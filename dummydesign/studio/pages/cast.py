@@ -41,8 +41,7 @@ COMPARED = {
     "steady N": "steady_force_N",
     "depth mm": "depth_mm",
     "peak N": "peak_force_N",
-    "subjects from N": "range_peak_low_N",
-    "subjects to N": "range_peak_high_N",
+    "subjects N": "subjects",
     "fraction in range": "inside_fraction",
 }
 
@@ -208,9 +207,16 @@ class PressComparison:
         if pad := answer.get("pad"):
             size = f"{pad['thickness_mm']:.2f} mm (standard error {pad['thickness_sd_mm']:.2f} mm)"
             html(f"<p>Cast: {size}, {'accepted' if pad['accepted'] else 'not accepted'}.</p>")
-        widgets.records(COMPARED, ({**one, "file": Path(one["file"]).name} for one in answer.get("by_trace", [])))
+        widgets.records(COMPARED, map(compared_row, answer.get("by_trace", [])))
         widgets.warnings(answer)
         widgets.show_report(self.root, files, "report of the comparison")
+
+
+def compared_row(press: Mapping[str, Any]) -> dict[str, Any]:
+    """A press with the name of its file and the peaks of the subjects in one cell."""
+    ends = (press.get(f"range_peak_{end}_N") for end in ("low", "high"))
+    subjects = " to ".join(f"{value:.3g}" for value in ends if value is not None)
+    return {**press, "file": Path(press["file"]).name, "subjects": subjects}
 
 
 def show_verdict(verdict: Mapping[str, Any]) -> None:
@@ -315,7 +321,7 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
         gauged.fields.clear()
         with widgets.fresh(points):
             for number, one in enumerate(project_index.gauge_points(root / chosen.value), 1):
-                gauged.number(one.name, f"{number} {one.name} [mm]", hint=f"{one.low_mm:.2f} to {one.high_mm:.2f}")
+                gauged.number(one.name, f"{number} {one.name} [mm]", hint=f"{one.low_mm:.4g} to {one.high_mm:.4g}")
                 gauged.fields[one.name].on_value_change(renew)
         draw_map()
         list_records()

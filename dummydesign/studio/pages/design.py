@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -283,7 +284,8 @@ class DesignPage:
         if isinstance(view, InputError):
             self._clear()
             self.plots.set_content("")
-            self._say(state, "amber" if self.solvable(view) else "red", str(view), "refused")
+            text = str(view).replace(f"{self.root}{os.sep}", "")
+            self._say(state, "amber" if self.solvable(view) else "red", text, "refused")
             return
         verdict = view.pad.verdict.light, view.pad.verdict.text, "", "(castings are being counted …)"
         if [len(one["data"]) for one in before] == [len(one["data"]) for one in self.drawn]:
@@ -312,7 +314,11 @@ class DesignPage:
             widgets.command_lines(lambda: [self.pad_words()])
         if isinstance(view, InputError):
             with self.numbers:
-                if state.kind != "slab":
+                if (
+                    state.kind != "slab"
+                    and state.kind in self.kind.options
+                    and not str(view.quantity).startswith("cal")
+                ):
                     widgets.button("Use lengths that fit", lambda: self.choose_kind(state.kind), "fit-lengths")
             if self.solvable(view):
                 self.solved.offer()

@@ -11,12 +11,13 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
+from dummydesign.project.status import things_in
 from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, options
-from dummydesign.studio.state import State, page_link
+from dummydesign.studio.state import State, design_summary, page_link
 from dummydesign.studio.widgets import html, keep_state, open_page
 
 INTERVAL = ("value", "low", "high")
@@ -36,6 +37,7 @@ class LearnPage:
             self.prior = widgets.select(
                 "Earlier calibration of the same material", select_options.calibrations(self.root), ""
             )
+        self.lacking = widgets.area("lacking")
         self.work = JobPanel(
             self.root,
             "loop",
@@ -60,7 +62,7 @@ class LearnPage:
         )
         self.campaign.on_value_change(self.renew)
         self.prior.on_value_change(self.renew_lines)
-        self.list_calibrations()
+        self.show_campaign()
 
     def words(self) -> list[str]:
         """The loop as a command."""
@@ -91,6 +93,17 @@ class LearnPage:
     def renew(self) -> None:
         """Another campaign was chosen."""
         keep_state(self.chosen())
+        self.show_campaign()
+
+    def show_campaign(self) -> None:
+        """Whether the campaign is pressed, both commands, and what was learned from it."""
+        plans = {one.folder: one.summary or {} for one in things_in(self.root, "campaigns")}
+        left = plans.get(self.campaign.value, {}).get("missing", 0)
+        self.work.main = not left
+        with widgets.fresh(self.lacking):
+            if left:
+                widgets.tell_problem(f"{left} presses of this campaign are missing: press them, or choose another one.")
+                widgets.go("/campaign", "Go on to the presses", self.chosen())
         self.renew_lines()
         self.list_calibrations()
 
@@ -119,14 +132,20 @@ class LearnPage:
         if rows:
             widgets.table(["effect", "parameter", "unit", "value", "95 % low", "95 % high"], rows)
         with ui.element("div").classes("links"):
-            self._again(answer["calibration_file"])
-            html('<a class="go more" href="#next">Plan the next measurement</a>')
+            kind = "go more" if self._again(answer["calibration_file"]) else "go"
+            html(f'<a class="{escape(kind)}" href="#next">Plan the next measurement</a>')
         widgets.warnings(answer)
         _curves(self.root, folder)
 
-    def _again(self, calibration: str) -> None:
-        learned = self.chosen().changed(calibration=calibration)
-        widgets.go("/design", "Design again with what was learned", learned, "again")
+    def _again(self, calibration: str) -> bool:
+        """The way on to a design, where the calibration settles the modulus; whether it does."""
+        known = bool(design_summary(self.root, Path(calibration).parent.as_posix()).get("designable", True))
+        if known:
+            learned = self.chosen().changed(calibration=calibration)
+            widgets.go("/design", "Design again with what was learned", learned, "again")
+        else:
+            widgets.tell_problem("These presses do not settle the modulus: no pad can be designed with them alone.")
+        return known
 
     def _outdated(self, folder: str) -> None:
         for one in project_index.calibrations(self.root, self.campaign.value):
@@ -165,8 +184,7 @@ class LearnPage:
         plan = _plan_folder(job.answer)
         if not plan:
             return
-        link = page_link("/campaign", f"Go on to {plan}", self.chosen().changed(campaign=plan), "next-plan")
-        html(f'<p class="note next">The next measurement is planned. {link}</p>')
+        widgets.go("/campaign", f"Go on to {plan}", self.chosen().changed(campaign=plan), "next-plan")
 
 
 def _plan_folder(answer: Mapping[str, Any]) -> str:

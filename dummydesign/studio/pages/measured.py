@@ -61,6 +61,7 @@ class MeasuredPage:
         self._drop = DropList(self._take, lambda: None, test="measured")
         self._chosen = widgets.select_several("Files to read", {}, [], "files")
         self._all = widgets.button("Choose all files", lambda: self._choose(self._names()), "all-files")
+        self._all.style("margin-top:.4rem")
         self._work = JobPanel(
             self._root,
             "import",

@@ -94,6 +94,7 @@ class MouldPage:
         with widgets.fresh(self.source):
             _source(self.root, now)
         self.section.set_content(figures.section_html(now))
+        self.work.main = not verdict_of(self.root, now)
         self.work.renew()
         self.list_moulds()
 

@@ -20,11 +20,14 @@ from dummydesign.studio.widgets import html
 ROOMS = {
     "measured": ("/measured", "Measured files"),
     "tissue": ("/tissue", "Tissues of your own"),
-    "designs": ("/design", "Designs"),
+    "designs": ("/design", "Designs and comparisons"),
     "moulds": ("/mould", "Moulds"),
     "campaigns": ("/campaign", "Campaigns"),
     "calibrations": ("/learn", "Calibrations"),
 }
+
+TABS = {"compare": "compare", "on-person": "people"}
+"""Tab of the page of a cast pad with the answers of a command."""
 
 
 def make_new(root: Path) -> None:
@@ -74,8 +77,9 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
     html(_strip(status, page, following))
     with ui.element("div").classes("pair"):
         with ui.element("div"):
-            html("<p>Next step:</p>")
-            words = status.next_text
+            # what must not be done, and why, is no name of a button
+            before, _, words = status.next_text.rpartition("; then ")
+            html(f"<p>Next step: {escape(before)}</p>")
             html(page_link(page, f"{words[:1].upper()}{words[1:]}", following, "next", kind="go"))
             widgets.command_line(shlex.split(status.next_command)[1:])
             given = ", ".join(f"{name} {value}" for name, value in project.given().items()) or "nothing chosen yet"
@@ -116,21 +120,27 @@ def _strip(status: ProjectStatus, next_path: str, following: State) -> str:
     verdict = str((designs[-1].summary or {}).get("verdict", "")) if designs else ""
     compared = [one for one in files["designs"] if one.command == "compare"]
     moulds, plans = pads_of(files), files["campaigns"]
-    pressed = [one for one in plans if (one.summary or {}).get("pressed")]
-    whole = [one for one in pressed if not (one.summary or {})["missing"] + (one.summary or {})["wrong"]]
+    counts = [one.summary for one in plans if one.summary]
+    whole = [one for one in counts if one["pressed"] and not one["missing"] + one["wrong"]]
+    pressed = sum(one["pressed"] for one in counts)
     imports = [one for one in files["measured"] if one.command == "import"]
+    raw, recorded = len(files["measured"]) - len(imports), len(list(status.project.root.glob("moulds/*/record*.json")))
+    read = f"{len(imports)} import{'s' * (len(imports) > 1)}" if imports else f"{raw} not read yet" if raw else ""
     own = tissue or (files["tissue"][-1].folder if files["tissue"] else "")
     learned = files["calibrations"][-1].folder.partition("/")[2] if files["calibrations"] else ""
     words = {
-        "/measured": (
-            bool(imports),
-            f"{len(imports)} import{'s' * (len(imports) > 1)}" if imports else "tissue of the library" if own else "",
-        ),
+        "/measured": (bool(imports), read or ("tissue of the library" if own else "")),
         "/tissue": (bool(own), own),
         "/design": (verdict not in ("", LEVELS[-1]), verdict.replace("_", " ")),
         "/mould": (bool(moulds), f"{len(moulds)} made" if moulds else ""),
-        "/cast": (bool(compared), f"{len(compared)} compared" if compared else ""),
-        "/campaign": (bool(whole), f"{len(whole)} of {len(plans)} pressed" if plans else ""),
+        "/cast": (
+            bool(compared),
+            f"{len(compared)} compared" if compared else f"{recorded} recorded" if recorded else "",
+        ),
+        "/campaign": (
+            bool(whole),
+            f"{pressed} of {pressed + sum(one['missing'] for one in counts)} presses" if counts else "",
+        ),
         "/learn": (bool(learned), learned),
     }
     items = ""
@@ -164,7 +174,7 @@ def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:
     """Links by folder: each opens its page with that design, mould, campaign, calibration, tissue or pad chosen."""
     states: dict[str, tuple[str, State]] = {}
     for one in status.files["designs"]:
-        if one.command == "compare":
+        if one.command in TABS:
             states[one.folder] = ("/cast", state)
         elif inputs := design_state(root, one.folder):
             states[one.folder] = ("/design", state.changed(**inputs))
@@ -177,8 +187,12 @@ def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:
     for one in status.files["tissue"]:
         states[one.folder] = ("/tissue", state.changed(tissue=one.folder, aim="average"))
     known = {one.folder: one for room in status.files.values() for one in room}
-    return {
+    links = {
         folder: page_link(path, select_options.file_line(known[folder]), of, f"open-{folder}")
         for folder, (path, of) in states.items()
         if folder in known
     }
+    for one in status.files["designs"]:
+        if tab := TABS.get(one.command):
+            links[one.folder] = links[one.folder].replace("cast?", f"cast?cast_tab={tab}&amp;", 1)
+    return links

@@ -33,8 +33,9 @@ class PuckPage:
         if not known:
             html(f'<p class="note">No presses yet: {page_link("/measured", "bring in the file of a puck")} first.</p>')
             return
-        first = start.get("puck") or next(iter(known))
-        if first not in known:
+        # several presses may be those of people: which one is the puck's is for the user to say
+        first = start.get("puck") or (next(iter(known)) if len(known) == 1 else "")
+        if first and first not in known:
             widgets.tell_problem(f"The press '{first}' is not there (any more). Choose another, or bring it back.")
         bases = {"": "the batch itself, or the built-in one", **select_options.resins()}
         base = start.get("base", "")
@@ -45,7 +46,11 @@ class PuckPage:
         with widgets.fields():
             form.add(
                 "puck",
-                widgets.select("Press of the puck", select_options.offered(known, first, f"{first} (missing)"), first),
+                widgets.select(
+                    "Press of the puck",
+                    select_options.offered(known, first, f"{first} (missing)" if first else "choose it"),
+                    first,
+                ),
                 "puck",
             )
             form.number("diameter", "Diameter [mm]", None, *SIZES_MM)
@@ -77,6 +82,7 @@ class PuckPage:
 
     def _words(self) -> list[str]:
         given = self._form.filled(
+            puck="which press is the puck's",
             diameter="the diameter of the puck",
             height="the height of the puck",
             mixed="the ratio of the puck",

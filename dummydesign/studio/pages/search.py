@@ -87,7 +87,9 @@ class Search:
     ) -> None:
         self.root, self.state, self.take = project.root, state, take
         known = select_options.shapes()
-        wish = dict(project.asked).get("shape", "auto").partition(":")[0]
+        last = jobs.latest(self.root, "suggest")
+        asked = {f"--{name}": value for name, value in project.asked} | dict(pairwise(last.words if last else ()))
+        wish = asked.get("--shape", "auto").partition(":")[0]
         place = ui.element("div").style("width:100%")
         self.kinds = widgets.select("Shapes to search", known, wish if wish in known else "auto", "searched")
         with place:
@@ -130,11 +132,13 @@ class Search:
         widgets.tell_changes(self.root, f"{_folder(job)}/{MANIFEST}", "Search again.")
         best, light = answer["recommendation"], answer["verdict"]["light"]
         designed = state_of_answer(self.state(), answer, _folder(job))
-        with ui.element("div").classes("links"):
-            widgets.go("/mould", "Make its mould", designed, "mould")
-            widgets.button("Put the sliders at the best pad", lambda: self.take(designed))
+        pad = f"{best['shape'].partition(':')[0]}, {best['thickness_mm']:g} mm"
         if light == "red":
-            widgets.tell_problem("This pad is not representative: do not cast it.")
+            widgets.tell_problem(f"The best pad found ({pad}) is not representative: do not cast it.")
+        with ui.element("div").classes("links"):
+            kind = "go more" if light == "red" else "go"
+            html(page_link("/mould", f"Make the mould: {pad}", designed, "mould", kind=kind))
+            widgets.button("Put the sliders at this pad", lambda: self.take(designed))
 
         def tell_why() -> None:
             widgets.warnings(answer)
@@ -143,9 +147,9 @@ class Search:
             self._compare_kinds(answer)
             widgets.table(PRESS_HEAD, press_rows(best["conditions"]))
 
-        words = f"Why {best['shape'].partition(':')[0]}, {best['thickness_mm']:g} mm: the other kinds, the presses"
+        words = "Why this pad: the other kinds, the presses"
         notes = len(answer.get("warnings", []))
-        widgets.fold(words + (f", {notes} warnings" if notes else ""), "why", tell_why)
+        widgets.fold(words + (f", {notes} warning{'s' * (notes > 1)}" if notes else ""), "why", tell_why)
 
     def _compare_kinds(self, answer: dict[str, Any]) -> None:
         """The best pad of each kind, and why this one; the verdicts of the others come a moment later."""

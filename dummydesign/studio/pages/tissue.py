@@ -92,7 +92,7 @@ class TissuePage:
 
     def use_button(self, tissue: str) -> None:
         """A button that makes a fitted tissue the project's."""
-        widgets.button(f"Use {tissue} for this project", lambda: self.use(tissue), "use-fitted", main=True)
+        widgets.button(f"Use {tissue} for this project", lambda: self.use(tissue), "use-fitted")
 
     def _renew(self) -> None:
         known = select_options.offered(select_options.tissues(self.root), self.tissue, f"{self.tissue} (missing)")
@@ -259,9 +259,12 @@ def parameter_table(
             rows.append([f"{words} at {speed} mm/s" if speed else words, unit, one["value"], one["low"], one["high"]])
             symbols.append(label)
             notes.append(str(note_of(one)))
+    shown = list(head[:3])
+    if all(low == value == high for *_, value, low, high in rows):
+        rows, shown = [row[:3] for row in rows], ["value"]
     if differ := len(set(notes)) > 1:
-        rows = [[*row, note] for row, note in zip(rows, notes)]
-    widgets.table(["parameter", "", *head[: 4 if differ else 3]], rows, symbols=symbols)
+        rows, shown = [[*row, note] for row, note in zip(rows, notes)], [*shown, head[3]]
+    widgets.table(["parameter", "", *shown], rows, symbols=symbols)
     if notes and notes[0] and not differ:
         html(f"<p class=source>All values: {escape(notes[0])}.</p>")
 

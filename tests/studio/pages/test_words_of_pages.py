@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,8 +14,8 @@ pytest.importorskip("nicegui", reason="no NiceGUI here: pip install nicegui")
 
 from dummydesign.person.drives import DRIVES
 from dummydesign.project.folder import make_project
-from dummydesign.project.status import status_of
-from dummydesign.studio import select_options
+from dummydesign.project.status import ProjectFile, status_of
+from dummydesign.studio import select_options, widgets
 from dummydesign.studio.pages import cast, design, learn, measured, mould, overview, tissue
 from dummydesign.studio.state import State
 from tests.support.refusal import raises_code
@@ -37,6 +38,12 @@ def test_a_correction_is_a_sentence(light, central, sure, words):
     given = {"light": light, "correction": {"factor_central": central, "factor": sure}}
     assert words in cast.correction(given)
     assert cast.correction({"light": "green"}) == "No correction: this pad is not usable."
+
+
+def test_the_peaks_of_the_subjects_are_one_cell_of_a_compared_press():
+    row = cast.compared_row({"file": "campaigns/a/t05.csv", "range_peak_low_N": 5.186, "range_peak_high_N": 6.389})
+    assert row["subjects"] == "5.19 to 6.39" and row["file"] == "t05.csv"
+    assert cast.compared_row({"file": "a.csv"})["subjects"] == ""
 
 
 def test_fields_of_drives_have_the_numbers_of_all_drives_with_their_usual_values():
@@ -116,8 +123,50 @@ def test_the_strip_ticks_what_is_done_and_marks_what_is_next(lab):
     assert strip.count("<li") == 7 and strip.count('class="next"') == 1
     # the tissue of the library is chosen, nothing else is done
     assert strip.count("done: ") == 1 and "✓ " in strip and "tissue=palm" in strip
+    for path in ("measured/a.csv", "moulds/m/record.json", "moulds/m/record-2.json"):
+        (lab.root / path).parent.mkdir(exist_ok=True)
+        (lab.root / path).write_text("{}", encoding="utf-8")
+    strip = overview._strip(status_of(lab), "/design", State("palm"))
+    assert "<small>1 not read yet</small>" in strip and "<small>2 recorded</small>" in strip
+    for path in ("measured/a.csv", "moulds/m/record.json", "moulds/m/record-2.json"):
+        (lab.root / path).unlink()
     nothing = overview._strip(status, "", State("palm"))
     assert nothing.count('class="next"') == 0 and nothing.count('class="done"') == 1
+
+
+def test_the_strip_counts_the_presses_of_all_campaigns_and_links_results_on_people(lab):
+    status = status_of(lab)
+    counts = ({"pressed": 16, "missing": 0, "wrong": 0}, {"pressed": 0, "missing": 12, "wrong": 0})
+    plans = tuple(ProjectFile(f"campaigns/{number}", "", "", one) for number, one in enumerate(counts))
+    people = ProjectFile("designs/on-person-palm", "on-person", "", {})
+    status = replace(status, files={**status.files, "campaigns": plans, "designs": (people,)})
+    strip = overview._strip(status, "/design", State("palm"))
+    assert "<small>16 of 28 presses</small>" in strip
+    assert (
+        "/cast?cast_tab=people&amp;tissue=palm"
+        in overview.links_of(lab.root, status, State("palm"))["designs/on-person-palm"]
+    )
+
+
+def test_a_tissue_of_one_subject_has_one_column_of_values(monkeypatch):
+    shown = []
+    monkeypatch.setattr(tissue.widgets, "table", lambda head, rows, **more: shown.append((head, rows)))
+    monkeypatch.setattr(tissue, "html", lambda text: None)
+    head = ("mean", "lowest", "highest", "kind")
+    for high in (3.0, 4.0):
+        one = {"value": 3.0, "low": 3.0, "high": high, "kind": "fitted"}
+        tissue.parameter_table(head, {"gamma1_N_per_mm3": one}, lambda one: one["kind"])
+    (alone, rows), (several, _) = shown
+    assert alone == ["parameter", "", "value"] and rows == [["steady stiffness", "N/mm³", 3.0]]
+    assert several == ["parameter", "", "mean", "lowest", "highest"]
+
+
+def test_one_warning_more_is_no_warnings(monkeypatch):
+    said = []
+    monkeypatch.setattr(widgets, "html", said.append)
+    for count in (5, 6):
+        widgets.warnings({"warnings": [{"message": str(number)} for number in range(count)]})
+    assert "1 more warning<" in said[1] and "2 more warnings<" in said[3]
 
 
 def test_choices_are_what_lies_in_the_project_and_then_the_library(lab):

@@ -13,10 +13,13 @@ import numpy as np
 import pytest
 
 import dummydesign
+from dummydesign.api.campaigns import check_campaign, plan_campaign
 from dummydesign.cli.entry import parser_of, run
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.options import options_of
 from dummydesign.design.request import Request
+from dummydesign.measurement.campaign_file import SetUp
+from dummydesign.measurement.campaign_plan import PlanSettings
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue.model.laws import law_named
 from tests.support.refusal import raises_code
@@ -300,6 +303,15 @@ def test_answers_of_designs_are_typed_and_show_the_screen_of_the_command():
         assert one.outcome.recommended is one.design
     shown = one._repr_html_()
     assert shown.startswith("<pre>") and escape(plain_values["verdict"]["text"][:20]) in shown
+
+
+def test_a_plan_and_its_state_in_a_notebook_are_what_the_commands_print(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    plan = plan_campaign("c", SetUp("c", 25.0), PlanSettings(pads_mm=(5.0,)), power=False)
+    assert plan._repr_html_().startswith("<pre>PLAN") and repr(plan).startswith("plan_campaign(")
+    assert run(["campaign", "check", "c"]) == 0
+    state = check_campaign("c")
+    assert state._repr_html_() == f"<pre>{escape(capsys.readouterr().out.strip())}</pre>"
 
 
 def test_a_prediction_in_a_notebook_is_what_the_command_prints(capsys):

@@ -32,7 +32,13 @@ if TYPE_CHECKING:
     from dummydesign.tissue.fitting.fit import TissueFit
 
 
-COMMAND = {"import_traces": "import", "make_mould": "mold", "record_pad": "mold", "close_loop": "loop"}
+COMMAND = {
+    "import_traces": "import",
+    "make_mould": "mold",
+    "record_pad": "mold",
+    "close_loop": "loop",
+    **dict.fromkeys(("plan_campaign", "check_campaign", "campaign_from_files"), "campaign"),
+}
 """Commands of calls that have another name."""
 # A repr names so many values and is never longer than this.
 SHOWN, LONGEST = 12, 900

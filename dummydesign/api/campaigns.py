@@ -95,7 +95,7 @@ def plan_campaign(
                 "warnings": [*no_ratio(set_up.ratio), *notes, *warnings],
             }
         )
-    return Result(plan, result)
+    return Result(plan, result, "plan_campaign")
 
 
 def _expected(
@@ -283,7 +283,7 @@ def check_campaign(folder: FilePath) -> Result:
         "wrong": list(status.wrong),
         "warnings": list(status.warnings),
     }
-    return Result(status, result)
+    return Result(status, result, "check_campaign")
 
 
 def campaign_from_files(
@@ -353,7 +353,7 @@ def campaign_from_files(
                 "warnings": list(read.warnings),
             }
         )
-    return Result(trials, result)
+    return Result(trials, result, "campaign_from_files")
 
 
 Paths = Iterable[FilePath]

@@ -41,10 +41,10 @@ def noisy(seed, white=0.02, slow=0.01, peak=3.0, tare=None):
 @pytest.mark.slow
 @pytest.mark.parametrize(("white", "slow"), [(0.02, 0.01), (0.05, 0.05), (0.005, 0.01)])
 def test_noise_and_the_zero_of_a_noisy_sensor_are_hardly_ever_a_fault_in_200_presses(white, slow):
-    """A change before contact counts from 2.5 errors on: noise alone passes that in 1.2 % of presses."""
+    """A drift or a slope counts from 2.5 errors on: noise alone passes that in 1.2 % of presses for each."""
     found = [(seed, codes(doubts_of(noisy(seed, white, slow)))) for seed in range(200)]
     assert [one for one in found if "contact_off" in one[1]] == []
-    assert sum("force_before_contact" in one[1] for one in found) <= 2
+    assert sum("force_before_contact" in one[1] for one in found) <= 0.024 * len(found)
 
 
 @pytest.mark.parametrize("seed", range(20, 36))

@@ -128,9 +128,7 @@ def find_baseline(
     mean = float(np.mean(lead))
     plain = Baseline(mean, mean, error, float(np.std(lead)), count, float(time[at]), place_mm)
     stand = min(parked, count) if parked >= LEAST_LEAD_IN else count
-    step_N = 0.0
     if count - stand >= 2 * LEAST_LEAD_IN:  # the approach tells the slope, the time before it the drift
-        step_N = _wander_over(lead[:stand], count - stand)
         standing = np.array_split(np.arange(start, start + stand), 10 if stand >= 30 else 3)
         parts = standing + np.array_split(np.arange(start + stand, start + count), 5)
     leading = len(parts)
@@ -139,17 +137,7 @@ def find_baseline(
     back = back[back > deepest]
     if len(back) >= 2 * LEAST_LEAD_IN:
         parts += np.array_split(back, 5)
-    return _with_changes(plain, parts, leading, time, x, load, (deepest, stop), noise, step_N)
-
-
-def _wander_over(standing: NDArray, samples: int) -> float:
-    """How far means over so many samples lie about a line: noise that wanders as slowly passes for a change. [N]"""
-    number, blocks = np.arange(len(standing)), len(standing) // samples
-    rest = standing - np.polyval(np.polyfit(number, standing, 1), number)
-    if blocks < 4:
-        return float(np.std(rest))
-    # the line takes two of the means
-    return float(np.linalg.norm(rest[: blocks * samples].reshape(blocks, samples).mean(axis=1))) / (blocks - 2) ** 0.5
+    return _with_changes(plain, parts, leading, time, x, load, (deepest, stop), noise)
 
 
 def _with_changes(
@@ -161,18 +149,14 @@ def _with_changes(
     load: NDArray,
     press: tuple[int, int],
     noise: BaselineNoise,
-    step_N: float,
 ) -> Baseline:
-    """Add drift and slope where they stand out of their errors; ``leading`` parts lie before contact.
-
-    ``step_N`` is what noise alone makes of the mean over a whole approach.
-    """
+    """Add drift and slope where they stand out of their errors; ``leading`` parts lie before contact."""
     clock, way, mean = (np.array([float(v[part].mean()) for part in parts]) for v in (time, x, load))
     clock, way = clock - plain.at_s, way - plain.at_mm
     variance = noise.wander_N**2 + noise.rounding_N**2 + noise.sample_N**2 / np.array([len(part) for part in parts])
     # noise may wander as slowly as a drift
     slow = LONG_WANDER * noise.sample_N + noise.rounding_N
-    floors = np.array([0.0, slow / max(float(np.ptp(clock)), 1e-9), (slow + step_N) / max(float(np.ptp(way)), 1e-9)])
+    floors = np.array([0.0, slow / max(float(np.ptp(clock)), 1e-9), slow / max(float(np.ptp(way)), 1e-9)])
     columns = np.stack([np.ones_like(clock), clock, way])
 
     def fit(*kept: int) -> tuple[NDArray, NDArray, NDArray]:

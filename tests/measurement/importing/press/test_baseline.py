@@ -66,7 +66,7 @@ def test_what_is_not_seen_before_contact_is_in_the_error_of_the_steady_force(tmp
 
 def test_the_error_of_the_steady_force_falls_with_what_is_recorded_before_contact(tmp_path):
     errors = []
-    for dwell, gap, noise in ((2.0, 2.0, 0.05), (2.0, 3.0, 0.005), (8.0, 12.0, 0.005)):
+    for dwell, gap, noise in ((0.5, 1.0, 0.02), (2.0, 3.0, 0.005), (8.0, 12.0, 0.005)):
         found = imported(tmp_path, press(4, dwell=dwell, gap=gap, noise=noise, release=False))
         errors.append(found.presses[0].steady_error_N)
         warned = "steady_uncertain" in [warning["code"] for warning in found.warnings]

@@ -224,14 +224,23 @@ def address(path: str, **query: object) -> str:
 
 
 def page_link(
-    path: str, words: str, state: State | None = None, test: str = "", current: bool = False, kind: str = ""
+    path: str,
+    words: str,
+    state: State | None = None,
+    test: str = "",
+    current: bool = False,
+    kind: str = "",
+    more: str = "",
 ) -> str:
-    """Return HTML of a link to a page in a state, else in what is chosen on this page when the link is used."""
+    """Return HTML of a link to a page in a state, else in what is chosen on this page when the link is used.
+
+    ``more`` is a part of the query that the page itself keeps, such as its tab.
+    """
     marks = f' data-test="{escape(test)}"' if test else ""
     marks += (f' class="{kind}"' if kind else "") + ("" if state else " data-state")
     marks += " aria-current=page" if current else ""
-    query = f"?{escape(state.query())}" if state else ""
-    return f'<a{marks} href="{address(path)}{query}">{escape(words)}</a>'
+    query = "&".join(filter(None, (more, state.query() if state else "")))
+    return f'<a{marks} href="{address(path)}{f"?{escape(query)}" if query else ""}">{escape(words)}</a>'
 
 
 PAGES = {

@@ -172,15 +172,14 @@ def _with_changes(
     deepest, stop = press
     held = deepest + np.nonzero(x[deepest:stop] >= plain.at_mm + 0.9 * (x[deepest] - plain.at_mm))[0][-1]
     lasts, depth = float(time[held]) - plain.at_s, float(x[deepest]) - plain.at_mm
-    value, error, covariance = fit(0, 1, 2)
-    whole = value
+    whole, error, covariance = fit(0, 1, 2)
     end = np.array([1.0, lasts, depth])
     before_it = np.array([0.0, DRIFT_N_S, SLOPE_N_MM]) * end
     unseen = np.minimum(floors * end, before_it)
     spread = float(np.sqrt(end @ covariance @ end + unseen @ unseen))
     if spread < SHOWN * float(np.linalg.norm(before_it)):
         plain = replace(plain, held_error_N=2.0 * spread)
-    clear = [kind for kind in (1, 2) if abs(value[kind]) > CLEAR * error[kind]]
+    clear = [kind for kind in (1, 2) if abs(whole[kind]) > CLEAR * error[kind]]
     alone = [fit(0, kind) for kind in (1, 2)]
     steady = [abs(one[0][kind]) > CLEAR * one[1][kind] for kind, one in zip((1, 2), alone)]
     if clear:

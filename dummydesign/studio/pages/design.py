@@ -317,7 +317,7 @@ class DesignPage:
                 if (
                     state.kind != "slab"
                     and state.kind in self.kind.options
-                    and not str(view.quantity).startswith("cal")
+                    and not str(view.quantity).startswith("calibration")
                 ):
                     widgets.button("Use lengths that fit", lambda: self.choose_kind(state.kind), "fit-lengths")
             if self.solvable(view):

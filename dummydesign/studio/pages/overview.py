@@ -173,8 +173,9 @@ def _list(lines: Sequence[str]) -> str:
 def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:
     """Links by folder: each opens its page with that design, mould, campaign, calibration, tissue or pad chosen."""
     states: dict[str, tuple[str, State]] = {}
+    tabs = {one.folder: f"cast_tab={TABS[one.command]}" for one in status.files["designs"] if one.command in TABS}
     for one in status.files["designs"]:
-        if one.command in TABS:
+        if one.folder in tabs:
             states[one.folder] = ("/cast", state)
         elif inputs := design_state(root, one.folder):
             states[one.folder] = ("/design", state.changed(**inputs))
@@ -187,12 +188,10 @@ def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:
     for one in status.files["tissue"]:
         states[one.folder] = ("/tissue", state.changed(tissue=one.folder, aim="average"))
     known = {one.folder: one for room in status.files.values() for one in room}
-    links = {
-        folder: page_link(path, select_options.file_line(known[folder]), of, f"open-{folder}")
+    return {
+        folder: page_link(
+            path, select_options.file_line(known[folder]), of, f"open-{folder}", more=tabs.get(folder, "")
+        )
         for folder, (path, of) in states.items()
         if folder in known
     }
-    for one in status.files["designs"]:
-        if tab := TABS.get(one.command):
-            links[one.folder] = links[one.folder].replace("cast?", f"cast?cast_tab={tab}&amp;", 1)
-    return links

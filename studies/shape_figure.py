@@ -12,7 +12,7 @@ import numpy as np
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 FIGURE, DESIGNS = DOCS / "images" / "shapes.png", DOCS / "data" / "shapes-designs.csv"
-TISSUE, HALF_MM, GAP_MM = "forefinger", 16.0, 1.5
+TISSUE, HALF_MM, GAP_MM, PUNCH_MM = "forefinger", 16.0, 1.5, 3.0
 GEL, OTHER_GEL, RIGID = "#a9c7e8", "#6f9bc8", "0.55"
 
 
@@ -30,7 +30,8 @@ def main() -> None:
     with DESIGNS.open(encoding="utf-8") as stream:
         designs = [row for row in csv.DictReader(stream) if row["tissue"] == TISSUE]
     x = np.linspace(-HALF_MM, HALF_MM, 641)
-    figure, axes = plt.subplots(2, 3, figsize=(7.4, 2.9), layout="constrained", sharex=True, sharey=True)
+    highest = max(float(row["thickness_mm"]) for row in designs) + GAP_MM + PUNCH_MM + 0.5
+    figure, axes = plt.subplots(2, 3, figsize=(7.4, 4.4), layout="constrained", sharex=True, sharey=True)
     axes.flat[-1].set_axis_off()
     for panel, row in zip(axes.flat, designs):
         shape, thickness = read_shape(row["shape"]), float(row["thickness_mm"])
@@ -42,9 +43,10 @@ def main() -> None:
         panel.fill_between(x, -1.0, bone, color=RIGID, lw=0)
         panel.plot(x, top, color="black", lw=0.8)
         low = thickness + GAP_MM
-        panel.add_patch(plt.Rectangle((-PUNCH_SIDE_MM / 2, low), PUNCH_SIDE_MM, 3.0, color="0.75"))
+        panel.add_patch(plt.Rectangle((-PUNCH_SIDE_MM / 2, low), PUNCH_SIDE_MM, PUNCH_MM, color="0.75"))
         panel.tick_params(labelbottom=True)
-        panel.set(title=f"{shape.name}, {thickness:g} mm", aspect="equal", xlim=(-HALF_MM, HALF_MM), ylim=(-1.0, 11.0))
+        panel.set(title=f"{shape.name}, {thickness:g} mm", aspect="equal")
+        panel.set(xlim=(-HALF_MM, HALF_MM), ylim=(-1.0, highest))
         panel.spines[["top", "right"]].set_visible(False)
     axes[0, 0].set_ylabel("height [mm]")
     axes[1, 0].set(xlabel="x [mm]", ylabel="height [mm]")

@@ -8,7 +8,7 @@ import pytest
 
 from dummydesign.project.folder import make_project, read_project
 from dummydesign.studio import trash as bin
-from tests.studio.test_pages import MISSED, NAMELESS, RULES, WHERE
+from tests.studio.test_pages import MISSED, NAMELESS, RULES, WHERE, settled
 from tests.support.studio import browser, running
 from tests.support.studio import test_id as by
 from tests.support.walkthrough_files import write
@@ -248,8 +248,11 @@ def test_the_page_with_all_that_it_offers_fits_a_phone_and_the_keyboard(page, st
     page.locator(f'{by("replace")}[data-name="{EXPORTS[1]}"]').click()
     page.set_viewport_size({"width": 390, "height": 844})
     page.wait_for_timeout(800)
-    for frame in page.frames:  # a frame that is still loading takes the focus away from the walk
-        frame.wait_for_load_state("load")
+    for held in page.locator("iframe").all():  # a plot that loads during the walk takes the focus away from it
+        if held.is_visible():
+            held.scroll_into_view_if_needed()
+            held.content_frame.locator("body > *").first.wait_for(state="attached")
+    settled(page)
     assert page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") <= 0
     assert page.evaluate(NAMELESS) == [] and page.evaluate(RULES) == []
     page.locator(".skip").focus()

@@ -13,9 +13,11 @@ import numpy as np
 
 from dummydesign.core.progress import write_progress
 from dummydesign.mold.cad.build import Parts, build
+from dummydesign.mold.cad.process_copy import beside
 from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import files as check_files
 from dummydesign.mold.checks import release
+from dummydesign.mold.checks.check import Check
 from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.checks.solids import check_shape, check_solids
 from dummydesign.mold.files import picture as view
@@ -55,8 +57,6 @@ def _write_and_check(
     made: Parts, meshes: dict[str, Any], folder: Path, foot: Foot, picture: subprocess.Popen[bytes]
 ) -> dict[str, Any]:
     spec = made.spec
-    files = _write_steps(made, folder)
-    mesh_files = _write_meshes(made, meshes, folder)
     volumes = {
         "cavity": made.cavity.Volume(),
         "pad_nominal": made.pad_nominal.Volume(),
@@ -64,27 +64,18 @@ def _write_and_check(
         **{name: part.volume_mm3 for name, part in made.parts.items() if name != "pad"},
     }
     plan = pour_plan(spec, volumes["pad_compensated"], volumes["mould"] + volumes.get("lid", 0.0))
+    warnings = pour_warnings(spec, plan)
+    written = beside(lambda: _write_and_read(made, meshes, folder))
+    drawn = beside(lambda: _write_papers(made, plan, warnings, folder, foot))
     write_progress("step 3 of 5: checking the solids")
     tool = meshes["mould"] if made.whole is None else tessellate(made.mould)
     checks = check_solids(made, {**meshes, "mould": tool}) + check_shape(made)
     checks += release.check_mould_mesh(made, tool, tessellate(made.core, *release.FINE))
     write_progress("step 4 of 5: reading the files again")
-    assembly = folder / files["assembly"]
-    bone_mm3 = 0.0 if spec.insert is None else spec.insert.volume_error_mm3(spec.pad.thickness_mm)
-    single = {name: folder / files[name] for name in made.parts}
-    checks += check_files.check_step(made.parts, single, assembly, bone_mm3)
-    checks += check_files.check_step_text(assembly, folder / files["pad"], spec.hash)
-    total = sum(part.volume_mm3 for part in made.parts.values())
-    checks.append(check_files.check_second_reader(assembly, total, len(made.parts)))
-    checks += check_files.check_meshes(made, mesh_files)
-    checks += check_files.check_lying(made, mesh_files)
+    files, of_files = written()
+    checks += [*of_files, *check_process(spec, plan, warnings)]
     write_progress("step 5 of 5: drawings, picture and pour sheet")
-    warnings = pour_warnings(spec, plan)
-    checks += check_process(spec, plan, warnings)
-    files |= {f"{name}_3mf": path.name for name, path in mesh_files.items()}
-    files |= {"view": _write_view(made, meshes, folder)}
-    files |= _write_papers(made, plan, warnings, folder, foot)
-    files |= finish_picture(picture, folder, spec, warnings)
+    files |= {"view": _write_view(made, meshes, folder)} | drawn() | finish_picture(picture, folder, spec, warnings)
     files |= {"spec": "spec.json", "checks": "checks.json"}
     listed = [item.to_dict() for item in checks]
     points = [point.to_dict() for point in gauge_points(spec)]
@@ -97,8 +88,24 @@ def _write_and_check(
         "warnings": warnings,
         "pour": plan.to_dict(),
         "batch": batches_of(spec, plan),
-        "step_sha256": hashlib.sha256(assembly.read_bytes()).hexdigest(),
+        "step_sha256": hashlib.sha256((folder / files["assembly"]).read_bytes()).hexdigest(),
     }
+
+
+def _write_and_read(made: Parts, meshes: dict[str, Any], folder: Path) -> tuple[dict[str, str], list[Check]]:
+    """Write the STEP and print files, and check what is read from them again; role to file name, and the checks."""
+    spec = made.spec
+    files, mesh_files = _write_steps(made, folder), _write_meshes(made, meshes, folder)
+    assembly = folder / files["assembly"]
+    bone_mm3 = 0.0 if spec.insert is None else spec.insert.volume_error_mm3(spec.pad.thickness_mm)
+    single = {name: folder / files[name] for name in made.parts}
+    checks = check_files.check_step(made.parts, single, assembly, bone_mm3)
+    checks += check_files.check_step_text(assembly, folder / files["pad"], spec.hash)
+    total = sum(part.volume_mm3 for part in made.parts.values())
+    checks.append(check_files.check_second_reader(assembly, total, len(made.parts)))
+    checks += check_files.check_meshes(made, mesh_files)
+    checks += check_files.check_lying(made, mesh_files)
+    return files | {f"{name}_3mf": path.name for name, path in mesh_files.items()}, checks
 
 
 def _write_steps(made: Parts, folder: Path) -> dict[str, str]:

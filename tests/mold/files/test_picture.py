@@ -110,7 +110,7 @@ def test_a_check_that_breaks_off_leaves_no_renderer_running(open_spec, tmp_path,
 
     monkeypatch.setattr(build_files, "build", lambda *_: SimpleNamespace(spec=open_spec, parts={}))
     monkeypatch.setattr(build_files, "_start_picture", lambda *_: renderer)
-    monkeypatch.setattr(build_files, "_write_steps", broken)
+    monkeypatch.setattr(build_files, "_write_and_check", broken)
     with pytest.raises(RuntimeError, match="broke off"):
         build_files.produce(open_spec, tmp_path, Foot("ABCD"))
     assert renderer.returncode is not None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -253,39 +253,36 @@ def files_of(paths: Iterable[str | Path]) -> list[tuple[Path, bool]]:
 def import_files(paths: Sequence[str | Path], settings: Settings | None = None) -> tuple[list[Imported], Warnings]:
     """Read files and folders as test machines wrote them; warnings of all together.
 
-    The first error or question of a file is raised, with the number of other files that have one too. Nothing is left
-    out silently.
+    The first error or question of a file is raised, with the names of other files that have one too, and how many can
+    be read without these. Nothing is left out silently.
     """
     imported: list[Imported] = []
     warnings: Warnings = []
-    problems: list[InputError] = []
-    doubtful: list[str] = []
+    problems: list[tuple[InputError, Path, str]] = []
     listed = files_of(paths)
-    count = 0
     for path, in_folder in listed:
         try:
             tests = _tests_of(path, settings)
-            count += len(tests)
             for sheet, text, log in tests:
                 try:
                     imported.append(_import_text(path, sheet, text, log))
                 except InputError as problem:
                     if len(tests) == 1:
                         raise
-                    problems.append(problem)
-                    doubtful.append(sheet)
+                    problems.append((problem, path, sheet))
         except InputError as problem:
             if in_folder and isinstance(problem, NoTableError):
                 message = f"{path.name} is left out: it holds no table of numbers"
                 warnings.append({"code": "skipped", "message": message})
             else:
-                problems.append(problem)
+                problems.append((problem, path, ""))
     if problems:
-        kind = "files" if count <= len(listed) else "sheets"
-        total = max(count, len(listed))
-        more = f" (and {len(problems) - 1} of {total} {kind} more have such a doubt)" if len(problems) > 1 else ""
-        first, others = problems[0], _others(doubtful, imported, settings) if len(listed) == 1 else ""
-        raise type(first)(f"{first}{more}{others}", first.code, first.quantity, first.value, first.allowed)
+        first = problems[0][0]
+        if len(listed) > 1:
+            others = _other_files({path for _, path, _ in problems}, {one.source for one in imported})
+        else:
+            others = _others([sheet for *_, sheet in problems if sheet], imported, settings)
+        raise type(first)(f"{first}{others}", first.code, first.quantity, first.value, first.allowed)
     if not imported:
         raise InputError(f"none of the {len(listed)} files holds a table of numbers", "nothing_found", "table")
     seen: dict[str, tuple[Imported, int]] = {}
@@ -300,6 +297,20 @@ def import_files(paths: Sequence[str | Path], settings: Settings | None = None) 
                 )
                 warnings.append({"code": "same_press", "message": message})
     return imported, warnings
+
+
+def _other_files(doubtful: Set[Path], read: Set[Path]) -> str:
+    """Which files are in doubt where there are several, and how many are not."""
+    names, certain = sorted(path.name for path in doubtful), len(read - doubtful)
+    shown = ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
+    text = f"; {len(names)} files are in doubt: {shown}" if len(names) > 1 else ""
+    without = "them" if len(names) > 1 else "it"
+    rest = f"the other {certain} files" if certain > 1 else "the other file"
+    return f"{text}; without {without} {rest} can be read" if certain else text
+
+
+NAMED = 12
+"""Files that a message names at most."""
 
 
 def _others(doubtful: list[str], imported: Sequence[Imported], settings: Settings | None) -> str:

@@ -9,6 +9,7 @@ import zipfile
 import numpy as np
 import pytest
 
+from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.decisions import ImportLog, NoTableError, QuestionError, Settings
 from dummydesign.measurement.importing.decoding import decode
 from dummydesign.measurement.importing.forms import specimens
@@ -243,3 +244,25 @@ def test_two_columns_without_a_time_name_what_reads_them():
 )
 def test_a_sampling_rate_is_a_number_with_its_unit(line, rate):
     assert sampling_rate_in(line) == rate
+
+
+def test_every_file_in_doubt_is_named_and_how_many_are_not(tmp_path):
+    for name in ("good.csv", "better.csv"):
+        np.savetxt(
+            tmp_path / name, np.c_[TIME, WAY, FORCE], delimiter=",", header="time_s,position_mm,force_N", comments=""
+        )
+    (tmp_path / "short.csv").write_text("time_s,displacement_mm,force_N\n0,0,0\n1,1,1\n", encoding="utf-8")
+    (tmp_path / "words.csv").write_text("hello\n", encoding="utf-8")
+    (tmp_path / "torn.csv").write_text("time_s,displacement_mm,force_N\n0,0,0\n1,1,\n2,2,2\n", encoding="utf-8")
+
+    def refused(*names):
+        with pytest.raises(InputError) as caught:
+            import_files([tmp_path / name for name in names])
+        return str(caught.value)
+
+    every = refused("good.csv", "short.csv", "better.csv", "words.csv", "torn.csv")
+    assert every.startswith("short.csv: ") and "3 files" in every and "other 2" in every
+    assert all(f"{name}.csv" in every for name in ("short", "words", "torn")) and "good.csv" not in every
+    alone = refused("good.csv", "short.csv")
+    assert alone.count("short.csv") == 1 and "files" not in alone
+    assert "other" not in refused("short.csv", "torn.csv")

@@ -80,6 +80,17 @@ def test_after_a_search_of_the_same_kind_every_panel_is_that_of_the_pad_that_was
     assert "design=designs" in page.url
 
 
+def test_the_pad_that_the_sliders_begin_with_has_no_light_until_a_pad_is_chosen(page, studio):
+    opened(page, studio, "?shape=slab&thickness_mm=6&ratio=15")
+    shown = page.locator(f"{by('verdict')} .verdict")
+    assert "grey" in shown.get_attribute("class").split()
+    slide(page, "thickness", 7)
+    page.wait_for_selector(f"{SETTLED}.red")
+    slide(page, "thickness", 6)
+    page.wait_for_function("document.querySelector('small.label').textContent.includes('6 mm')")
+    page.wait_for_selector(f"{SETTLED}.red")
+
+
 def test_a_refused_pad_leaves_no_drawing_of_another_one(page, studio):
     opened(page, studio, "?shape=crowned:radius=20,height=2,foot=9&thickness_mm=9")
     assert page.locator(f"{by('plots')} figure").count() == 8

@@ -25,7 +25,7 @@ from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio import slider_model as sliders
 from dummydesign.studio.pages import search
 from dummydesign.studio.slider_model import Slider
-from dummydesign.studio.state import State, absolute
+from dummydesign.studio.state import PAD_FIELDS, State, absolute
 from dummydesign.studio.widgets import html, keep_state, open_page
 
 SETTLE_S = 0.35
@@ -55,6 +55,7 @@ class DesignPage:
         self.root, self.state = project.root, state
         self.wanted = self.shown = self.written = 0
         self.busy = self.setting = False
+        self.unchosen = all(getattr(state, name) == getattr(State, name) for name in (*PAD_FIELDS, "design"))
         self.drawn: Sequence[Mapping[str, Any]] = ()
         self.lengths: dict[str, Slider] = {}
         self.kind_of_lengths: tuple[str, float] = ("", 0.0)
@@ -109,7 +110,7 @@ class DesignPage:
         """Take what was chosen in a control; all others follow."""
         if self.setting:
             return
-        after = self.state.changed(**new)
+        self.unchosen, after = False, self.state.changed(**new)
         if after.tissue != self.state.tissue:
             after = after.changed(aim=after.aim if after.aim in self._aims(after.tissue) else "average")
         if after != self.state and after.missing:
@@ -120,6 +121,7 @@ class DesignPage:
 
     def moved(self) -> None:
         """Take what a slider says; the sliders themselves are left alone while they move."""
+        self.unchosen = False
         self.state = self.state.changed(thickness_mm=self.thickness.value, ratio=self.ratio.value)
         self.evaluate()
 
@@ -348,6 +350,8 @@ class DesignPage:
     def _say(self, state: State, light: str, text: str, shown: str, note: str = "") -> None:
         # numbered, so that a text written before still replaces what the browser has moved since
         self.written += 1
+        if self.unchosen and not state.design and shown != "refused":
+            light, text = "grey", f"No pad is chosen yet: find the best one. The sliders begin with a slab. {text}"
         said = widgets.verdict_html(light, text, shown, note, state.label)
         self.verdict.set_content(f"{said}<!--{self.written}-->")
 

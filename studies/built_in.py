@@ -22,7 +22,7 @@ TISSUES = ("forefinger", "palm", "thenar")
 PAGE = Path("docs") / "design.md"
 DESIGNS = MarkedPage(PAGE, "<!-- built-in tissues: begin -->", "<!-- built-in tissues: end -->")
 MEASURE_FIRST = MarkedPage(PAGE, "<!-- measure first: begin -->", "<!-- measure first: end -->")
-SHARES = {"resin_known": "resin known", "after_puck": "after a puck"}
+SHARES = {"resin_known": "average batch", "after_puck": "after a puck"}
 LEVELS = {
     "stands_for": "green",
     "usable_with_correction": "usable with a correction",
@@ -56,7 +56,7 @@ def design_table(answers: Answers) -> str:
         "usable as poured",
         *(SHARES[name] for name in shares),
         "out of reach",
-        "factor on energies: central, 95 %, at the resin's centre",
+        "factor on energies: central, 95 %, average batch",
         "best slab",
     ]
     rows = []

@@ -198,7 +198,7 @@ def _in_range(result: dict[str, Any]) -> list[str]:
     )
     return [
         f"  {100 * tolerance['yield_fraction']:.0f} % of castings are in the steady range at {judged} N "
-        f"({100 * tolerance['making_only_fraction']:.0f} % once the resin is known); by force: "
+        f"({100 * tolerance['making_only_fraction']:.0f} % of an average batch); by force: "
         + ", ".join(f"{force} N {100 * share:.0f} %" for force, share in tolerance["by_force"].items()),
     ]
 

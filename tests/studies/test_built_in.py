@@ -53,9 +53,9 @@ def test_the_shares_have_columns_where_every_answer_states_them():
     shares = (("resin_known", 0.5), ("after_puck", 0.449))
     known = {name: {"stands_for": 0.5, "usable": share} for name, share in shares}
     table = built_in.design_table([("palm", answer(shares=known), None)])
-    assert cells(table, 0)[4:6] == ["resin known", "after a puck"] and cells(table)[4:6] == ["100 %", "94.9 %"]
+    assert cells(table, 0)[4:6] == ["average batch", "after a puck"] and cells(table)[4:6] == ["100 %", "94.9 %"]
     mixed = built_in.design_table([("palm", answer(shares=known), None), ("thenar", answer(), None)])
-    assert "resin known" not in mixed
+    assert "average batch" not in cells(mixed, 0)
 
 
 def test_what_to_measure_first_is_bold_and_a_share_near_the_limit_has_a_decimal():

@@ -101,7 +101,7 @@ def design_warnings(
     if pour.yield_fraction < 0.5 and not alone:
         share, exact = 100 * pour.yield_fraction, 100 * pour.making_only_fraction
         text = f"{share:.0f} % of castings are in the steady-state range"
-        notes.append(("low_yield", f"{text} ({exact:.0f} % once the resin is known)"))
+        notes.append(("low_yield", f"{text} ({exact:.0f} % of an average batch)"))
     notes += [("calibration", note) for note in chosen.law.notes]
     missed = [force for force in space.targets.protocol.forces_N if force not in pour.judged_at_N]
     if missed and not alone:

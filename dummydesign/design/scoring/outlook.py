@@ -83,7 +83,7 @@ class Outlook:
         return bool(lost.mean() <= SURE * lost.std() / np.sqrt(len(lost)) + 1e-9)
 
     def level(self, limits: VerdictLimits, strict: bool) -> int:
-        """0 stands for the subjects, 1 usable as poured, 2 usable of an exactly average batch, 3 none of these."""
+        """0 stands for the subjects, 1 usable as poured, 2 usable of an average batch, 3 none of these."""
         return level_number(self.stands, self.as_poured, self.known, limits.share, strict)
 
 

@@ -341,7 +341,7 @@ def _known_words(shares: dict[str, float], level: str, strict: bool) -> str:
     if level not in ("not_settled", "not_representative"):
         return ""
     good = good_share(shares, strict)
-    words = f"{100.0 * good:.0f} % of an exactly average batch"
+    words = f"{100.0 * good:.0f} % of an average batch"
     if level == "not_representative" and good < 1.0:
         name = max(OUTCOMES, key=lambda outcome: shares[outcome])
         words += f" (most are {OUTCOMES[name]})" if shares[name] > 0.0 else ""

@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.accuracy.castings_blind import Cast, classes_of, drawn, needs
+from benchmarks.accuracy.castings_blind import GEOMETRIES, Cast, classes_of, drawn, needs
 from benchmarks.accuracy.puck_batches import HEIGHT_MM, Batch, neo_hookean_curves, written
 from benchmarks.rows import resume, scratch
 from dummydesign.design.problem import read_problem
@@ -32,12 +32,8 @@ from dummydesign.resin.model.resin import Resin
 from dummydesign.resin.puck_test.add_compression import add_compression
 from dummydesign.resin.puck_test.plates import LUBRICATED
 
-PADS = (
-    ("palm", "crowned:radius=5.1,height=3.8,foot=7.8", 10.0),
-    ("thenar", "crowned:radius=1.5,height=4.1,foot=7.8", 13.0),
-    ("forefinger", "crowned:radius=21.2,height=2,foot=9.4", 4.5),
-)
-"""Tissue, shape and thickness of pads whose curves are solved (``results/castings_blind_curves.json``). [mm]"""
+PADS = GEOMETRIES[:3]
+"""What ``suggest`` recommends; curves are solved (``results/castings_blind_curves.json``). [mm]"""
 DIAMETER_MM, PUCK_BATCH_G = 50.0, 150.0
 WEIGHING_G, THICKNESS_MM = 0.1, 0.2
 
@@ -145,7 +141,7 @@ def run(number: int, seed: int) -> Row:
     plates = (LUBRICATED, "bonded")[number // len(PADS) % 2]
     resin = load_resin()
     batch = draw_batch(resin, rng)
-    asked = {"shape": shape, "thickness_mm": (thickness, thickness), "verify": False}
+    asked = {"shape": shape, "thickness_mm": (thickness, thickness)}
     before = _designed(tissue, "polyurethane-nagoya", **asked)
     poured = cast(batch, before, before.best.ratio, thickness, rng)
     with scratch("batch-") as folder:

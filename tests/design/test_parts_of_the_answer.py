@@ -155,11 +155,14 @@ def test_the_way_a_punch_may_be_moved_is_to_the_side_of_the_contact():
 
 
 def trace(force, time, contact_s=0.0, stop_s=1.0, x=None):
-    inside = np.ones(len(time), bool)
+    """Without ``x`` the punch brakes all the way to 1 mm at 1 s."""
+    x = 1.0 - np.maximum(1.0 - time, 0.0) ** 2 if x is None else x
+    inside, depth_mm = np.ones(len(time), bool), float(x.max())
+    ramp = {"contact_time_s": contact_s, "stop_time_s": stop_s, "hold_end_s": time[-1], "overshoot_mm": 0.0}
     return SimpleNamespace(
-        trace=SimpleNamespace(force_N=force, time_s=time, displacement_mm=time if x is None else x),
+        trace=SimpleNamespace(force_N=force, time_s=time, displacement_mm=x),
         inside=inside,
-        ramp=SimpleNamespace(contact_time_s=contact_s, stop_time_s=stop_s, hold_end_s=time[-1], overshoot_mm=0.0),
+        ramp=SimpleNamespace(**ramp, depth_mm=depth_mm),
     )
 
 
@@ -178,6 +181,31 @@ def test_a_peak_is_that_of_a_parabola_and_noise_does_not_raise_it():
     uneven = np.r_[np.linspace(0.0, 1.0, 100), 1.05, 1.2, np.linspace(1.3, 2.0, 50)]
     high = np.where(np.isclose(uneven, 1.2), 12.0, 5.0)
     assert peak_of(trace(high, uneven), 0.05) == pytest.approx(12.0 - 1.5 * 0.05)
+
+
+@pytest.mark.parametrize(("samples", "noise_N"), [(20, 0.0), (40, 0.005), (400, 0.02)])
+def test_the_peak_at_an_abrupt_stop_is_that_of_the_law_however_few_samples_show_it(samples, noise_N):
+    """Elastic and one arm in a ramp of 10 mm/s: k d + b v T (1 - exp(-t_p / T)), between two samples (v T arm)."""
+    depth_mm, speed, k, b, tau = 3.0, 10.0, 2.0, 3.0, 0.05
+    stop_s, chance, found = depth_mm / speed, np.random.default_rng(5), []
+    peak_N = k * depth_mm + b * speed * tau * -np.expm1(-stop_s / tau)
+    for _ in range(40):
+        time = np.arange(-5, 20 * samples) * stop_s / samples + chance.uniform(0.0, stop_s / samples)
+        rise = np.clip(time, 0.0, stop_s)
+        arm = b * speed * tau * -np.expm1(-rise / tau) * np.exp(-np.maximum(time - stop_s, 0.0) / tau)
+        force = k * speed * rise + arm + noise_N * chance.standard_normal(len(time))
+        found.append(peak_of(trace(force, time, stop_s=stop_s, x=speed * np.minimum(time, stop_s)), noise_N))
+    assert np.mean(found) == pytest.approx(peak_N, rel=1e-3) and np.std(found) < 0.004 * peak_N
+
+
+def test_a_peak_within_a_braking_that_is_seen_is_not_extrapolated():
+    """Ten samples in the braking; the end of the rise points higher than the force goes."""
+    time = np.linspace(0.0, 3.0, 3001)
+    left = np.maximum(1.0 - time, 0.0)
+    x = np.where(left > 0.01, 1.0 - 0.005 - (left - 0.01), 1.0 - 50.0 * left**2)
+    rate = np.gradient(x, time)
+    found = peak_of(trace(4.0 * x + 2.0 * rate, time, x=x))
+    assert found == pytest.approx(float((4.0 * x + 2.0 * rate).max()), rel=5e-3)
 
 
 def test_energy_is_from_contact_to_the_end_of_the_hold():

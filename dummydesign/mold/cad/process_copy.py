@@ -25,14 +25,20 @@ def beside(work: Callable[[], T]) -> Callable[[], T]:
 
     The kernel keeps Python's lock, so that a thread would wait for it. Files that the work writes are there, anything
     else that it changes is not. An exception of the work is raised as a RuntimeError with its type and text. Where the
-    system copies no process, or this one has threads, the work is done once its result is wanted.
+    system copies no process, or has no room for one, or this one has threads, the work is done once its result is
+    wanted.
     """
     # a copy has none of the threads that the kernel would wait for
     occ.OSD_ThreadPool.DefaultPool_s().Init(1)
     if sys.platform != "linux" or threading.active_count() > 1:
         return work
     reading, writing = os.pipe()
-    copy = os.fork()
+    try:
+        copy = os.fork()
+    except OSError:
+        os.close(reading)
+        os.close(writing)
+        return work
     if not copy:
         os.close(reading)
         _work_and_leave(work, writing)

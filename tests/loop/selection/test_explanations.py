@@ -99,7 +99,7 @@ def test_the_loop_says_what_one_height_cannot_tell_and_names_it_with_two(tmp_pat
     assert one.verdict == "ambiguous" and {"plate_friction", "strain_stiffening"} <= set(one.among.names)
     said = answer_of(one)
     assert "cannot tell" in said[0] and "Press pucks of another height" in said[0]
-    assert any(text.startswith("Plate friction alone: friction = ") for text in said)
+    assert any(text.startswith("Plate friction (friction = 0.3") for text in said)
     data = result_dict(one)["ambiguity"]
     assert {row["effects"][0]["name"] for row in data["explanations"]} == set(one.among.names)
     assert all(row["residual_N"] < data["base_residual_N"] for row in data["explanations"][:1])

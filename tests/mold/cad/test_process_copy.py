@@ -52,6 +52,17 @@ def test_a_process_with_threads_is_not_copied():
 
 
 @ON_LINUX
+def test_without_room_for_another_process_the_work_is_done_by_this_one(monkeypatch):
+    def full():
+        raise BlockingIOError(11, "Resource temporarily unavailable")
+
+    monkeypatch.setattr(threading, "active_count", lambda: 1)
+    monkeypatch.setattr(os, "fork", full)
+    open_before = len(os.listdir("/proc/self/fd"))
+    assert beside(os.getpid)() == os.getpid() and len(os.listdir("/proc/self/fd")) == open_before
+
+
+@ON_LINUX
 @pytest.mark.slow
 def test_a_signal_that_ends_the_copy_ends_both():
     """So that the limit on the processor's time says the same wherever it is reached."""

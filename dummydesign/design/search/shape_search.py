@@ -21,7 +21,7 @@ from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.scoring.crowns import crown_scatter
 from dummydesign.design.scoring.outlook import LEAST, Match, Outlook, Scatter, outlook_of, smoothed
 from dummydesign.design.scoring.press_simulation import DEPTH_SHARE, PadBatch, SlabCurves, make_curves
-from dummydesign.design.scoring.windows import Batches, unlike, windows_of
+from dummydesign.design.scoring.windows import MARGIN, REACH, Batches, unlike, windows_of
 from dummydesign.design.search.shape_family import Designs, Family, FamilyLaw, designable_kinds, load_family
 from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, exact_candidates, make_slabs
 from dummydesign.geometry.pad_shape import PadShape
@@ -345,8 +345,9 @@ def _curves(pads: Sequence[_Sieved], space: SearchSpace) -> SlabCurves:
 def _leading(sieved: Sequence[_Sieved], space: SearchSpace) -> list[_Sieved]:
     """The pads that can win by a few unlike batches, and the best of each kind."""
     batches = unlike(Batches.of(space.castings.batches, space.ratio, MANY_BATCHES), FEW_BATCHES)
-    centre = np.array([pad.match.log_young for pad in sieved])
-    windows = windows_of(_curves(sieved, space), centre, batches, space.targets, space.sampling.coarse, FEW_NODES)
+    curves = _curves(sieved, space)
+    centre = _centres([pad.match for pad in sieved], curves, space)
+    windows = windows_of(curves, centre, batches, space.targets, space.sampling.coarse, FEW_NODES)
     # how much of a usual scatter of making a window holds at best, batch by batch
     held = smoothed(windows.usable, windows.log_young[0], USUAL_SCATTER).max(axis=-1)
     score = held.mean(axis=-1)
@@ -360,6 +361,16 @@ def _leading(sieved: Sequence[_Sieved], space: SearchSpace) -> list[_Sieved]:
         for kind in dict.fromkeys(pad.shape.name for pad in sieved)
     ]
     return [sieved[n] for n in dict.fromkeys([*order[:LEADING], *firsts])]
+
+
+def _centres(matches: Sequence[Match], curves: SlabCurves, space: SearchSpace) -> NDArray:
+    """Moduli about which windows are sought: the best match, or where that is far too soft what carries the forces.
+
+    [ln MPa]
+    """
+    matched = np.array([match.log_young for match in matches])
+    carries = np.log(max(space.targets.protocol.forces_N) / curves.area_mm2[:, -1])
+    return np.where(carries > matched + REACH - MARGIN, carries, matched)
 
 
 def _assessed(pads: Sequence[_Sieved], space: SearchSpace, count: int) -> list[ShapedDesign]:
@@ -392,7 +403,7 @@ def outlook_for(
     smallest, largest = law.ratio_range
     nodes = np.clip(nodes, space.radius_mm / largest, space.radius_mm / smallest)
     curves = make_curves(law, nodes, space.radius_mm, gel)
-    middle = np.array([match.log_young])
+    middle = _centres([match], curves.take(np.array([1])), space)
     around = windows_of(curves, np.repeat(middle, len(nodes)), centre, targets, sampling, 2 * MANY_NODES)
     windows = windows_of(curves.take(np.array([1])), middle, batches, targets, sampling, MANY_NODES)
     error = relative_error_of(law, curves.limit_mm[1], thickness_mm, space.radius_mm)

@@ -59,15 +59,17 @@ class ForceRange:
         """Fraction of a press in the range, in the rise, in the hold, and the mean of both.
 
         The rise counts evenly in time from contact to the dummy's own stop, the hold evenly in the
-        logarithm of the time since the stop (from 5 ms on), so that neither the 10 s of hold nor the
-        first milliseconds drown the other.
+        logarithm of the time since the stop (from 5 ms on, or the first sample after it), so that neither the 10 s of
+        hold nor the first milliseconds drown the other.
         """
         time, pressed = np.broadcast_arrays(np.asarray(time_s, float), np.asarray(force_N, float))
         stop = np.broadcast_to(np.asarray(stop_s, float), time.shape[:-1])[..., None]
         end = np.minimum(time[..., -1:], self.time_s[-1])
         rise_at = stop * np.linspace(0.0, 1.0, 61)[1:]
         hold = np.maximum(end - stop, 2 * FIRST_HOLD_S)
-        hold_at = stop + FIRST_HOLD_S * (hold / FIRST_HOLD_S) ** np.linspace(0.0, 1.0, 61)
+        sampled = np.where(time > stop, time - stop, np.inf).min(axis=-1, keepdims=True)
+        first = np.clip(sampled, FIRST_HOLD_S, 0.5 * hold)
+        hold_at = stop + first * (hold / first) ** np.linspace(0.0, 1.0, 61)
         near = STEADY_TOLERANCE * self.steady_force_N if tolerance_N is None else tolerance_N
         shares = []
         for at in (rise_at, np.minimum(hold_at, end)):

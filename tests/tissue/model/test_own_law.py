@@ -61,7 +61,7 @@ def traces(law, tmp_path, monkeypatch):
     for velocity in (10.0, 250.0):
         for depth in (3.5, 5.0):
             motion = ramp_and_hold(velocity, depth)
-            time = np.union1d(np.arange(0.0, motion.time_s[-1], 0.01), motion.time_s[:90])
+            time = np.union1d(np.arange(0.0, motion.time_s[-1], 0.004), motion.time_s[:90])
             x = np.interp(time, motion.time_s, motion.displacement_mm)
             force = law.force(Motion(time, x), GAMMA1, GAMMA, DAMPER) + rng.normal(0.0, 0.01, len(time))
             names.append(f"own_{velocity:g}_{depth:g}.csv")

@@ -145,11 +145,14 @@ class PuckProblem:
             goal = self.factor @ np.ones(len(columns))
             for combo in itertools.combinations(range(len(grid)), arms):
                 strength, rest = nnls(columns[:, [0, *(1 + k for k in combo)]], goal)
-                # next to its gel point a resin keeps hardly any force: the arms may leave nothing for the modulus
-                lasting = max(strength[0], strength.max() / LARGEST_STRENGTH)
-                beta = np.clip(strength[1:] / lasting, 1e-3, LARGEST_STRENGTH)
-                logs = [*np.log(beta), *np.log(grid[list(combo)])]
-                starts.append((rest, [np.log(lasting), alpha, *offsets, *logs]))
+                if strength[0] > 0.0:
+                    beta = np.clip(strength[1:] / strength[0], 1e-3, 10.0)
+                    logs = [*np.log(beta), *np.log(grid[list(combo)])]
+                    starts.append((rest, [np.log(strength[0]), alpha, *offsets, *logs]))
+            # under correlated noise too few arms can be nearest with no modulus at all: it begins with the middle one
+            lasting = np.log(np.median(self.force_N / forces[:, 0]))
+            logs = [*np.log(np.full(arms, 0.1)), *np.log(grid[np.linspace(1, len(grid) - 2, arms).astype(int)])]
+            starts.append((np.inf, [lasting, alpha, *offsets, *logs]))
         starts.sort(key=lambda pair: pair[0])
         return [np.array(q) for _, q in starts[:count]]
 
@@ -187,8 +190,6 @@ def _smooth_log_factor(table: PuckTable, grip: float) -> Callable[[float, Array]
 
 
 MOST_ARMS = 3
-LARGEST_STRENGTH = 10.0
-"""Strength of an arm, over the long-term modulus, that a search begins with at most."""
 PUCK_SCATTER = 0.02
 GRIPS = np.linspace(0.0, 1.0, 11)
 COARSE = (0.0, 0.5, 1.0)

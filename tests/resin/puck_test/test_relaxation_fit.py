@@ -184,3 +184,14 @@ def test_two_speeds_together_give_the_fast_arm_and_a_narrower_interval_than_one(
         assert fast.beta.low <= 0.9 <= fast.beta.high and middle.beta.low <= 0.3 <= middle.beta.high
     widths = [np.log(found.arms[0].beta.high / found.arms[0].beta.low) for found in (both, one)]
     assert widths[0] < widths[1] < 0.3
+
+
+@pytest.mark.parametrize("arms", [0, 1, 3])
+def test_a_search_begins_near_the_modulus_where_least_squares_find_no_force_that_lasts(monkeypatch, arms):
+    """As they do for too few arms under correlated noise: of batch 107 of seed 20261127 of ``batches_blind``."""
+    problem = PuckProblem((pressed(((0.7, 0.3), (9.0, 0.15))),), DIAMETER, HEIGHT, table_for(DIAMETER, HEIGHT))
+    monkeypatch.setattr("scipy.optimize.nnls", lambda columns, goal: (np.zeros(columns.shape[1]), 1.0))
+    starts = problem.starts(arms, 0.0)
+    assert len(starts) == 2 and all(len(one) == 3 + 2 * arms and np.isfinite(one).all() for one in starts)
+    assert all(0.5 * YOUNG_KPA < np.exp(one[0]) < 2.0 * YOUNG_KPA for one in starts)
+    assert len(set(starts[0][3 + arms :])) == arms

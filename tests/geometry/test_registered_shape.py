@@ -224,8 +224,9 @@ def test_a_shape_without_solids_is_refused_in_words():
 @pytest.mark.slow
 def test_its_whole_mould_passes_all_checks(tmp_path):
     from dummydesign.mold.build_files import produce
+    from dummydesign.mold.files.pour_sheet import Foot
 
-    found = produce(_spec(), tmp_path)
+    found = produce(_spec(), tmp_path, Foot(_spec().hash))
     assert [item["id"] for item in found["checks"] if item["status"] == "fail"] == []
     assert (tmp_path / "pad_coned_t12.step").is_file()
 
@@ -243,7 +244,7 @@ def test_suggest_finds_its_best_pad_by_the_law_it_brings(capsys):
     assert isinstance(shape, Coned)
     shape.check(best["thickness_mm"])
     rows = {row["kind"]: row for row in found["shapes"]}
-    assert set(rows) == {"slab", "coned"} and rows["coned"]["by"] == "law"
+    assert set(rows) == {"coned"} and rows["coned"]["by"] == "law"
     status, same = _answer(capsys, *asked, best["shape"])
     assert status == int(same["verdict"]["light"] == "red") and read_shape(same["recommendation"]["shape"]) == shape
 

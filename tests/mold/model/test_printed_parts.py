@@ -130,6 +130,8 @@ def drawn_spec(preset, shape, given):
     rng = np.random.default_rng()
     thickness, length, width = rng.uniform(8.0, 13.0), *rng.uniform(58.0, 95.0, 2)
     given, kind = dict(given), read_kind(shape)
+    if "count" in given:  # several stand side by side on the bed
+        length, width = rng.uniform(58.0, 62.0), rng.uniform(63.0, 67.0)
     degas = given.pop("degas", None)
     if kind[0] == "puck":
         width = length

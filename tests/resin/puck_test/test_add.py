@@ -184,7 +184,7 @@ def test_holds_give_the_long_term_modulus_and_arms_that_go_into_the_resin(held, 
     times = [arm.tau_s.value for arm in kept.arms]
     for arm in found["prony"]:
         assert any(abs(time / arm["tau_s"]["value"] - 1.0) < 1e-6 for time in times)
-    assert any("holds show" in note for note in kept.notes)
+    assert any("0.03 s" in note and "40 s" in note for note in kept.notes)  # the arm that is kept, what was seen
     assert (
         run(
             [

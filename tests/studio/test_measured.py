@@ -248,16 +248,19 @@ def test_the_page_with_all_that_it_offers_fits_a_phone_and_the_keyboard(page, st
     page.locator(f'{by("replace")}[data-name="{EXPORTS[1]}"]').click()
     page.set_viewport_size({"width": 390, "height": 844})
     page.wait_for_timeout(800)
-    for held in page.locator("iframe").all():  # a plot that loads during the walk takes the focus away from it
+    for held in page.locator("iframe").all():
         if held.is_visible():
             held.scroll_into_view_if_needed()
-            held.content_frame.locator("body > *").first.wait_for(state="attached")
     settled(page)
     assert page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") <= 0
     assert page.evaluate(NAMELESS) == [] and page.evaluate(RULES) == []
-    page.locator(".skip").focus()
-    while page.evaluate(WHERE) is not None:
-        page.keyboard.press("Tab")
+    for _ in range(4):  # a plot that loads in the frame of its frame takes the focus from the walk
+        page.locator(".skip").focus()
+        while page.evaluate(WHERE) is not None:
+            page.keyboard.press("Tab")
+        if not page.evaluate(MISSED):
+            break
+        page.wait_for_timeout(1500)
     assert page.evaluate(MISSED) == []
 
 

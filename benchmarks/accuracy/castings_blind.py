@@ -534,12 +534,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Blind check of castings.")
     parser.add_argument("--pads", type=int, default=60, help="of each design")
     parser.add_argument("--seed", type=int, default=20261127)
-    parser.add_argument("--rows", type=Path, default=ROOT / "benchmarks" / "results" / "castings_blind.jsonl")
+    parser.add_argument("--rows", type=Path, help="default results/castings_blind.jsonl, ..._tables.jsonl")
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "castings-blind.md")
-    parser.add_argument("--tables", action="store_true", help="designs by their tables, as with --no-verify")
+    parser.add_argument("--tables", action="store_true", help="designs by their tables (--no-verify); printed")
     parser.add_argument("--table-only", action="store_true")
     options = parser.parse_args()
-    rows = [row for row in read_rows(options.rows) if row["seed"] == options.seed]
+    # rows of the two kinds of designs have a file each: they have the same numbers
+    name = f"castings_blind{'_tables' if options.tables else ''}.jsonl"
+    kept = options.rows or ROOT / "benchmarks" / "results" / name
+    rows = [row for row in read_rows(kept) if row["seed"] == options.seed]
     known = {row["number"] for row in rows}
     if not options.table_only:
         solve_curves()
@@ -554,14 +557,16 @@ def main() -> None:
                 for one in designs_of(*geometry, knowledge, not options.tables)
             ]
             for row in judged:
-                keep_row(options.rows, row)
+                keep_row(kept, row)
             rows += judged
             levels = ", ".join(f"{row['ratio']:g} {row['level']}" for row in judged)
             seconds = f"{time.process_time() - started:.1f} s"
             print(number, *geometry, knowledge, levels, seconds, file=sys.stderr, flush=True)
-    options.out.write_text(wrapped(table(rows)))
     if options.tables:
+        for words, *names in QUANTITIES:
+            print(f"{words}: {_share(*covered(rows, *names))}")
         return
+    options.out.write_text(wrapped(table(rows)))
     for name, lines in data(rows).items():
         with (ROOT / "docs" / "data" / f"{name}.csv").open("w", newline="") as stream:
             csv.writer(stream, lineterminator="\n").writerows(lines)

@@ -307,7 +307,7 @@ def table(rows: list[dict]) -> str:
 def main() -> None:
     """Run what is missing of the study and write the table."""
     parser = argparse.ArgumentParser(description="Blind check of the verdict.")
-    parser.add_argument("--castings", type=int, default=28)
+    parser.add_argument("--castings", type=int, default=40)
     parser.add_argument("--seed", type=int, default=20261127)
     parser.add_argument("--rows", type=Path, default=ROOT / "benchmarks" / "results" / "verdict_blind.jsonl")
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "verdict-blind.md")

@@ -28,10 +28,10 @@ def beside(work: Callable[[], T]) -> Callable[[], T]:
     system copies no process, or has no room for one, or this one has threads, the work is done once its result is
     wanted.
     """
-    # a copy has none of the threads that the kernel would wait for
-    occ.OSD_ThreadPool.DefaultPool_s().Init(1)
     if sys.platform != "linux" or threading.active_count() > 1:
         return work
+    # a copy has none of the threads that the kernel would wait for
+    occ.OSD_ThreadPool.DefaultPool_s().Init(1)
     reading, writing = os.pipe()
     try:
         copy = os.fork()

@@ -110,7 +110,8 @@ class DesignPage:
         """Take what was chosen in a control; all others follow."""
         if self.setting:
             return
-        self.unchosen, after = False, self.state.changed(**new)
+        self.unchosen = False
+        after = self.state.changed(**new)
         if after.tissue != self.state.tissue:
             after = after.changed(aim=after.aim if after.aim in self._aims(after.tissue) else "average")
         if after != self.state and after.missing:

@@ -107,7 +107,7 @@ def relaxation_warnings(made: Pad | Puck, moves: bool) -> list[dict[str, str]]:
     """Warn where a pad without relaxation is pressed in time; ``moves`` says whether it is."""
     if made.prony or not moves:
         return []
-    message = "this pad has no relaxation: its peak force is its steady force. "
+    message = "this pad has no relaxation: its force does not depend on speed. "
     message += "Give --resin with --ratio, or --young with --prony TAU:BETA"
     return [{"code": "no_relaxation", "message": message}]
 

@@ -241,9 +241,8 @@ def render(result: dict[str, Any]) -> str:
 
 
 def _notes(result: dict[str, Any]) -> list[str]:
-    """At most four warnings, each with what to do; an impact comes first."""
-    lines = labelled("IMPACT", facts.impact_text(result))
-    return [*lines, *(line for note in facts.warning_texts(result) for line in labelled("WARNING", note, 2))]
+    """At most four warnings, each with what to do."""
+    return [line for note in facts.warning_texts(result) for line in labelled("WARNING", note, 2)]
 
 
 def _next(result: dict[str, Any]) -> list[str]:

@@ -154,6 +154,6 @@ def unknown_name(
 
 
 def quantity_name(words: str) -> str:
-    """Return the words of a message as a name: ``--robot-mass`` and ``robot mass in kg`` as ``robot_mass_kg``."""
+    """Return the words of a message as a name: ``--edge-radius`` as ``edge_radius``, ``mass in kg`` as ``mass_kg``."""
     plain = words.replace("Young's modulus", "young").replace(" in ", " ").replace("%", "percent")
     return re.sub(r"\W+", "_", plain).strip("_")

@@ -124,18 +124,7 @@ def _search_again(inputs: Mapping[str, Any], batch: str) -> str:
     names = TYPED_AGAIN if folder else (*TYPED_AGAIN, *SEARCHED_AGAIN)
     words = command_words(Request, given, names)
     words += f" --mould {shlex.quote(str(folder))}" if folder else ""
-    return f"dummydesign suggest --tissue {shlex.quote(given['tissue'])}{words}{_safety_words(given)} --resin {batch}"
-
-
-def _safety_words(given: Mapping[str, Any]) -> str:
-    """Options of the safety view as they are typed."""
-    words = ""
-    if given.get("robot_mass_kg") is not None:
-        words += f" --robot-mass {given['robot_mass_kg']:g}"
-        words += "" if given["robot_velocity_mm_s"] == 250.0 else f" --robot-velocity {given['robot_velocity_mm_s']:g}"
-    for name in ("limits", "drive"):
-        words += f" --{name} {shlex.quote(given[name])}" if given.get(name) else ""
-    return words
+    return f"dummydesign suggest --tissue {shlex.quote(given['tissue'])}{words} --resin {batch}"
 
 
 def paths_of(answer: Suggestion) -> list[PadPath]:

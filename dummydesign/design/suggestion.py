@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from dummydesign.design.assessment.value_of_information import MeasureFirst
     from dummydesign.design.crown_array import Sites
     from dummydesign.design.problem import Problem
-    from dummydesign.design.safety import SafetyView
     from dummydesign.design.search.slabs import DesignCandidate, ScoreMap
     from dummydesign.geometry.punch import Punch
     from dummydesign.pad.force_law import ForceLaw
@@ -128,12 +127,11 @@ class Suggestion:
     def to_dict(
         self,
         inputs: dict[str, Any] | None = None,
-        safety: SafetyView | None = None,
         mould: dict[str, Any] | None = None,
     ) -> dict[str, Any]:
         """Return the answer in the form of the ``suggest`` contract.
 
-        With inputs and safety view it is the whole answer. The recipe is that of the mould's volumes where it was made.
+        With inputs it is the whole answer. The recipe is that of the mould's volumes where it was made.
         """
         made_by = self.law.provenance.get("command", "")
         force_law = [f"response table of {self.shape.name} pads, made by {made_by}"] if made_by else []
@@ -165,13 +163,13 @@ class Suggestion:
             "sites": self.sites.to_dict(self.shape) if self.sites else None,
             "other_mould": self.other_mould,
             "rests_on": self.rests_on,
-            "warnings": [*(safety.warnings if safety else ()), *self.warnings],
+            "warnings": list(self.warnings),
             "sources": sources,
         }
-        if inputs is None or safety is None:
+        if inputs is None:
             return answer
         ahead = {"next": to_plain(next_steps(self, inputs)), "paths": to_plain(paths_of(self))}
-        whole = {"inputs": inputs, **answer, **ahead, "safety": safety.to_dict(), "files": {}}
+        whole = {"inputs": inputs, **answer, **ahead, "files": {}}
         if mould is None:
             return whole
         excluded = ("files", "warnings", "sources")

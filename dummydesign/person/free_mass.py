@@ -193,9 +193,8 @@ def _bottoms_out(
     absorbed = float(np.interp(limit, path[way_in], work_over(path[way_in], run.force_curve_N[0][way_in])))
     share = limit / pad.thickness_mm
     message = (
-        f"the pad absorbs {absorbed:.3g} of the {energy_mJ:.3g} mJ that {mass_kg:g} kg at {velocity_mm_s:g} mm/s bring, "
-        f"then bottoms out at {limit:.3g} mm, {share:.2f} of its thickness; beyond it is as hard as its base. Take a "
-        "smaller mass or speed, or a thicker pad"
+        f"the pad absorbs {absorbed:.3g} of {energy_mJ:.3g} mJ ({mass_kg:g} kg at {velocity_mm_s:g} mm/s), then bottoms "
+        f"out at {limit:.3g} mm, {share:.2f} of its thickness; take a smaller mass or speed, or a thicker pad"
     )
     found = {"energy_mJ": energy_mJ, "absorbed_mJ": absorbed, "depth_limit_mm": limit}
     return NoAnswerError("bottoms_out", "; ".join([message, *curve.notes]), found, "energy_mJ")

@@ -14,8 +14,6 @@ from dummydesign.tissue.model.people_share import is_strict
 
 MOST_NOTES = 4
 NOTES = (
-    "bottoms_out",
-    "impact_beyond_people",
     "people_bound",
     "measured_curves",
     "tissue_punch",
@@ -282,25 +280,6 @@ def warning_texts(result: dict[str, Any]) -> list[str]:
     shown = [code for code in NOTES if code in messages][:MOST_NOTES]
     texts = {code: f"{messages[code][0].upper()}{messages[code][1:]}" for code in shown}
     return [NOTE_WORDS.get(code, "{message}").format(message=text) for code, text in texts.items()]
-
-
-def impact_of(result: dict[str, Any]) -> tuple[dict[str, Any] | None, list[float]]:
-    """The row of a pad that stops a free mass, None where none does, and the peaks of the subjects who stop it. [N]"""
-    rows = [row for row in result.get("safety", {}).get("impact", []) if row["peak_force_N"] is not None]
-    pad = next((row for row in rows if row["body"] == "pad"), None)
-    return pad, [row["peak_force_N"] for row in rows if row["body"] != "pad"]
-
-
-def impact_text(result: dict[str, Any]) -> str:
-    """What a free mass does on pad and subjects; empty where none was requested."""
-    pad, known = impact_of(result)
-    if not pad or not known:
-        return ""
-    span = f"{min(known):.3g} to {max(known):.3g} N" if len(known) > 1 else f"{known[0]:.3g} N"
-    notes = [row["note"] for row in result["safety"]["impact"] if row.get("beyond_range")]
-    unusable = any("do not use" in note for note in notes)
-    mark = f" ({'do not use' if unusable else 'extrapolated'}: people were not pressed so hard)" if notes else ""
-    return f"peak {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm on the pad, {span} on the subjects{mark}"
 
 
 def next_steps(result: dict[str, Any]) -> list[str]:

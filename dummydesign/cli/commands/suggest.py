@@ -42,7 +42,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     test = parser.add_argument_group("your own test", "numbers may carry their unit: 0.25m/s, 10mm/s")
     add_options(test, Request, OWN_TEST)
     add_options(parser, Request, ("weighing_g", "thickness_tolerance_mm", "castings"))
-    add_options(parser, Request, ("robot_mass_kg", "robot_velocity_mm_s", "limits", "drive"))
     add("--out", metavar="DIR", help="folder of the files (default suggest-TISSUE)")
     add_replace_option(parser)
 

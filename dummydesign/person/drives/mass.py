@@ -77,4 +77,3 @@ class Mass(RobotDrive):
     def on_pad(self, press: Press) -> dict[str, NDArray | None]:
         """The pad's numbers; a body that bounces has no steady force."""
         return {**super().on_pad(press), "steady_N": None}
-

@@ -415,7 +415,7 @@ class PeopleOfPad:
             needs="presses",
         )
         with widgets.fold("Limits of your own: force and pressure with their source", "own-limits"):
-            DropList(self._keep_limits, self._find_limits, "A TOML file as 'suggest --limits' takes it.", "limits")
+            DropList(self._keep_limits, self._find_limits, "A TOML file as 'on-person --limits' takes it.", "limits")
         self.drive.on_value_change(self._new_drive)
         widgets.on_change(self.work.renew, self.limits, *self.numbers.values())
         self._new_drive()
@@ -461,7 +461,7 @@ class PeopleOfPad:
 
     def _keep_limits(self, name: str, content: bytes) -> str:
         """Keep a file of limits that can be read, and choose it."""
-        from dummydesign.design.safety import read_limits
+        from dummydesign.person.limits import read_limits
 
         if Path(file_transfer.plain_name(name)).suffix.lower() != ".toml":
             raise InputError("choose a file that ends in .toml", "unknown_name", "file_ending", name, ".toml")

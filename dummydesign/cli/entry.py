@@ -178,9 +178,6 @@ def _check_options(parser: argparse.ArgumentParser, name: str, words: list[str])
     for word in words:
         option = word.partition("=")[0]
         if option.startswith("--") and " " not in option and option not in ("--", *known):
-            if instead := table_of("gone").get(name, {}).get(option[2:]):
-                message = f"option '{option}' of {name} is gone: {instead}"
-                raise InputError(message, "unknown_option", quantity_name(option), option, sorted(known))
             import difflib
 
             near = difflib.get_close_matches(option, known, n=1, cutoff=0.7)
@@ -188,6 +185,8 @@ def _check_options(parser: argparse.ArgumentParser, name: str, words: list[str])
             others = [one for one in COMMANDS if one != name and option in _options(parser_of(one))]
             theirs = f"it is an option of {', '.join(others)}; " if others and not near else ""
             message = f"unknown option '{option}': {hint}{theirs}'dummydesign {name} --help' lists them"
+            if instead := table_of("gone").get(name, {}).get(option.removeprefix("--")):
+                message = f"option '{option}' of {name} is gone: {instead}"
             raise InputError(message, "unknown_option", quantity_name(option), option, sorted(known))
 
 

@@ -175,24 +175,15 @@ def render_details(result: dict[str, Any]) -> str:
     """Write the answer as a short table."""
     if "force_N" not in result:
         return render(result)
-    young = result["young_kPa"]
     first = [item["message"] for item in result["warnings"] if item["code"] == NO_RELAXATION]
     lines = [
         *([f"warning: {text}" for text in first] + [""] if first else []),
         *verdict_lines(result.get("verdict")),
         *tissue_lines(result),
-        f"pad {result['inputs']['thickness_mm']:g} mm, E = {young['value']:.4g} kPa "
-        f"({young['low']:.4g} to {young['high']:.4g}), punch {result['inputs']['punch']}, "
-        f"fidelity {result['fidelity']}",
+        f"pad {_pad_text(result)}",
     ]
     lines += [f"error of the prediction: {text}"] if (text := _error_text(result)) else []
-    for row in result.get("conditions", []):
-        head = f"  {row['steady_force_N']:g} N at {row['velocity_mm_s']:g} mm/s: "
-        if row["depth_mm"] is None:
-            lines.append(head + row["out_of_reach"])
-            continue
-        span = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f} N"
-        lines.append(f"{head}{row['depth_mm']:.2f} mm deep, peak {row['peak_force_N']:.1f} N, the subjects' {span}")
+    lines += _tissue_presses(result) if "conditions" in result else []
     lines += _press_lines(result["presses"]) if "presses" in result else _curve_lines(result)
     lines += [f"contact pressure {text}" for text in _contact_texts(result)]
     solver = result["solver"]
@@ -233,10 +224,7 @@ STATIC = {
 def _curve_lines(result: dict[str, Any], shown: int = SHOWN) -> list[str]:
     """A curve over depth or over time, thinned."""
     moved = "peak_force_N" in result
-    forms, lines = STATIC, []
-    if moved:
-        forms = MOVED
-        lines = [_press_text(result)]
+    forms, lines = (MOVED, [_press_text(result)]) if moved else (STATIC, [])
     rows = list(zip(*(result[name] for name in forms)))
     if moved and shown < SHOWN:
         rows = _spread_in_time(rows, result["peak_time_s"], shown)

@@ -8,7 +8,7 @@ from typing import Any
 from dummydesign.cli.common_options import call, number
 from dummydesign.cli.text import labelled, screen, table, tissue_lines, verdict_lines, warning_block, warning_lines
 
-HELP = "Force of one pad at static depths, under a measured motion, in a ramp and hold, or as it stops a mass."
+HELP = "Force of one pad: static, under a motion, in a ramp and hold, or as it stops a free mass."
 SHOWN = 25
 NO_RELAXATION = "no_relaxation"
 

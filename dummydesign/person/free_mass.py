@@ -13,6 +13,7 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.core.progress import reporting_depths
 from dummydesign.core.serialise import Serialised
+from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.measurement.motion import Motion
 from dummydesign.pad.force_law import ForceCurve
 from dummydesign.pad.material.relaxation import PronyTerm
@@ -65,8 +66,8 @@ def _nothing(time: float) -> tuple[float, float]:
 class PadBody:
     """A pad as a body of :func:`stop_mass`: its long-term force with Prony arms, F = A(x) + sum beta q.
 
-    q' = A'(x) x' - q / tau. Beyond the depth of the curve the force goes on along its tangent, so that a mass that is
-    not stopped within it is seen. ``over`` is a factor on the force over depth, that of finite strain.
+    q' = A'(x) x' - q / tau. Beyond the depth of the curve the force goes on from its tangent, ever steeper, so that a
+    mass that is not stopped within it is seen soon. ``over`` is the factor of finite strain on the force, over depth.
     """
 
     def __init__(
@@ -89,8 +90,10 @@ class PadBody:
 
     def elastic(self, depth: NDArray) -> NDArray:
         """Long-term force at depths. [N]"""
-        inside = np.clip(depth, 0.0, self.depth_mm[-1])
-        return self._force(inside) + self._stiffness_N_per_mm * np.maximum(depth - self.depth_mm[-1], 0.0)
+        limit = self.depth_mm[-1]
+        beyond = np.maximum(depth - limit, 0.0)
+        wall = self._stiffness_N_per_mm * beyond * (1.0 + (beyond / limit) ** 6)
+        return self._force(np.clip(depth, 0.0, limit)) + wall
 
     def slope(self, depth: NDArray) -> NDArray:
         """Its tangent stiffness. [N/mm]"""
@@ -191,10 +194,12 @@ def _bottoms_out(
     path, limit = run.depth_curve_mm[0], curve.limit_mm
     way_in = slice(0, int(np.argmax(path >= limit)) + 1)
     absorbed = float(np.interp(limit, path[way_in], work_over(path[way_in], run.force_curve_N[0][way_in])))
-    share = limit / pad.thickness_mm
+    share, brought = limit / pad.thickness_mm, f"{energy_mJ:.3g} mJ ({mass_kg:g} kg at {velocity_mm_s:g} mm/s)"
+    unsolved = curve.solver["unknowns"] > 0 and share < MAX_DEPTH_OVER_THICKNESS * (1.0 - 1e-6)
+    code, ends = ("no_convergence", "its solution ends") if unsolved else ("bottoms_out", "bottoms out")
     message = (
-        f"the pad absorbs {absorbed:.3g} of {energy_mJ:.3g} mJ ({mass_kg:g} kg at {velocity_mm_s:g} mm/s), then bottoms "
-        f"out at {limit:.3g} mm, {share:.2f} of its thickness; take a smaller mass or speed, or a thicker pad"
+        f"the pad absorbs {absorbed:.3g} of {brought}, then {ends} at {limit:.3g} mm, {share:.2f} of its thickness; "
+        "take a smaller mass or speed, or a thicker pad"
     )
     found = {"energy_mJ": energy_mJ, "absorbed_mJ": absorbed, "depth_limit_mm": limit}
-    return NoAnswerError("bottoms_out", "; ".join([message, *curve.notes]), found, "energy_mJ")
+    return NoAnswerError(code, "; ".join([message, *curve.notes]), found, "energy_mJ")

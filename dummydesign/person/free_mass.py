@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,15 +32,8 @@ ROUNDS, SAME = 4, 1e-3
 """How often a path is followed again with the finite-strain force on it, and the change of the depth that ends it."""
 
 
-class StoppingBody(Body, Protocol):
-    """A body that can say how deep a mass goes at most."""
-
-    def depth_taking(self, energy_mJ: float) -> NDArray:
-        """Depth at which an energy is taken if nothing relaxes, shape (p,). [mm]"""
-
-
 def stop_mass(
-    body: StoppingBody, mass_kg: float, velocity_mm_s: NDArray, keep: bool = True, tolerance: float = TOLERANCE
+    body: Body, mass_kg: float, velocity_mm_s: NDArray, keep: bool = True, tolerance: float = TOLERANCE
 ) -> PersonResponse:
     """Stop a free mass, M x'' = -F from the speed at contact on; with curves, as long again for the rebound.
 
@@ -161,11 +154,11 @@ def mass_on_pad(
     body, before = PadBody(curve, pad.prony), np.inf
     for _ in range(ROUNDS):
         run = stop_mass(body, mass_kg, np.array([velocity_mm_s]))
-        deepest = float(run.depth_mm[0])
+        deepest, stop = float(run.depth_mm[0]), float(np.squeeze(run.stop_s))
         if deepest > curve.limit_mm:
             raise _bottoms_out(pad, curve, run, mass_kg, velocity_mm_s, energy)
         time, path = run.time_s, run.depth_curve_mm[0]
-        flight = -APPROACH * float(run.stop_s[0]) * np.linspace(1.0, 0.0, APPROACH_STEPS, endpoint=False)
+        flight = -APPROACH * stop * np.linspace(1.0, 0.0, APPROACH_STEPS, endpoint=False)
         motion = Motion(np.r_[flight, time], np.r_[velocity_mm_s * flight, path])
         prediction = motion_on_curve(pad, motion, curve, fidelity)
         if fidelity != "viscoelastic" or abs(deepest - before) <= SAME * deepest:
@@ -174,7 +167,7 @@ def mass_on_pad(
         body = PadBody(curve, pad.prony, _finite_strain_factor(pad, motion, curve, prediction.force_N))
     bounces = replace(prediction, steady_force_N=np.nan)
     at_peak = float(prediction.displacement_mm[int(np.argmax(prediction.force_N))])
-    return MassPress(bounces, deepest, at_peak, float(run.stop_s[0]), float(run.energy_mJ[0]))
+    return MassPress(bounces, deepest, at_peak, stop, float(run.energy_mJ[0]))
 
 
 def _finite_strain_factor(

@@ -87,6 +87,9 @@ class Body(Protocol):
     def slope_of(self, depth: NDArray, stretch: NDArray, gain: NDArray) -> NDArray:
         """Slope of the force over depth within a step, shape (p,). [N/mm]"""
 
+    def depth_taking(self, energy_mJ: float) -> NDArray:
+        """Depth at which an energy is taken if nothing relaxes, shape (p,). [mm]"""
+
 
 Input = Callable[[float], tuple[NDArray | float, NDArray | float]]
 """Force [N] and path [mm] of the pad at a time."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.blas_threads import one_blas_thread
-from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.progress import Progress, quiet
 from dummydesign.design.assessment.budget import budget_of_castings
 from dummydesign.design.assessment.curves import match_of_design
@@ -90,11 +90,19 @@ def _neighbours(
         around = near[able] if able.any() else np.array([chosen.thickness_mm])
     first, alternatives, score_map = search(chosen.law, replace(problem, thickness_mm=around))
     others = [
-        one
+        replace(one, shape=_shape_at(chosen, one))
         for one in (first, *alternatives)
         if abs(one.thickness_mm - best.thickness_mm) > 1e-9 or abs(one.ratio - best.ratio) > 1e-9
     ]
-    return others[:ALTERNATIVES], score_map
+    return [one for one in others if _can_be_made(one, problem)][:ALTERNATIVES], score_map
+
+
+def _can_be_made(pad: DesignCandidate, problem: Problem) -> bool:
+    try:
+        problem.mould(pad)
+    except InputError:
+        return False
+    return True
 
 
 def _verify(chosen: ShapedDesign, best: DesignCandidate, problem: Problem) -> Verification:
@@ -218,7 +226,7 @@ def design(problem: Problem, progress: Progress = quiet) -> Suggestion:
     if request.verify:
         from dummydesign.design.search.fe_candidates import solve_leading
 
-        designs = solve_leading(designs, problem, progress)
+        designs = solve_leading(designs, problem, missing, progress)
     chosen = designs[0]
     progress("castings")
     castings = cast_pad(problem, chosen)
@@ -256,7 +264,7 @@ def design(problem: Problem, progress: Progress = quiet) -> Suggestion:
         shares=shares_of_pad(castings),
         pour=pour,
         best=replace(best, shape=chosen.shape),
-        alternatives=tuple(replace(one, shape=_shape_at(chosen, one)) for one in alternatives),
+        alternatives=tuple(alternatives),
         rests_on=count_unmeasured(problem.resin, problem.tissue, best),
         warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
         choice=explain(chosen, rank([one for one in designs if one is not chosen], problem), problem),

@@ -166,4 +166,5 @@ def compare_kinds(
                 design.outlook.after_puck,
             )
         )
-    return rows + [ShapeComparison(kind, reason=reason) for kind, reason in missing.items()]
+    found = {row.kind for row in rows}
+    return rows + [ShapeComparison(kind, reason=reason) for kind, reason in missing.items() if kind not in found]

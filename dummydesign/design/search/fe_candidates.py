@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.cache import cached
-from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.core.progress import Progress, quiet
 from dummydesign.design.scoring.crowns import Crowns
@@ -167,11 +167,14 @@ def on_elements(design: ShapedDesign, space: SearchSpace) -> ShapedDesign:
     return replace(design, cast=law, outlook=outlook, solved=True)
 
 
-def _solved(design: ShapedDesign, space: SearchSpace) -> ShapedDesign | None:
-    """A pad solved; None where it cannot be, or no longer reaches the middle force."""
+def _solved(design: ShapedDesign, space: SearchSpace, faults: dict[str, str], alone: bool) -> ShapedDesign | None:
+    """A pad solved; None where it cannot be, or no longer reaches the middle force, with the reason of its kind."""
     try:
         made = on_elements(design, space)
-    except NoAnswerError:
+    except (InputError, NoAnswerError) as problem:
+        if alone and isinstance(problem, InputError):
+            raise
+        faults.setdefault(design.shape.name, str(problem))
         return None
     return made if feasible(made, space) else None
 
@@ -184,12 +187,12 @@ def _better(other: ShapedDesign, solved: ShapedDesign, space: SearchSpace) -> bo
 
 
 def solve_leading(
-    designs: Sequence[ShapedDesign], space: SearchSpace, progress: Progress = quiet
+    designs: Sequence[ShapedDesign], space: SearchSpace, faults: dict[str, str], progress: Progress = quiet
 ) -> list[ShapedDesign]:
     """Solve the best design; another one only where solving leaves the first behind it.
 
-    Pads that cannot be solved fall away. Fields of caps take minutes in space: they are solved where no round pad was
-    searched, the first of them. Slabs are designed by their table.
+    Pads that cannot be solved fall away, the reason of each kind into ``faults``. Fields of caps take minutes in space:
+    they are solved where no round pad was searched, the first of them. Slabs are designed by their table.
     """
     left = list(designs)
     solved: list[ShapedDesign] = []
@@ -202,7 +205,7 @@ def solve_leading(
             break
         left.remove(first)
         progress(f"finite elements, {first.shape.name} pad")
-        made = _solved(first, space)
+        made = _solved(first, space, faults, not (left or solved))
         if made is None:
             fallen.append(first)
             continue

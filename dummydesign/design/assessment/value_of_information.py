@@ -13,7 +13,7 @@ from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, MODULUS, RELA
 from dummydesign.design.scoring.verdict import (
     CLASSES,
     STANDS_FOR,
-    USABLE,
+    WITH_CORRECTION,
     Readings,
     classes,
     deviations,
@@ -24,6 +24,8 @@ from dummydesign.mold.pour.plan import WITNESS_MM
 
 # Castings, the first of an answer's, that are judged for every tissue that is drawn.
 POURS = 120
+# What a casting may do that is acceptable: need no correction, or one.
+USABLE = "usable"
 # Least gain of usable castings for which something is measured: twice the standard error of a share.
 GAIN = 0.03
 # Steps of the ratio that are tried for two pads, castings of each, and the share below which none is proposed.
@@ -88,7 +90,7 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
     known = {group: judged(few.readings((group,))) for group in (MODULUS, RELAXATION, MAKING, FORCE_LAW)}
     both = judged(few.readings(RESIN))
     means = STANDS_FOR if ranges.strict or (both == 0).mean() > 0.5 else USABLE
-    worst = CLASSES.index(means)
+    worst = CLASSES.index(STANDS_FOR if means == STANDS_FOR else WITH_CORRECTION)
     fit = judged(few.readings()) <= worst
     now = float((judged(cast.readings()) <= worst).mean())
 

@@ -22,6 +22,8 @@ SLACK, SURE = 0.005, 2.0
 LEAST = 0.01
 # What the share of a level is sought above it: castings are drawn, and one may turn out otherwise.
 ABOVE = 0.01
+# The share that stands for the subjects from which the better level is sought: where fewer can, none will be green.
+HALF = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,13 +182,15 @@ def _best(usable: NDArray, stands: NDArray, misfit: NDArray, enough: float, stri
     """Index along the last axis of the ratio of the largest usable share.
 
     Of those that are as large within a slack it is one of which most stand for the subjects, up to what the level
-    needs; of these that of the least misfit.
+    needs, where half of them can; of these that of the least misfit.
     """
     # beyond what the level needs more only moves the pad away from the aim
-    stands, able = np.minimum(stands, enough + ABOVE), np.ones(usable.shape, dtype=bool)
-    for share in (stands,) if strict else (usable, stands):
-        held = np.where(able, share, 0.0)
-        able &= held >= held.max(axis=-1, keepdims=True) - SLACK
+    held = np.minimum(stands, enough + ABOVE)
+    able = np.ones(usable.shape, dtype=bool)
+    for share, least in ((held, 0.0),) if strict else ((usable, 0.0), (held, HALF)):
+        left = np.where(able, share, 0.0)
+        most = left.max(axis=-1, keepdims=True)
+        able &= (left >= most - SLACK) | (most < least)
     return np.asarray(np.argmin(np.where(able, misfit, np.inf), axis=-1))
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.blas_threads import one_blas_thread
-from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.errors import NoAnswerError, accepts
 from dummydesign.core.progress import Progress, quiet
 from dummydesign.design.assessment.budget import budget_of_castings
 from dummydesign.design.assessment.curves import match_of_design
@@ -81,28 +81,20 @@ def _neighbours(
     problem: Problem, chosen: ShapedDesign, best: DesignCandidate
 ) -> tuple[list[DesignCandidate], ScoreMap]:
     """Alternatives of other thickness or ratio about a design, and the map of scores."""
-    around = problem.thickness_mm
-    if isinstance(chosen.law, FamilyLaw):
+    around, law = problem.thickness_mm, chosen.law
+    if isinstance(law, FamilyLaw):
         near = around[np.abs(around - chosen.thickness_mm) <= AROUND_STEPS * 0.5 + 1e-9]
-        known = np.asarray(chosen.law.depth_limit_mm(near, problem.radius_mm)) > 0.0
-        pads = chosen.law.family.at_thickness(chosen.shape, chosen.thickness_mm, near)
+        known = np.asarray(law.depth_limit_mm(near, problem.radius_mm)) > 0.0
+        pads = law.family.at_thickness(chosen.shape, chosen.thickness_mm, near)
         able = known & pads.castable(problem.pad_mm, problem.least_film_mm)
         around = near[able] if able.any() else np.array([chosen.thickness_mm])
-    first, alternatives, score_map = search(chosen.law, replace(problem, thickness_mm=around))
+    first, alternatives, score_map = search(law, replace(problem, thickness_mm=around))
     others = [
-        replace(one, shape=_shape_at(chosen, one))
+        replace(one, shape=law.shape_at(one.thickness_mm) if isinstance(law, FamilyLaw) else chosen.shape)
         for one in (first, *alternatives)
         if abs(one.thickness_mm - best.thickness_mm) > 1e-9 or abs(one.ratio - best.ratio) > 1e-9
     ]
-    return [one for one in others if _can_be_made(one, problem)][:ALTERNATIVES], score_map
-
-
-def _can_be_made(pad: DesignCandidate, problem: Problem) -> bool:
-    try:
-        problem.mould(pad)
-    except InputError:
-        return False
-    return True
+    return [one for one in others if accepts(problem.mould, one)][:ALTERNATIVES], score_map
 
 
 def _verify(chosen: ShapedDesign, best: DesignCandidate, problem: Problem) -> Verification:
@@ -200,13 +192,6 @@ def _of_kinds(designs: Sequence[ShapedDesign]) -> list[ShapedDesign]:
     for design in designs:
         first.setdefault(design.shape.name, design)
     return list(first.values())
-
-
-def _shape_at(chosen: ShapedDesign, other: DesignCandidate) -> PadShape:
-    """Shape of an alternative: the best design's, in proportion to the thickness."""
-    if not isinstance(chosen.law, FamilyLaw):
-        return chosen.shape
-    return chosen.law.shape_at(other.thickness_mm)
 
 
 def suggest(request: Request) -> Suggestion:

@@ -140,13 +140,16 @@ class Suggestion:
         sources = [*self.tissue.sources, *self.resin.references, *force_law]
         groups = [group for group in GROUPS if group != TISSUE]
         castings, verdict, shares = self.castings.castings, self.verdict.to_dict(), self.shares.to_dict()
-        classes = (
-            {} if self.verdict.castings is None else {**self.verdict.castings, "usable": self.verdict.usable_share}
-        )
         recommendation = design_dict(self.best, self.problem)
         answer: dict[str, Any] = {
             "verdict": verdict,
-            "castings": {"n": castings.n, "seed": castings.seed, "groups": groups, **classes},
+            "castings": {
+                "n": castings.n,
+                "seed": castings.seed,
+                "groups": groups,
+                **(verdict["castings"] or {}),
+                "usable": self.verdict.usable_share,
+            },
             "shares": {name: value for name, value in shares.items() if name != "window_kPa"},
             "window_kPa": shares["window_kPa"],
             "people": shares_below(self.targets, self.best.readings.peak_N).to_dict(),

@@ -166,5 +166,8 @@ def compare_kinds(
                 design.outlook.after_puck,
             )
         )
-    found = {row.kind for row in rows}
-    return rows + [ShapeComparison(kind, reason=reason) for kind, reason in missing.items() if kind not in found]
+    return rows + [
+        ShapeComparison(kind, reason=reason)
+        for kind, reason in missing.items()
+        if kind not in {row.kind for row in rows}
+    ]

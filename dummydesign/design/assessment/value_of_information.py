@@ -24,8 +24,6 @@ from dummydesign.mold.pour.plan import WITNESS_MM
 
 # Castings, the first of an answer's, that are judged for every tissue that is drawn.
 POURS = 120
-# What a casting may do that is acceptable: need no correction, or one.
-USABLE = "usable"
 # Least gain of usable castings for which something is measured: twice the standard error of a share.
 GAIN = 0.03
 # Steps of the ratio that are tried for two pads, castings of each, and the share below which none is proposed.
@@ -89,7 +87,7 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
 
     known = {group: judged(few.readings((group,))) for group in (MODULUS, RELAXATION, MAKING, FORCE_LAW)}
     both = judged(few.readings(RESIN))
-    means = STANDS_FOR if ranges.strict or (both == 0).mean() > 0.5 else USABLE
+    means = STANDS_FOR if ranges.strict or (both == 0).mean() > 0.5 else "usable"
     worst = CLASSES.index(STANDS_FOR if means == STANDS_FOR else WITH_CORRECTION)
     fit = judged(few.readings()) <= worst
     now = float((judged(cast.readings()) <= worst).mean())
@@ -107,7 +105,7 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
     shares = now, means, listed, over_tissues
     if gains[group] < GAIN or len(targets.tissue.subjects) < 2:
         return MeasureFirst(None, *shares, "", "", "")
-    words = "are usable" if means == USABLE else "need no correction"
+    words = "need no correction" if means == STANDS_FOR else "are usable"
     if group == TISSUE:
         text = f"measure people: for other people that the data allow {100 * (over_tissues or 0.0):.0f} % of castings"
         return MeasureFirst(group, *shares, *_how(group, cast), f"{text} {words}")

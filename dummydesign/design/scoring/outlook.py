@@ -184,13 +184,11 @@ def _best(usable: NDArray, stands: NDArray, misfit: NDArray, enough: float, stri
     Of those that are as large within a slack it is one of which most stand for the subjects, up to what the level
     needs, where half of them can; of these that of the least misfit.
     """
-    # beyond what the level needs more only moves the pad away from the aim
-    held = np.minimum(stands, enough + ABOVE)
-    able = np.ones(usable.shape, dtype=bool)
-    for share, least in ((held, 0.0),) if strict else ((usable, 0.0), (held, HALF)):
-        left = np.where(able, share, 0.0)
-        most = left.max(axis=-1, keepdims=True)
-        able &= (left >= most - SLACK) | (most < least)
+    # on the safe side more than the share that is needed only reads higher
+    held = np.minimum(usable, enough + ABOVE) if strict else usable
+    able = held >= held.max(axis=-1, keepdims=True) - SLACK
+    sought = np.where(able, np.clip(stands, HALF, enough + ABOVE), 0.0)
+    able = sought >= sought.max(axis=-1, keepdims=True) - SLACK
     return np.asarray(np.argmin(np.where(able, misfit, np.inf), axis=-1))
 
 

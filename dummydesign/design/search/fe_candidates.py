@@ -167,18 +167,6 @@ def on_elements(design: ShapedDesign, space: SearchSpace) -> ShapedDesign:
     return replace(design, cast=law, outlook=outlook, solved=True)
 
 
-def _solved(design: ShapedDesign, space: SearchSpace, faults: dict[str, str], alone: bool) -> ShapedDesign | None:
-    """A pad solved; None where it cannot be, or no longer reaches the middle force, with the reason of its kind."""
-    try:
-        made = on_elements(design, space)
-    except (InputError, NoAnswerError) as problem:
-        if alone and isinstance(problem, InputError):
-            raise
-        faults.setdefault(design.shape.name, str(problem))
-        return None
-    return made if feasible(made, space) else None
-
-
 def _better(other: ShapedDesign, solved: ShapedDesign, space: SearchSpace) -> bool:
     """Whether a design that only a table knows is better than a solved one by more than solving moves it."""
     limits, strict = space.targets.limits, space.targets.strict
@@ -191,8 +179,9 @@ def solve_leading(
 ) -> list[ShapedDesign]:
     """Solve the best design; another one only where solving leaves the first behind it.
 
-    Pads that cannot be solved fall away, the reason of each kind into ``faults``. Fields of caps take minutes in space:
-    they are solved where no round pad was searched, the first of them. Slabs are designed by their table.
+    Pads that cannot be solved, or no longer reach the middle force, fall away, the reason of each kind into ``faults``.
+    Fields of caps take minutes in space: they are solved where no round pad was searched, the first of them. Slabs are
+    designed by their table.
     """
     left = list(designs)
     solved: list[ShapedDesign] = []
@@ -205,11 +194,14 @@ def solve_leading(
             break
         left.remove(first)
         progress(f"finite elements, {first.shape.name} pad")
-        made = _solved(first, space, faults, not (left or solved))
-        if made is None:
+        try:
+            solved.append(feasible(on_elements(first, space), space))
+        except (InputError, NoAnswerError) as problem:
+            if isinstance(problem, InputError) and not (left or solved):
+                raise
+            faults.setdefault(first.shape.name, str(problem))
             fallen.append(first)
             continue
-        solved.append(made)
         if left and not _better(rank(left, space)[0], rank(solved, space)[0], space):
             break
     if not solved:

@@ -16,7 +16,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, unknown_name
+from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, accepts, unknown_name
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.scoring.crowns import crown_scatter
 from dummydesign.design.scoring.outlook import LEAST, Match, Outlook, Scatter, outlook_of, smoothed
@@ -128,14 +128,10 @@ def search_shapes(
         except (InputError, NoAnswerError) as problem:
             faults[kind] = problem
     designs = rank(_assessed(_leading(sieved, space), space, faults), space) if sieved else []
-    found = {design.shape.name for design in designs}
-    for kind in {pad.shape.name for pad in sieved} - found - set(faults):
-        message = f"no {kind} pad reaches {space.targets.protocol.needed_N:g} N with {space.resin.name}"
-        faults[kind] = NoAnswerError("no_feasible_design", message, quantity="pad")
-    if not designs and len(kinds) == 1:
+    if not designs and len(kinds) == 1 and faults:
         raise faults[kinds[0]]
-    missing = {**refused, **{kind: str(problem) for kind, problem in faults.items()}}
-    missing = {kind: missing[kind] for kind in kinds if kind in missing and kind not in found}
+    found, reasons = {design.shape.name for design in designs}, {**refused, **faults}
+    missing = {kind: str(reasons[kind]) for kind in kinds if kind in reasons and kind not in found}
     if not designs:
         raise NoAnswerError("no_feasible_design", "; ".join(missing.values()), quantity="pad")
     return designs, missing
@@ -283,7 +279,9 @@ def _alike(one: NDArray, other: NDArray) -> bool:
 def _sieve_fixed(family: Family, shape: PadShape, space: SearchSpace) -> list[_Sieved]:
     """Pads of a shape whose lengths are given: only what lies under it changes."""
     family.check(shape)
-    fitting = [float(thickness) for thickness in space.thickness_mm if _accepts(shape, float(thickness), space.pad_mm)]
+    fitting = [
+        float(thickness) for thickness in space.thickness_mm if accepts(shape.check, float(thickness), *space.pad_mm)
+    ]
     if not fitting:
         shape.check(float(space.thickness_mm[-1]), *space.pad_mm)
     law = FamilyLaw(family, shape, fitting[0], cast=True)
@@ -323,14 +321,6 @@ def _matched_ratio(match: Match, space: SearchSpace) -> float:
     """The ratio whose central modulus is nearest to a pad's best."""
     young = np.log(np.asarray(space.resin.young_MPa(space.ratio)))
     return float(space.ratio[np.argmin(np.abs(young - match.log_young))])
-
-
-def _accepts(shape: PadShape, thickness_mm: float, pad_mm: tuple[float, float]) -> bool:
-    try:
-        shape.check(thickness_mm, *pad_mm)
-    except InputError:
-        return False
-    return True
 
 
 def _curves(pads: Sequence[_Sieved], space: SearchSpace) -> SlabCurves:
@@ -397,19 +387,27 @@ def _assessed(pads: Sequence[_Sieved], space: SearchSpace, faults: dict[str, Dum
     for pad in pads:
         try:
             outlook = outlook_for(pad.cast, pad.shape, pad.thickness_mm, pad.match, space, MANY_BATCHES)
-        except InputError as problem:
+            design = ShapedDesign(pad.shape, pad.thickness_mm, pad.law, pad.cast, pad.match, outlook)
+            made.append(feasible(design, space))
+        except (InputError, NoAnswerError) as problem:
             faults.setdefault(pad.shape.name, problem)
-            continue
-        design = ShapedDesign(pad.shape, pad.thickness_mm, pad.law, pad.cast, pad.match, outlook)
-        if feasible(design, space):
-            made.append(design)
     return made
 
 
-def feasible(design: ShapedDesign, space: SearchSpace) -> bool:
-    """Whether a design reaches the middle force of the test within its depth limit at the ratio to pour."""
+def feasible(design: ShapedDesign, space: SearchSpace) -> ShapedDesign:
+    """The design, which reaches the middle force of the test within its depth limit at the ratio to pour.
+
+    Raises
+    ------
+    NoAnswerError
+        For one that does not.
+    """
     curves = make_curves(design.cast, [design.thickness_mm], space.radius_mm, space.targets.limits.gel_compression)
-    return bool(space.resin.young_MPa(design.outlook.ratio) * curves.area_mm2[0, -1] >= space.targets.protocol.needed_N)
+    needed_N = space.targets.protocol.needed_N
+    if space.resin.young_MPa(design.outlook.ratio) * curves.area_mm2[0, -1] >= needed_N:
+        return design
+    message = f"no {design.shape.name} pad reaches {needed_N:g} N with {space.resin.name}"
+    raise NoAnswerError("no_feasible_design", message, quantity="pad")
 
 
 def outlook_for(

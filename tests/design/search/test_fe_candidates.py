@@ -248,7 +248,13 @@ def leading(monkeypatch):
             return replace(law_of_outlook(level, after), shape=design.shape, solved=True)
 
         monkeypatch.setattr(fe_candidates, "on_elements", on_elements)
-        monkeypatch.setattr(fe_candidates, "feasible", lambda design, where: design.outlook.after_puck >= 0.0)
+
+        def feasible(design, where):
+            if design.outlook.after_puck < 0.0:
+                raise NoAnswerError("no_feasible_design", "too soft")
+            return design
+
+        monkeypatch.setattr(fe_candidates, "feasible", feasible)
         monkeypatch.setattr(fe_candidates, "rank", lambda some, where: sorted(some, key=lambda one: one.outlook.number))
         run.faults = {}
         designs = solve_leading([design for design, _ in rows], space(), run.faults)

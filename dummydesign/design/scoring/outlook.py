@@ -121,11 +121,11 @@ def outlook_of(
     if not shares[first] > LEAST:
         first = best_known
     mean, spread = _after_puck(batches, first, scatter)
-    expected = (
+    usable, stands = (
         np.sum([w * chance(mean + spread * z) for z, w in zip(NORMAL_NODES, NORMAL_WEIGHTS)], axis=0)
         for chance in (good, of_stands)
     )
-    chosen = best(*expected, match.misfit(mean))
+    chosen = best(usable, stands, match.misfit(mean))
     rows = np.arange(count)
     after = each[rows, chosen]
     return Outlook(

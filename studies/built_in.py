@@ -70,8 +70,8 @@ def design_table(answers: Answers) -> str:
                 tissue,
                 LEVELS[answer["verdict"]["level"]],
                 f"{shape[0]}{f':{lengths}' if lengths else ''}, {best['thickness_mm']:g} mm, {best['ratio']:g}",
-                _percent(_usable(castings)),
-                *(_percent(_usable(answer["shares"][name])) for name in shares),
+                _percent(castings["usable"]),
+                *(_percent(answer["shares"][name]["usable"]) for name in shares),
                 _percent(castings["out_of_reach"]),
                 ", ".join("-" if one is None else f"{one:.2f}" for one in factors),
                 _slab_words(slab),
@@ -91,10 +91,6 @@ def measure_table(answers: Answers) -> str:
         ]
         rows.append([tissue, f"`{first['acceptable_means']}`", _percent(first["acceptable_now"]), *cells])
     return _table(["tissue", "acceptable means", "now", *KNOWN.values()], rows)
-
-
-def _usable(shares: Mapping[str, Any]) -> float:
-    return float(shares["stands_for"] + shares["usable"])
 
 
 def _percent(share: float) -> str:

@@ -67,7 +67,7 @@ KNOWLEDGE = ("as stated", "modulus known", "measured", "measured, made well")
 MADE_WELL: dict[str, Any] = {"weighing_g": 0.01, "thickness_tolerance_mm": 0.05}
 AROUND, TRIED = 9, 28
 """Steps of the ratio to either side that are judged, and depths at which a pad is pressed."""
-CLASSES = ("stands_for", "usable", "reads_low", "over", "out_of_reach")
+CLASSES = ("stands_for", "with_correction", "reads_low", "over", "out_of_reach")
 
 
 def known_resin(resin, knowledge: str):

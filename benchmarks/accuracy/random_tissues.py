@@ -106,7 +106,7 @@ def _share(share: Share) -> dict[str, float]:
 
 def usable(share: dict[str, float]) -> float:
     """Share of castings that may be used, as they are or with a correction."""
-    return share["stands_for"] + share["usable"]
+    return share["stands_for"] + share["with_correction"]
 
 
 def table(rows: list[dict[str, Any]]) -> str:

@@ -172,7 +172,7 @@ def _more_details(result: dict[str, Any]) -> list[str]:
 
 def _castings(result: dict[str, Any]) -> list[str]:
     """The castings by class, what each known group makes of them, and their share in the steady range."""
-    drawn, first, names = result["castings"], result["measure_first"], ("stands_for", "usable", *OUTCOMES)
+    drawn, first, names = result["castings"], result["measure_first"], ("stands_for", "with_correction", *OUTCOMES)
     shares = whole_percents([drawn[name] for name in names])
     words = ["need no correction", "are usable with one", *(OUTCOMES[name] for name in OUTCOMES)]
     over = first["acceptable_over_tissues"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -83,6 +83,15 @@ class NoAnswerError(DummydesignError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.code, str(self), self.result, self.quantity)
+
+
+def accepts(call: Callable[..., object], *given: Any) -> bool:
+    """Whether a call takes what it is given without an ``InputError``."""
+    try:
+        call(*given)
+    except InputError:
+        return False
+    return True
 
 
 @contextmanager

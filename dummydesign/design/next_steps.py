@@ -131,8 +131,7 @@ def paths_of(answer: Suggestion) -> list[PadPath]:
     """The puck first and then the pad, beside the pad at once: what each takes and how many castings are usable."""
     from dummydesign.mold.puck.plan import ring_cost
 
-    strict, shares, pad = answer.targets.strict, answer.shares, _mould(answer)
-    poured, after = (one.stands_for + (0.0 if strict else one.usable) for one in (shares.as_poured, shares.after_puck))
+    pad, poured, after = _mould(answer), answer.shares.as_poured.usable, answer.shares.after_puck.usable
     ring, wait = ring_cost(*WITNESS_MM, resin=answer.request.resin, ratio=answer.best.ratio), _curing_h(answer)
     printing, kept = pad.printing_h, answer.request.mould is not None
     grams = {"silicone": 0.0 if kept else pad.silicone_g, "resin": pad.resin_g}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from warnings import warn
@@ -141,7 +141,13 @@ class Suggestion:
         recommendation = design_dict(self.best, self.problem)
         answer: dict[str, Any] = {
             "verdict": verdict,
-            "castings": {"n": castings.n, "seed": castings.seed, "groups": groups, **(verdict["castings"] or {})},
+            "castings": {
+                "n": castings.n,
+                "seed": castings.seed,
+                "groups": groups,
+                **(verdict["castings"] or {}),
+                "usable": self.verdict.usable_share,
+            },
             "shares": {name: value for name, value in shares.items() if name != "window_kPa"},
             "window_kPa": shares["window_kPa"],
             "people": shares_below(self.targets, self.best.readings.peak_N).to_dict(),
@@ -280,6 +286,7 @@ def make_mould(answer: Suggestion, folder: Path) -> dict[str, Any]:
     best = answer.best
     try:
         spec = answer.problem.mould(best)
+        spec = replace(spec, pour=replace(spec.pour, usable_kPa=answer.shares.window_kPa or ()))
         return client.make_mold(spec, folder).to_dict() | {"sources": list(spec.sources)}
     except NoAnswerError as problem:
         step = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {answer.request.resin}"

@@ -226,7 +226,7 @@ def _factors(what: str, values: list[float | None], reach: str | None) -> str:
 def castings_lines(result: dict[str, Any]) -> list[str]:
     """Castings that are usable as poured, of an average batch and after one puck, and the window of moduli."""
     shares, strict = result["shares"], is_strict(result["inputs"]["aim"])
-    good = {name: share["stands_for"] + (0.0 if strict else share["usable"]) for name, share in shares.items()}
+    good = {name: share["usable"] for name, share in shares.items()}
     after = shares["after_puck"]
     words = "on the safe side" if strict else "usable"
     none = f" ({_percent(after['no_ratio'])} never)" if after["no_ratio"] >= 0.005 else ""

@@ -27,14 +27,14 @@ def _known_hours(monkeypatch):
 
 
 def answer(level, group="", mould=None):
-    share = SimpleNamespace(stands_for=0.25, usable=0.5)
+    share = SimpleNamespace(usable=0.75)
     return SimpleNamespace(
         verdict=SimpleNamespace(level=level),
         measure_first=SimpleNamespace(group=group, text="measure", protocol="so", command="measure it"),
         best=SimpleNamespace(ratio=15.25),
         resin=SimpleNamespace(name="r"),
         targets=SimpleNamespace(strict=False),
-        shares=SimpleNamespace(as_poured=share, after_puck=SimpleNamespace(stands_for=0.5, usable=0.375)),
+        shares=SimpleNamespace(as_poured=share, after_puck=SimpleNamespace(usable=0.875)),
         request=SimpleNamespace(resin="r", mould=mould),
     )
 

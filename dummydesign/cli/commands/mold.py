@@ -111,14 +111,16 @@ def _weighed(text: str) -> dict[str, float]:
 
 def render_record(result: dict[str, Any]) -> str:
     """Each limit in a line, then what it does to the force."""
+    from dummydesign.mold.pour.record import allowed_words
+
     size = f"{result['thickness_mm']:.2f} +- {result['thickness_sd_mm']:.2f} mm"
     lines = [f"Pad of {size} (designed {result['design_thickness_mm']:g} mm), mould {result['specification']}"]
     for one in result["limits"]:
-        allowed = f"at most {one['high']:.4g}" if one["low"] is None else f"{one['low']:.4g} to {one['high']:.4g}"
+        allowed, unlimited = allowed_words(one["low"], one["high"]), one["high"] is None
         cost = "" if one["force_percent"] is None else f"{one['force_percent']:+.1f} % force"
-        state = "MISSED" if one["missed"] else "kept"
+        state = "MISSED" if one["missed"] else "" if unlimited else "kept"
         lines.append(f"  {one['what']:<34}{one['value']:>8.4g} {one['unit']:<4}{allowed:<18}{state:<7}{cost}")
-        if one["missed"]:
+        if one["missed"] or unlimited:
             lines.append(f"      {one['advice']}")
     force = result["force_percent"]
     if force is None:

@@ -166,4 +166,8 @@ def compare_kinds(
                 design.outlook.after_puck,
             )
         )
-    return rows + [ShapeComparison(kind, reason=reason) for kind, reason in missing.items()]
+    return rows + [
+        ShapeComparison(kind, reason=reason)
+        for kind, reason in missing.items()
+        if kind not in {row.kind for row in rows}
+    ]

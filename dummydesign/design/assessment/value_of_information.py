@@ -13,7 +13,7 @@ from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, MODULUS, RELA
 from dummydesign.design.scoring.verdict import (
     CLASSES,
     STANDS_FOR,
-    USABLE,
+    WITH_CORRECTION,
     Readings,
     classes,
     deviations,
@@ -87,8 +87,8 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
 
     known = {group: judged(few.readings((group,))) for group in (MODULUS, RELAXATION, MAKING, FORCE_LAW)}
     both = judged(few.readings(RESIN))
-    means = STANDS_FOR if ranges.strict or (both == 0).mean() > 0.5 else USABLE
-    worst = CLASSES.index(means)
+    means = STANDS_FOR if ranges.strict or (both == 0).mean() > 0.5 else "usable"
+    worst = CLASSES.index(STANDS_FOR if means == STANDS_FOR else WITH_CORRECTION)
     fit = judged(few.readings()) <= worst
     now = float((judged(cast.readings()) <= worst).mean())
 
@@ -105,7 +105,7 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
     shares = now, means, listed, over_tissues
     if gains[group] < GAIN or len(targets.tissue.subjects) < 2:
         return MeasureFirst(None, *shares, "", "", "")
-    words = "are usable" if means == USABLE else "need no correction"
+    words = "need no correction" if means == STANDS_FOR else "are usable"
     if group == TISSUE:
         text = f"measure people: for other people that the data allow {100 * (over_tissues or 0.0):.0f} % of castings"
         return MeasureFirst(group, *shares, *_how(group, cast), f"{text} {words}")

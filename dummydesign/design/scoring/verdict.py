@@ -19,8 +19,8 @@ from dummydesign.design.scoring.targets import Targets
 TOLERANCE, ENERGY_TOLERANCE = 0.01, 0.02
 PEAK, STEADY, ENERGY = "peak", "steady", "energy"
 # Exclusive classes of castings, in the order of their numbers.
-CLASSES = ("stands_for", "usable", "reads_low", "over", "out_of_reach")
-STANDS_FOR, USABLE, READS_LOW, OVER, OUT_OF_REACH = CLASSES
+CLASSES = ("stands_for", "with_correction", "reads_low", "over", "out_of_reach")
+STANDS_FOR, WITH_CORRECTION, READS_LOW, OVER, OUT_OF_REACH = CLASSES
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,7 +227,7 @@ class Verdict(Serialised):
     @property
     def usable_share(self) -> float | None:
         """Share of the castings that may be used, as they are or with a correction."""
-        return None if self.castings is None else self.castings[STANDS_FOR] + self.castings[USABLE]
+        return None if self.castings is None else good_share(self.castings, strict=False)
 
 
 def shares_of(differences: Deviations, limits: VerdictLimits) -> dict[str, float]:
@@ -238,7 +238,7 @@ def shares_of(differences: Deviations, limits: VerdictLimits) -> dict[str, float
 
 def good_share(shares: dict[str, float], strict: bool) -> float:
     """Share of pads that may be used: as they are or with a correction, on the safe side as they are alone."""
-    return shares[STANDS_FOR] if strict else shares[STANDS_FOR] + shares[USABLE]
+    return shares[STANDS_FOR] if strict else shares[STANDS_FOR] + shares[WITH_CORRECTION]
 
 
 def level_of(

@@ -365,6 +365,8 @@ def _records(root: Path, folder: str) -> None:
 
 def show_record(answer: Mapping[str, Any]) -> None:
     """The verdict of a record: each limit, and what it does to the force."""
+    from dummydesign.mold.pour.record import allowed_words
+
     light, text = "green", "Accepted: the pad keeps all limits."
     if not answer["accepted"]:
         light, text = "red", f"Not accepted. It misses {', '.join(answer['missed'])}."
@@ -373,9 +375,10 @@ def show_record(answer: Mapping[str, Any]) -> None:
     show_verdict({"light": light, "text": text + more})
     rows = []
     for one in answer["limits"]:
-        allowed = f"at most {one['high']:.4g}" if one["low"] is None else f"{one['low']:.4g} to {one['high']:.4g}"
-        advice = ("missed", one["advice"]) if one["missed"] else ("kept", "")
-        rows.append([one["what"], one["value"], one["unit"], allowed, *advice])
+        allowed, unlimited = allowed_words(one["low"], one["high"]), one["high"] is None
+        state = "missed" if one["missed"] else "" if unlimited else "kept"
+        advice = one["advice"] if one["missed"] or unlimited else ""
+        rows.append([one["what"], one["value"], one["unit"], allowed, state, advice])
     widgets.table(["what", "value", "", "allowed", "", "what to do"], rows, words=True)
 
 

@@ -166,7 +166,7 @@ def test_on_the_safe_side_a_casting_that_falls_short_is_not_corrected(low, level
     kept = Readings(1.05 * band.peak_high_N, band.energy_high_mJ, band.stiff_mm)
     short = Readings(kept.peak_N * np.array([0.93, 1, 1, 1, 1, 1]), kept.energy_mJ, kept.depth_mm)
     found = strictly(band, kept, spread=stacked([short] * low + [kept] * (200 - low)))
-    assert found.level == level and found.castings["usable"] == found.castings["over"] == 0.0
+    assert found.level == level and found.castings["with_correction"] == found.castings["over"] == 0.0
     assert found.castings["reads_low"] == pytest.approx(low / 200)
 
 

@@ -110,7 +110,7 @@ def test_the_verdict_is_what_the_forces_say_directly(people, by_hand):
                     assert judged(widened[0], one) != judged(widened[1], one)
                     near += 1
     assert {how for _, how in seen} >= {"inside", "low", "high"}
-    assert {"stands_for", "usable", "reads_low", "over"} <= {kind for kind, _ in seen}
+    assert {"stands_for", "with_correction", "reads_low", "over"} <= {kind for kind, _ in seen}
     assert near <= 0.03 * count
 
 

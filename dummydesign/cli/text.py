@@ -235,7 +235,8 @@ def first_lines(result: dict[str, Any]) -> list[str]:
         )
         lines.append(f"impact: the pad stops it with {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm, {with_}")
     first = result.get("measure_first")
-    lines += [f"{first['text']}: {first['protocol']}", f"then: {first['command']}"] if first and first["text"] else []
+    lines += [f"{first['text']}: {first['protocol']}"] if first and first["text"] else []
+    lines += [f"then: {first['command']}"] if first and first["command"] else []
     choice = result.get("choice")
     lines += [f"why this pad: {choice['text']}"] if choice else []
     return [*lines, ""] if lines else []

@@ -143,6 +143,7 @@ class Suggestion:
         recommendation = design_dict(self.best, self.problem)
         answer: dict[str, Any] = {
             "verdict": verdict,
+            "batch_measured": self.resin.measured,
             "castings": {"n": castings.n, "seed": castings.seed, "groups": groups, **(verdict["castings"] or {})},
             "shares": {name: value for name, value in shares.items() if name != "window_kPa"},
             "window_kPa": shares["window_kPa"],

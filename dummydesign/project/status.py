@@ -209,7 +209,7 @@ def _after_design(project: Project, design: ProjectFile, ring: bool, tissue: str
     level, resin = best.get("verdict"), str(best.get("resin"))
     if level == "not_representative":
         text = str(step.get("do") or "do not cast this pad")
-        return f"{text}; then design again", f"dummydesign suggest{tissue} --no-cad"
+        return f"{text}; then design again with another resin or test", "dummydesign resins list"
     if level == "not_settled" and "ratio" in best and not _measured(resin):
         other = project.resin not in (None, resin)
         if other or _measured(BATCH, design.date):

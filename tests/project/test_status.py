@@ -106,7 +106,7 @@ def test_an_unfinished_answer_and_a_damaged_campaign_are_not_taken_for_done(tmp_
     (tmp_path / "campaigns" / "bad").mkdir()
     (tmp_path / "campaigns" / "bad" / "campaign.toml").write_text("x = ", encoding="utf-8")
     told = status_of(project)
-    assert told.files["designs"] == () and told.next_command == "dummydesign resins list"
+    assert told.files["designs"] == () and told.next_command == "dummydesign suggest --no-cad"
     assert len(told.problems) == 1 and "campaigns/bad" in told.problems[0]
 
 

@@ -33,13 +33,14 @@ from scipy.interpolate import PchipInterpolator
 from scipy.special import erf
 
 from benchmarks.rows import keep_row, read_rows
+from dummydesign.core.levels import LEVELS
 from dummydesign.design.assessment.pad_castings import verdict_of_design
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import Castings
 from dummydesign.design.scoring.press_simulation import make_curves
 from dummydesign.design.scoring.score import evaluate
-from dummydesign.design.scoring.verdict import LEVELS, ranges_of
+from dummydesign.design.scoring.verdict import ranges_of
 from dummydesign.design.search.slabs import DesignCandidate, make_slabs
 from dummydesign.design.suggest import design
 from dummydesign.geometry.shape_registry import read_shape

@@ -231,7 +231,7 @@ def compare(
         if output is not None:
             from dummydesign.report.compare import write_comparison
 
-            files = write_comparison(comparison, site, output.work, judged)
+            files = write_comparison(comparison, site, output.work, result)
             output.extra["summary"] = {"verdict": judged["level"], "text": judged["text"]}
             result = output.answer({**result, "inputs": {**inputs, "out": str(output.folder)}, "files": files})
     return Result(comparison, result, "compare")

@@ -275,7 +275,7 @@ def _run(arguments: list[str]) -> int:
                 result = module.run(options)
             verdict = result.get("verdict")
             if isinstance(verdict, dict) and verdict.get("light") == "red":
-                message = "the pad is not representative of the tissue"
+                message = "the verdict on the pad is red: do not use it"
                 problem = NoAnswerError("not_representative", message, quantity="verdict")
         except NoAnswerError as reason:
             result, problem = reason.result, reason

@@ -101,13 +101,13 @@ def _shapes(result: dict[str, Any]) -> list[str]:
 
 
 def _passed_over(result: dict[str, Any]) -> list[str]:
-    """The pad with the best score where it was passed over because it is not representative."""
+    """The pad with the best score where it was passed over because it is red."""
     known = [row for row in result["shapes"] if row["shape"] is not None]
     nearest = max(known, key=lambda row: row["total"], default=None)
     if nearest is None or nearest["acceptable"] or nearest["shape"] == result["recommendation"]["shape"]:
         return []
     return [
-        f"  the {nearest['kind']} pad scores higher (total {nearest['total']:.2f}) and is not representative; "
+        f"  the {nearest['kind']} pad scores higher (total {nearest['total']:.2f}) and is red; "
         f"--shape {nearest['kind']} gives it",
     ]
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import DummydesignError
+from dummydesign.core.levels import LEVELS
 from dummydesign.core.parsing import DECELERATION, EDGE, FORCE, HOLD, VELOCITY, positive, read_number, read_numbers
 from dummydesign.core.serialise import to_plain
 from dummydesign.design.measured_match import budget_of_traces
@@ -17,7 +18,7 @@ from dummydesign.design.request import face_of
 from dummydesign.design.scoring.castings import COUNT
 from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.targets import energies_of
-from dummydesign.design.scoring.verdict import LEVELS, Ranges, Readings, Verdict, verdict
+from dummydesign.design.scoring.verdict import Ranges, Readings, Verdict, verdict
 from dummydesign.design.test_conditions import check_edge, check_numbers, tissue_warnings
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.interface import CONDITIONS, Interface
@@ -125,7 +126,8 @@ def verdict_of_traces(
     if not len(ranges.steady_N):
         lowest = comparison.test.span_N[0]
         unsettled = " and ".join(filter(None, [unsettled, f"it was not pressed above {lowest:g} N"]))
-    return verdict(ranges, readings, spread, of="pads that fit these traces", unsettled=unsettled)
+    of, measure = "pads that fit these traces", "more presses of this pad"
+    return verdict(ranges, readings, spread, of=of, unsettled=unsettled, measure=measure)
 
 
 def readings_of_traces(comparison: Comparison, tissue: Tissue) -> tuple[Ranges, Readings, Readings]:

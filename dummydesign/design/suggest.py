@@ -10,6 +10,7 @@ import numpy as np
 
 from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.errors import NoAnswerError, accepts
+from dummydesign.core.levels import LEVELS
 from dummydesign.core.progress import Progress, quiet
 from dummydesign.design.assessment.budget import budget_of_castings
 from dummydesign.design.assessment.curves import match_of_design
@@ -23,7 +24,7 @@ from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import Castings
 from dummydesign.design.scoring.people import people_warnings
 from dummydesign.design.scoring.press_simulation import make_curves
-from dummydesign.design.scoring.verdict import LEVELS, deviations, good_share, ranges_of, shares_of
+from dummydesign.design.scoring.verdict import deviations, good_share, ranges_of, shares_of
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.search.shape_search import (
     ShapedDesign,

@@ -141,6 +141,7 @@ class Suggestion:
         recommendation = design_dict(self.best, self.problem)
         answer: dict[str, Any] = {
             "verdict": verdict,
+            "batch_measured": self.resin.measured,
             "castings": {
                 "n": castings.n,
                 "seed": castings.seed,

@@ -199,8 +199,10 @@ def correction_lines(result: dict[str, Any]) -> list[str]:
     forces = [factors["force_central"], factors["force"], puck["force_factor"]]
     energies = [factors["factor_central"], factors["factor"], puck["factor"]]
     if max(value for value in (*forces, *energies) if value is not None) <= 1.01:
-        return ["no correction needed"]
-    if result["verdict"]["level"] == "not_settled":
+        return ["multiply readings by 1.00: they are not low"]
+    if result["batch_measured"]:
+        forces[2] = energies[2] = None
+    elif result["verdict"]["level"] == "not_settled":
         both = (("forces", forces[2]), ("energies", energies[2]))
         after = " and ".join(f"{what} by {value:.2f}" for what, value in both if value is not None)
         return [f"after the puck multiply {after} for 95 % of castings{_in_reach(puck)}"] if after else []
@@ -229,11 +231,11 @@ def castings_lines(result: dict[str, Any]) -> list[str]:
     good = {name: share["usable"] for name, share in shares.items()}
     after = shares["after_puck"]
     words = "on the safe side" if strict else "usable"
-    none = f" ({_percent(after['no_ratio'])} never)" if after["no_ratio"] >= 0.005 else ""
-    lines = [
-        f"{_percent(good['as_poured'])} {words} as poured, {_percent(good['resin_known'])} of an average batch, "
-        f"{_percent(good['after_puck'])} after one puck{none}"
-    ]
+    line = f"{_percent(good['as_poured'])} {words} as poured"
+    if not result["batch_measured"]:
+        line += f", {_percent(good['resin_known'])} of an average batch, {_percent(good['after_puck'])} after one puck"
+        line += f" ({_percent(after['no_ratio'])} never)" if after["no_ratio"] >= 0.005 else ""
+    lines = [line]
     window, young = result["window_kPa"], result["recommendation"]["young_kPa"]
     if window is not None:
         # on the safe side a stiffer pad only reads higher
@@ -289,7 +291,7 @@ def next_steps(result: dict[str, Any]) -> list[str]:
 
 def paths_lines(result: dict[str, Any]) -> list[str]:
     """The ways to a pad that can be used, where a puck comes first."""
-    if result["verdict"]["level"] != "not_settled":
+    if result["verdict"]["level"] != "not_settled" or result["batch_measured"]:
         return []
     return ["; ".join(path["text"] for path in result["paths"])]
 

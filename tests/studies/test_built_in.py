@@ -39,12 +39,12 @@ def test_a_row_has_the_pad_its_castings_its_factors_and_the_slab():
     table = built_in.design_table([("palm", answer(), answer("not_representative"))])
     assert cells(table) == [
         "palm",
-        "not settled",
+        "Measure first",
         "crowned:2.4,3.5,7.8, 11 mm, 15.2",
         "61 %",
         "28 %",
         "1.00, 1.16, -",
-        "red: energy 69 % too high",
+        "Do not use it: energy 69 % too high",
     ]
     assert cells(built_in.design_table([("palm", answer(), None)]))[-1] == "none reaches the presses"
 

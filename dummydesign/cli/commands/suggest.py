@@ -59,7 +59,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         answer = answer_request(request, options.out, options.replace, steps)
     result = answer.to_dict()
     if not answer.outcome.verdict.acceptable:
-        text = f"no acceptable pad: the best one found is {result['verdict']['level'].replace('_', ' ')}"
+        text = "no acceptable pad: the verdict on the best one found is red"
         text += "" if options.cad is not None else "; no mould was made of it (--cad makes it anyway)"
         raise NoAnswerError("no_acceptable_pad", text, result, "verdict")
     return result

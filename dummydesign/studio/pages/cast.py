@@ -184,6 +184,7 @@ class PressComparison:
             return
         widgets.facts(
             [
+                ("holds" if answer["holds"] else "does not hold", "the calibration, on these presses"),
                 (f"{answer['rmse_N']:.3g} N", "error of the calibrated model (rms)"),
                 (f"{answer['base_rmse_N']:.3g} N", "error of the plain model (rms)"),
             ]

@@ -112,6 +112,7 @@ def replayed(effects, count=2, noise_floor_N=0.1):
         "base_rmse_N": 0.5,
         "noise_floor_N": noise_floor_N,
         "holds": 0.25 <= 2.0 * noise_floor_N,
+        "inputs": {"campaign": "camp"},
         "effects": effects,
         "trials": trials,
         "pads": [],

@@ -274,8 +274,8 @@ def curve_at(law: ForceLaw, thickness_mm: float, young_MPa: float, radius_mm: fl
     )
 
 
-def depth_grid(thickness_mm: float, deepest_mm: float | None, depths_mm: Array | None) -> tuple[Array, float]:
-    """Depths that are solved, the wanted ones among them, and the deepest. [mm]
+def depth_grid(thickness_mm: float, deepest_mm: float | None, depths_mm: Array | None) -> Array:
+    """Depths of a curve, the wanted ones among them. [mm]
 
     Parameters
     ----------
@@ -291,7 +291,7 @@ def depth_grid(thickness_mm: float, deepest_mm: float | None, depths_mm: Array |
     grid = np.linspace(0.0, deepest, CURVE_POINTS + 1)[1:]
     if depths_mm is not None:
         grid = np.union1d(grid[::2], depths_mm[(depths_mm > 0.0) & (depths_mm <= limit)])
-    return grid, deepest
+    return grid
 
 
 def interpolate_curve(solved: PadCurve, end: LowEnd | None) -> ForceCurve:

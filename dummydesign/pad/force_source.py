@@ -168,7 +168,7 @@ def _shape_law(pad: Pad) -> TabulatedShapeLaw:
 def _by_elements(pad: Pad | Puck, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
     from dummydesign.pad.first_touch import solvable_depths
 
-    grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
+    grid = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
     return _through(pad, solve_points(pad, solvable_depths(pad, grid)))
 
 
@@ -227,7 +227,7 @@ def _shape_in_space(pad: Pad, deepest_mm: float | None, depths_mm: Array | None)
     from dummydesign.pad.first_touch import solvable_depths
     from dummydesign.pad.spatial.shaped_pad import solve_shaped_block
 
-    grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
+    grid = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
     grid = solvable_depths(pad, grid[1::2] if depths_mm is None else grid, in_space=True)
 
     def solve(own: Pad) -> PadCurve:

@@ -332,7 +332,7 @@ def test_a_curve_through_solved_depths_is_exact_for_its_own_power_times_an_expon
     assert curve.force(np.array([0.25])) == pytest.approx(force[:1] * 0.5**power)
     assert curve.relative_error(np.array([0.1, 1.5, 9.0])) == pytest.approx([0.005, 0.015, 0.04])
     with pytest.raises(NoAnswerError):
-        interpolate_curve(PadCurve(depth[:1], force[:1], force[:1], COST, ("note",)), None)
+        force_source._through(pad(), PadCurve(depth[:1], force[:1], force[:1], COST, ("note",)))
 
 
 def test_a_square_in_space_is_the_round_twin_times_its_factor_at_relative_depths(monkeypatch):

@@ -253,8 +253,13 @@ def relative_depths(depth_mm: ArrayLike, thickness_mm: float) -> Array:
     wrong = depths[~((depths > 0.0) & (depths <= limit * (1.0 + 1e-9)))]
     if len(wrong) or not len(depths):
         worst = float(wrong[0]) if len(wrong) else 0.0
-        message = f"depth_mm = {worst:g} is outside the allowed range above 0 to {limit:.4g}"
-        raise InputError(message, "out_of_range", "depth_mm", worst, (0.0, limit))
+        raise InputError(
+            f"depth_mm = {worst:g} is outside the allowed range above 0 to {limit:.4g}",
+            "out_of_range",
+            "depth_mm",
+            worst,
+            (0.0, limit),
+        )
     return depths / thickness_mm
 
 

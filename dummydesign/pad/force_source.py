@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.cache import cached
-from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.interface import BASES, Interface
 from dummydesign.pad.force_law import (
@@ -168,7 +168,7 @@ def _shape_law(pad: Pad) -> TabulatedShapeLaw:
 def _by_elements(pad: Pad | Puck, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
     from dummydesign.pad.first_touch import solvable_depths
 
-    grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
+    grid = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
     return _through(pad, solve_points(pad, solvable_depths(pad, grid)))
 
 
@@ -176,8 +176,10 @@ def _through(pad: Pad | Puck, solved: PadCurve) -> ForceCurve:
     from dummydesign.pad.first_touch import low_end
 
     depth, force = solved.depth_mm, solved.force_N
-    end = low_end(pad, depth, force, solved.error_N / force) if len(depth) > 1 else None
-    return interpolate_curve(solved, end)
+    if len(depth) < 2:
+        message = f"the pad could be solved at {len(depth)} depth only: {solved.notes[0]}"
+        raise NoAnswerError("no_convergence", message, quantity="force_N")
+    return interpolate_curve(solved, low_end(pad, depth, force, solved.error_N / force))
 
 
 def solve_points(pad: Pad | Puck, depth_mm: Array, cells: int | None = None, independent: bool = False) -> PadCurve:
@@ -227,7 +229,7 @@ def _shape_in_space(pad: Pad, deepest_mm: float | None, depths_mm: Array | None)
     from dummydesign.pad.first_touch import solvable_depths
     from dummydesign.pad.spatial.shaped_pad import solve_shaped_block
 
-    grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
+    grid = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
     grid = solvable_depths(pad, grid[1::2] if depths_mm is None else grid, in_space=True)
 
     def solve(own: Pad) -> PadCurve:

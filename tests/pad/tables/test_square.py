@@ -180,7 +180,8 @@ def test_on_a_crown_that_is_almost_flat_the_factor_is_that_of_a_slab():
     assert factor == pytest.approx(float(square_factor(2.0, 10.0, RADIUS)[0]), abs=1e-4)
 
 
-def test_crowns_that_were_not_fitted_are_inside_the_stated_error():
+def test_the_shipped_error_covers_crowns_that_were_not_fitted():
+    # they were seen when the error was set: the file and the factor agree, no blind check
     data = json.loads((data_folder() / "materials" / "tables" / "square-crowned.json").read_text(encoding="utf-8"))
     inside = []
     for row in data["values"]:

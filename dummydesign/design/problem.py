@@ -89,7 +89,8 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
     ratios = _ratios(resin, request.ratio)
     targets = make_targets(tissue, request.aim, sampling, request.protocol)
     glued = punch.square and request.face == "bonded"
-    calibrated, correct = None, under_square if glued else None
+    calibrated: Calibrated | None = None
+    correct: Correct | None = under_square if glued else None
     if request.calibration is not None:
         from dummydesign.design.calibrated import CalibratedFamily, with_calibration
 
@@ -97,8 +98,8 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
             check_calibrated(request, punch, thickness)
         calibrated = with_calibration(resin, request.calibration, request.punch, punch.square, request.edge_radius_mm)
         resin, law = calibrated.resin, cast(ForceLaw, calibrated.law)
-        inner, correction = correct or (lambda family: family), calibrated.law.correction
-        correct = cast(Correct, lambda family: CalibratedFamily(inner(family), correction))
+        inner, correction = correct, calibrated.law.correction
+        correct = cast(Correct, lambda one: CalibratedFamily(one if inner is None else inner(one), correction))
     if law is None:
         law = own_slab_law(request, punch, thickness)
     preset = read_preset(request.preset, request.machine, request.silicone)

@@ -1,4 +1,4 @@
-"""Make the square-over-circle factor of crowned pads: ``python -m studies.tables.square_crown --store FILE``.
+"""Make the square-over-circle factor of crowned pads: ``python -m studies.tables.square_crown``.
 
 A crown under the square punch is solved in space, an eighth of it, on the coarse cells of ``predict --fidelity 3d``,
 the forefinger's on finer ones too. What cells and fillet take from the force is found in a meridian plane, under the
@@ -134,7 +134,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description="Make the square-over-circle factor of crowned pads.")
     parser.add_argument("--count", type=int, default=24, help="drawn crowns that are fitted")
     parser.add_argument("--fresh", type=int, default=8, help="drawn crowns that check the fit")
-    parser.add_argument("--store", type=Path, required=True)
+    parser.add_argument("--store", type=Path, default=Path("square-crown-solves.jsonl"))
     options = parser.parse_args(arguments)
     build = Build.begin("studies.tables.square_crown", arguments)
     coarse = GridFineness().coarser()

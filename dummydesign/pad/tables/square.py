@@ -98,7 +98,7 @@ class CrownTable:
 @lru_cache(maxsize=1)
 def load_crown() -> CrownTable:
     """Read the numbers of the factor of crowns."""
-    command = "python -m studies.tables.square_crown --store FILE"
+    command = "python -m studies.tables.square_crown"
     return json_table.read("square-crowned.json", "factor of crowns", command, partial(fill_table, CrownTable))
 
 

@@ -36,7 +36,7 @@ SEED, FRESH_SEED = 58, 1158
 RECOMMENDED = ((4.5, 21.2, 2.0, 9.4), (11.0, 2.4, 3.5, 7.8), (13.5, 2.0, 4.3, 7.8))
 # Values are fitted from this share of the edge's depth, where cells and fillet take no more than a share of the force.
 BEGINS, MOST_CORRECTED = 0.9, 0.08
-# Stated errors: of all crowns, and further of thin pads with a foot near the punch's edge. Both were set after the fresh
+# Stated errors: of all crowns, and more of thin pads with a foot near the punch's edge. Both were set after the fresh
 # crowns were seen, so that these are no blind check of them.
 ERROR, FOOT_ERROR = 0.025, 0.075
 # Depths that are solved, from this share of that at which the circle's edge is reached to the deepest.

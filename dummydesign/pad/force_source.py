@@ -64,14 +64,22 @@ def elastic_curve(
         curve = _by_table(pad)
     else:
         curve = _by_elements(pad, deepest_mm, depths_mm)
-    if not has_square_factor(pad):
-        return curve
-    from dummydesign.pad.tables.square import square_factor
+    return scale_curve(curve, corners_of(pad)) if has_square_factor(pad) else curve
 
-    def factor(depth: Array) -> tuple[Array, Array]:
+
+def corners_of(pad: Pad) -> Callable[[Array], tuple[Array, Array]]:
+    """Factor of a square punch over the circle of its area and its relative error, at depths. [mm]"""
+    from dummydesign.pad.tables.square import DOUBTED_WITH_FILLET, crown_factor, square_factor
+
+    def slab(depth: Array) -> tuple[Array, Array]:
         return square_factor(depth, pad.thickness_mm, pad.radius_mm, pad.base, bool(pad.edge_radius_mm))
 
-    return scale_curve(curve, factor)
+    def crown(depth: Array) -> tuple[Array, Array]:
+        value, error = crown_factor(depth, pad.thickness_mm, pad.radius_mm, dict(pad.geometry.parameters))
+        usual = pad.base == "bonded" and not pad.edge_radius_mm and pad.condition == "bonded" and _plain_law(pad)
+        return value, error if usual else error + DOUBTED_WITH_FILLET * np.abs(value - 1.0)
+
+    return crown if pad.geometry.crowned else slab
 
 
 def _unsupported(name: str, value: str | float, fidelity: str) -> InputError:
@@ -89,6 +97,8 @@ def has_square_factor(pad: Pad) -> bool:
     """Whether the punch is a square whose factor over the circle of its area is tabulated."""
     if pad.sides_mm is None or pad.sides_mm[0] != pad.sides_mm[1]:
         return False
+    if pad.geometry.crowned:
+        return pad.geometry.axisymmetric and pad.profile_mm is None
     return _tabulated(replace(pad, edge_radius_mm=0.0))
 
 
@@ -131,7 +141,11 @@ def _in_space(pad: Pad, deepest_mm: float | None, depths_mm: Array | None) -> Fo
 
 def _in_table(pad: Pad) -> bool:
     plain = pad.profile_mm is None and pad.geometry == SLAB
-    return plain and pad.condition == "bonded" and pad.poisson == 0.5 and pad.shape == Yeoh(1.0)
+    return plain and pad.condition == "bonded" and _plain_law(pad)
+
+
+def _plain_law(pad: Pad) -> bool:
+    return pad.poisson == 0.5 and pad.shape == Yeoh(1.0)
 
 
 def _by_table(pad: Pad) -> ForceCurve:

@@ -40,7 +40,7 @@ from dummydesign.pad.pad_under_punch import Puck
 from dummydesign.pad.tables.puck import table_for
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.resin import PUCK_SCATTER
-from dummydesign.resin.puck_test.add_compression import Compressed, add_compression, loading
+from dummydesign.resin.puck_test.add_compression import Compressed, add_compression, steps
 from dummydesign.resin.puck_test.loading_fit import LoadingCurve, fit_pucks
 from dummydesign.resin.puck_test.plates import LUBRICATED, read_plates
 
@@ -144,14 +144,13 @@ def slow_pucks(count: int, seed: int, friction: float | None = None) -> NDArray:
         if mu is None:
             mu = float(value_at(replace(plates.friction, kind="inferred"), away[0]))
         curve = PchipInterpolator(np.r_[0.0, AT], np.r_[0.0, np.exp(over_friction(laws[rng.integers(LAWS)])(mu))])
-        x = np.linspace(-0.2, SHARE * HEIGHT_MM, 400)
+        x = np.linspace(-0.2, SHARE * HEIGHT_MM, 4000)
         scale = 30.0 * math.exp(PUCK_SCATTER * away[1])
         force = scale * curve(np.maximum(x - rng.uniform(-0.1, 0.3), 0.0) / HEIGHT_MM)
-        depth, load = loading(x, force + rng.uniform(0.01, 0.05) * rng.standard_normal(len(x)))
+        noisy = force + rng.uniform(0.01, 0.05) * rng.standard_normal(len(x))
         size = DIAMETER_MM + 0.1 * rng.standard_normal(), HEIGHT_MM + 0.05 * rng.standard_normal()
         window = 0.03 * size[1], SHARE * HEIGHT_MM
-        grid = np.r_[0.0, np.linspace(*window, 60)]
-        press = LoadingCurve("press", "puck", grid, np.interp(grid, depth, load))
+        press = LoadingCurve("press", "puck", *steps(x, noisy, window))
         young = fit_pucks([press], *size, table_for(*size), window, plates).known.young_kPa
         rows.append((young.value / 30.0, young.low <= 30.0 <= young.high))
     return np.array(rows)

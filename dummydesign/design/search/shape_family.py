@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.core.quantity import Quantity
 from dummydesign.design.scoring.crowns import Crowns
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import make_shape, part_of, shape_kind, shape_kinds
 from dummydesign.mold.model.spec import PadGeometry
 from dummydesign.pad.force_law import BaseForceLaw
+from dummydesign.pad.tables.elastic_law import elastic_factor, mean_drop_mm
 from dummydesign.pad.tables.slab import load_table
 
 if TYPE_CHECKING:
@@ -293,6 +295,31 @@ class TableFamily:
     def _raw(self, designs: Designs, radius_mm: float) -> NDArray:
         """Inputs as :func:`dummydesign.pad.tables.shape.ratios` gives them for one shape."""
         return self._shape.numbers(designs.parameters, designs.thickness_mm, np.asarray(radius_mm, float))
+
+
+@dataclass(frozen=True)
+class ElasticFamily:
+    """Shapes of one kind of a resin whose elastic law is not neo-Hookean; all but the force is the plain family's."""
+
+    plain: Family
+    alpha: Quantity
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.__dict__["plain"], name)
+
+    def _factor(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> tuple[NDArray, NDArray]:
+        pads = range(len(designs.thickness_mm))
+        drop = np.array([mean_drop_mm(designs.shape(index), radius_mm) for index in pads])[:, None]
+        return elastic_factor(depth_mm, designs.thickness_mm[:, None], radius_mm, self.alpha, self.plain.kind, drop)
+
+    def area_mm2(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
+        """Force over modulus; see :class:`Family`. [mm2]"""
+        return self.plain.area_mm2(designs, depth_mm, radius_mm) * self._factor(designs, depth_mm, radius_mm)[0]
+
+    def relative_error(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
+        """Stated error of the force over the force; see :class:`Family`."""
+        own = self.plain.relative_error(designs, depth_mm, radius_mm)
+        return own + self._factor(designs, depth_mm, radius_mm)[1]
 
 
 def designable_kinds() -> tuple[str, ...]:

@@ -83,6 +83,18 @@ def loading(displacement_mm: Array, force_N: Array) -> tuple[Array, Array]:
     return depth, np.bincount(index, force_N[:end]) / np.bincount(index)
 
 
+def steps(displacement_mm: Array, force_N: Array, window: Window) -> tuple[Array, Array]:
+    """The first loading at zero and over a window: means over equal steps of displacement, for noise to fall."""
+    depth, load = loading(displacement_mm, force_N)
+    edges = np.linspace(window[0], min(window[1], float(depth[-1])), STEPS + 1)
+    work = np.r_[0.0, np.cumsum(0.5 * (load[1:] + load[:-1]) * np.diff(depth))]
+    mean = np.diff(np.interp(edges, depth, work)) / np.diff(edges)
+    # the force before the machine's zero is the same noise about the same zero
+    before = force_N[: int(np.argmax(displacement_mm > 0.0))]
+    zero = float(np.median(before)) if len(before) else float(np.interp(0.0, depth, load))
+    return np.r_[0.0, 0.5 * (edges[1:] + edges[:-1])], np.r_[zero, mean]
+
+
 def add_compression(
     file: str | Path | Sequence[str | Path],
     diameter_mm: float,
@@ -315,11 +327,7 @@ def _fit_loading(
     from dummydesign.resin.puck_test.loading_fit import LoadingCurve, contradicts, fit_pucks
 
     first, last = window
-    curves = []
-    for trace in traces:
-        depth, load = loading(trace.displacement_mm, trace.force_N)
-        grid = np.concatenate([[0.0], np.linspace(first, min(last, float(depth[-1])), STEPS)])
-        curves.append(LoadingCurve(trace.name, "puck", grid, np.interp(grid, depth, load)))
+    curves = [LoadingCurve(one.name, "puck", *steps(one.displacement_mm, one.force_N, window)) for one in traces]
     fit = fit_pucks(curves, puck.diameter_mm, puck.height_mm, table, (first * (1 - 1e-9), last), plates)
     loads = np.concatenate([curve.load_N[1:] for curve in curves])
     rmse_N = fit.rmse * float(np.sqrt(np.mean(loads**2)))

@@ -116,8 +116,9 @@ def check_slips(pair: Pair) -> None:
     """Refuse a modulus that is far from the resin's where a usual mistake explains it, or that no resin has."""
     low, high = YOUNG.usual
     far = abs(pair.deviations) > SURPRISE
-    near = max(2.0 * pair.spread, SLIP_FITS)
-    slips = [words for words, size in SLIPS.items() if abs(math.log(pair.a * size / pair.b)) <= near]
+    near = max(SURPRISE * pair.spread, SLIP_FITS)
+    misses = sorted((abs(math.log(pair.a * size / pair.b)), words) for words, size in SLIPS.items())
+    slips = [words for miss, words in misses[:2] if miss <= near]
     if low <= pair.a <= high and not (far and slips):
         return
     cause = " or ".join(slips) or pair.check

@@ -141,13 +141,13 @@ def _model(table: PuckTable, alpha: float, grip_value: float, compression: Array
 
 def _best(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float, guess: _Point | None) -> _Point:
     count = len(parts)
-    if guess is None:
-        c, stress = parts[0]
-        middle = len(c) // 2
-        model = _model(table, 2.0, grip_value, c[middle : middle + 1], 0.0)[0]
-        start = np.r_[np.log(stress[middle] / model), 2.0, np.zeros(count)]
-    else:
-        start = np.r_[guess.log_young, np.clip(guess.alpha, 1.01, 5.99), guess.offsets]
+    c, stress = parts[0]
+    middle = len(c) // 2
+    model = _model(table, 2.0, grip_value, c[middle : middle + 1], 0.0)[0]
+    starts = [np.r_[np.log(stress[middle] / model), 2.0, np.zeros(count)]]
+    if guess is not None:
+        # a neighbour may lie in another valley of alpha and offset
+        starts.append(np.r_[guess.log_young, np.clip(guess.alpha, 1.01, 5.99), guess.offsets])
     lower = np.r_[-20.0, ALPHA_RANGE[0], np.full(count, -LARGEST_OFFSET)]
     upper = np.r_[20.0, ALPHA_RANGE[1], np.full(count, LARGEST_OFFSET)]
 
@@ -156,7 +156,7 @@ def _best(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float,
         return [np.log(np.maximum(model, 1e-12) / stress) for model, (_, stress) in zip(models, parts)]
 
     solved = solve_by_differences(
-        lambda q: np.concatenate(residuals(q)), [start], lower, upper, scale=np.r_[0.1, 0.5, np.full(count, 0.003)]
+        lambda q: np.concatenate(residuals(q)), starts, lower, upper, scale=np.r_[0.1, 0.5, np.full(count, 0.003)]
     )
     best = solved.parameters
     rest = residuals(best)

@@ -122,7 +122,9 @@ def _law(design: ShapedDesign, made: Mapping[str, Any], asked: int, radius_mm: f
         raise NoAnswerError("no_convergence", message, quantity="pad")
     factor = np.log(force / law.plain.force(reached, thickness, 1.0, radius_mm))
     touch = Touch(*(np.asarray(column) for column in made["touch"])) if made.get("touch") else None
-    error = np.asarray(made["error_N"], float) / force
+    # what corrects the table, such as another elastic law, has its own error beside the elements'
+    known = (one.relative_error(reached, thickness, radius_mm) for one in (law, law.plain))
+    error = np.asarray(made["error_N"], float) / force + np.subtract(*known)
     complete = len(reached) == asked
     end = "" if complete else "; ".join(made.get("notes", ()))
     return ElementsLaw(law, thickness, reached, factor, error, touch, complete, end)

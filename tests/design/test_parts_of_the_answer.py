@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -221,11 +222,11 @@ def test_readings_of_repeats_are_averaged_and_their_scatter_is_over_the_lowest_s
     monkeypatch.setattr(measured_pad, "energy_of", lambda one: energies[one.name])
     asked = []
 
-    def press(band, law, sampling):
+    def press(bands, law, sampling):
         asked.append(sampling)
-        return SimpleNamespace(energy_mJ=np.array([3.0, 9.0]) * band.scale)
+        return [np.array([3.0, 9.0]) * band.scale for band in bands]
 
-    monkeypatch.setattr(measured_pad, "tissue_press", press)
+    monkeypatch.setattr(measured_pad, "energies_of", press)
 
     def pair(name, low, scale):
         band = SimpleNamespace(peak_low_N=low, peak_high_N=2.0 * low, scale=scale, energy_mJ=None)
@@ -497,18 +498,27 @@ def test_the_limits_that_come_with_the_package_rise_from_green_to_amber():
 def test_a_mould_that_fails_leaves_the_recipe_and_says_what_to_type(monkeypatch):
     from dummydesign.mold import client
 
+    @dataclass(frozen=True)
+    class Poured:
+        usable_kPa: tuple[float, ...] = ()
+
+    @dataclass(frozen=True)
+    class Mould:
+        pour: Poured
+
+    made = []
+
     def fails(spec, folder):
+        made.append(spec)
         raise NoAnswerError("no_convergence", "stopped")
 
     monkeypatch.setattr(client, "make_mold", fails)
     request = SimpleNamespace(resin="r", pad_mm=(60.0, 50.0), preset="lidded")
-    problem = SimpleNamespace(mould=lambda best: None)
+    problem = SimpleNamespace(mould=lambda best: Mould(Poured()))
+    best, shares = SimpleNamespace(thickness_mm=9.0, ratio=15.5), SimpleNamespace(window_kPa=(20.0, 60.0))
+    answer = SimpleNamespace(best=best, request=request, problem=problem, shape="slab", shares=shares)
     with pytest.raises(NoAnswerError) as caught:
-        suggestion.make_mould(
-            SimpleNamespace(
-                best=SimpleNamespace(thickness_mm=9.0, ratio=15.5), request=request, problem=problem, shape="slab"
-            ),
-            None,
-        )
+        suggestion.make_mould(answer, None)
+    assert made == [Mould(Poured((20.0, 60.0)))], "the sheet's limit is the answer's window"
     words = "--thickness 9 --resin r --ratio 15.5 --shape slab --length 60 --width 50 --preset lidded"
     assert words in str(caught.value)

@@ -114,6 +114,11 @@ class PadCastings:
         """Readings of the search's castings, with the ratio chosen anew for each batch after one puck."""
         return self.few.readings((), self.outlook.ratios)
 
+    @property
+    def has_puck(self) -> bool:
+        """Whether the outlook chose a ratio for each casting; that of a slider has fewer batches."""
+        return not self.space.resin.measured and len(self.outlook.ratios) == self.few.castings.n
+
     @cached_property
     def every(self) -> Evaluation:
         """Scores and presses of all castings with nothing known."""
@@ -184,7 +189,7 @@ def verdict_of_design(cast: PadCastings, beyond: float = 1.0) -> Verdict:
         limits=space.targets.limits,
         beyond=beyond,
         measure="the cast pad" if space.resin.measured else "one puck of the batch",
-        after_puck=None if space.resin.measured else cast.after_puck,
+        after_puck=cast.after_puck if cast.has_puck else None,
     )
 
 

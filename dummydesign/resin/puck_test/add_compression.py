@@ -116,7 +116,7 @@ def add_compression(
     the resin by the rule of :mod:`dummydesign.resin.update.relaxation`. Several curves of one puck are fitted together.
 
     ``friction`` declares the plates: ``lubricated`` (a prior), ``bonded`` or a coefficient (exact); without it any
-    friction counts. Modulus and friction are medians over what is left open. A declaration that the curves contradict
+    friction counts. Modulus and friction are medians over their intervals. A declaration that the curves contradict
     is reported. ``mass_g`` is checked against density and size.
 
     Recordings that the resin has are known by their numbers: the same at the same ratio, size and plates change

@@ -54,7 +54,7 @@ class PuckFit:
     ``friction`` is infinite for plates that hold the faces (bonded). ``rmse`` is the root mean square of
     the relative misfit, ``profile`` what each friction would make of the batch: (friction, young_kPa, chi square above
     the best). ``rmse_open`` is the misfit with the declared friction let go, ``levels`` are ln of each curve's force
-    over the law's, ``known`` what is left when the friction is integrated over its prior.
+    over the law's, ``known`` the spread when the friction is integrated over its prior.
     """
 
     young_kPa: float

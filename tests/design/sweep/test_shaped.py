@@ -66,7 +66,7 @@ def test_a_shaped_row_has_the_force_of_the_pad_asked_for_alone():
             young_kPa=row["young_kPa"],
             thickness_mm=row["thickness_mm"],
             shape=row["shape"],
-            punch="round:15.7979",
+            punch="square:14",
             depth_mm=[depth],
         ).to_dict()
         assert alone["force_N"][0] == pytest.approx(10.0, rel=2e-3)

@@ -406,7 +406,7 @@ def next_steps(result: dict[str, Any]) -> list[str]:
     if verdict["level"] == "not_settled":
         return [
             "do not use the pad yet: press what is missing, or press more repeats, and compare again",
-            "a plan of the presses: dummydesign campaign new DIR",
+            "a plan of the presses: dummydesign campaign new DIR --resin NAME --ratio R",
         ]
     if verdict["light"] == "amber" and verdict["correction"]["factor"] is not None:
         force, energy = verdict["correction"]["force"], verdict["correction"]["factor"]
@@ -415,6 +415,6 @@ def next_steps(result: dict[str, Any]) -> list[str]:
         return []
     return [
         "do not use this pad for these presses",
-        "press a campaign of it: dummydesign campaign new DIR",
+        "press a campaign of it: dummydesign campaign new DIR --resin NAME --ratio R",
         "let it correct the next design: dummydesign loop DIR",
     ]

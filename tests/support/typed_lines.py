@@ -21,7 +21,7 @@ from dummydesign.core.errors import InputError
 ROOT = Path(__file__).resolve().parents[2]
 PLACEHOLDERS = {"R": "15", "MM": "30", "S": "30", "KG": "2", "KPA": "30", "G": "50", "DEG": "0", "N": "1", "HZ": "100"}
 """Numbers that the reader puts in. Other words in capitals are names and files, which a parser takes as they are."""
-NUMBER = re.compile(r"(?<![\w-])(" + "|".join(PLACEHOLDERS) + r")(?![\w-])")
+NUMBER = re.compile("^(" + "|".join(PLACEHOLDERS) + r")$|(?<==)(MM)\b")
 MISSING = re.compile(r" (is|are) required|expected (one|at least one) argument")
 ASIDE = re.compile(r"\.\.\.|[\[\]()]")
 FENCED = re.compile(r"```.*?```", re.DOTALL)
@@ -107,7 +107,7 @@ def filled(words: Sequence[str]) -> list[list[str]]:
         both = (text[: choice.start()] + one.strip("\0") + text[choice.end() :] for one in choice.groups())
         return [line for one in both for line in filled(one.split("\0"))]
     bare = [ASIDE.sub("", word) if word[:1] in "[(" or word[-1:] in "])" or "..." in word else word for word in words]
-    numbers = [NUMBER.sub(lambda match: PLACEHOLDERS[match[1]], word) for word in bare]
+    numbers = [NUMBER.sub(lambda match: PLACEHOLDERS[match[0]], word) for word in bare]
     return [[word for word in numbers if word]]
 
 

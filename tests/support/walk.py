@@ -36,7 +36,7 @@ from tests.support.walk_lab import supply
 
 BAD_WORDS = re.compile(r"internal error|Traceback|did you mean|\bnan\b|\binf\b")
 SERVES = ("studio", "completion", "doctor")
-LONG = ("suggest", "loop", "replay")
+LONG = ("suggest", "loop", "replay", "mold")
 """Commands that wait or tell of the machine, and those that take a minute."""
 OTHER_TEST = "from-machine-to-design.md"
 """Its commands and their answers: ``tests/cli/test_walkthrough.py``."""
@@ -55,9 +55,9 @@ class Answer:
 
     @property
     def following(self) -> list[TypedLine]:
-        """Command lines that the answer names: on its screen, then in its JSON."""
+        """Command lines that the answer names: on its screen, then as ``next`` in its JSON."""
         where = f"after '{self.line.text}'"
-        return [*lines_of_screen(self.screen, where), *lines_of_answer(self.told, where)]
+        return [*lines_of_screen(self.screen, where), *lines_of_answer(self.told.get("next"), where)]
 
 
 class Walk:
@@ -107,7 +107,12 @@ class Walk:
 
         out, err, begun = io.StringIO(), io.StringIO(), time.monotonic()
         streams = contextlib.redirect_stdout(out), contextlib.redirect_stderr(err)
-        with streams[0], streams[1], contextlib.chdir(self.folder), mock.patch.object(entry, "_render_of", both):
+        # the page on projects goes into the folder that it has made
+        made = (
+            [one.line.words[1] for one in self.answers if one.line.words[0] == "init"] if words[0] == "status" else []
+        )
+        where = self.folder / (made[-1] if made else "")
+        with streams[0], streams[1], contextlib.chdir(where), mock.patch.object(entry, "_render_of", both):
             whole = [path for word in words for path in (sorted(glob.glob(word)) or [word])]
             status = cli.run(whole)
         text = out.getvalue() + err.getvalue()
@@ -178,12 +183,12 @@ def form(line: TypedLine) -> str:
 
 def quick(line: TypedLine, folder: Path) -> bool:
     """Whether a line takes seconds and needs nothing that neither the lab nor a line before it makes."""
-    words = filled(line.words)[0]
-    made_elsewhere = [word for word in words[2:3] if words[:2] == ["mold", "record"]]
-    made_elsewhere += words[1:3] if words[0] == "compare-designs" else []
-    made_elsewhere += [words[words.index("--bone") + 1]] if "--bone" in words else []
-    here = all((folder / word).exists() for word in made_elsewhere)
-    return here and words[0] not in (*SERVES, *LONG) and "..." not in line.text
+    words = line.words
+    folders = words[1:3] if words[0] == "compare-designs" else []
+    here = all((folder / word).exists() for word in folders)
+    # names of the pads' files are the reader's, a template is no line to type
+    theirs = words[:2] == ["campaign", "from-files"] or {"NAME", "..."} & set(words)
+    return here and not theirs and words[0] not in (*SERVES, *LONG)
 
 
 def main() -> None:

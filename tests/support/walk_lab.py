@@ -40,6 +40,12 @@ def supply(folder: Path, words: Sequence[str]) -> None:
     plans = {path for word in words for path in (folder / word / PLAN, (folder / word).parent / PLAN)}
     for plan in sorted(path for path in plans if path.is_file()):
         press_campaign(plan)
+    for word in words[1:2] if words[0] == "import" else ():
+        # a machine that a page describes writes its own file, and its folder of them
+        if word.endswith(".txt"):
+            press_machine(folder / word, *words_of_machine(words))
+        elif "--profile" in words:
+            shutil.rmtree(folder / word, ignore_errors=True)
     missing = [word for word in words[1:] if not glob.glob(str(folder / word))]
     for word in words if words[:2] == ["resins", "add-compression"] else ():
         # a puck of another ratio is pressed anew under the same names
@@ -51,19 +57,14 @@ def supply(folder: Path, words: Sequence[str]) -> None:
         path = folder / word
         if words[0] == "import" and "." not in word and not word.startswith("-") and word == words[1]:
             press_people(path, folder)
-        elif words[0] == "import" and word.endswith(".txt"):
-            press_machine(path, *words_of_machine(words))
         elif word.endswith(".toml") and words[:2] == ["resins", "add"]:
             path.write_text(BATCH.format(path.stem), encoding="utf-8")
         elif word == value(words, "--limits", ""):
             shutil.copy(folder / "examples" / "limits.toml", path)
-        elif word == value(words, "--table", ""):
-            files = sorted(glob.glob(str(folder / words[3])))
-            rows = [f"{Path(file).name},12,10,{5 + k},1" for k, file in enumerate(files)]
-            head = "file,thickness_mm,velocity_mm_s,target_force_N,repeat"
-            path.write_text("\n".join([head, *rows]) + "\n", encoding="utf-8")
         elif word.endswith(".csv") and words[0] in ("import", "predict", "compare", "on-person", "fit"):
-            for k, force in enumerate(value(words, "--force", "10").split(",")):
+            # a pad of 5 mm is not pressed as deep as a person
+            default = "1.5" if words[0] == "predict" else "10"
+            for k, force in enumerate(value(words, "--force", default).split(",")):
                 press_person(folder / word.replace("*", f"{k + 1}"), "anna", 100.0, float(force))
 
 

@@ -1,6 +1,6 @@
 """A walk: command lines are typed one after the other in one folder with an empty home, the lab presses between them.
 
-``python -m tests.support.walk [PAGE...]`` walks README and all pages, or some, and prints each line with its faults.
+``python -W error -m tests.support.walk [PAGE...]`` walks README and all pages, or some, and prints each line with its faults.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -57,7 +57,9 @@ class Answer:
     def following(self) -> list[TypedLine]:
         """Command lines that the answer names: on its screen, then as ``next`` in its JSON."""
         where = f"after '{self.line.text}'"
-        return [*lines_of_screen(self.screen, where), *lines_of_answer(self.told.get("next"), where)]
+        lines = [*lines_of_screen(self.screen, where), *lines_of_answer(self.told.get("next"), where)]
+        # what a project adds (its tissue) is not printed
+        return [replace(line, whole=False) for line in lines] if self.line.words[0] == "status" else lines
 
 
 class Walk:

@@ -56,7 +56,7 @@ def supply(folder: Path, words: Sequence[str]) -> None:
     for word in missing:
         path = folder / word
         if words[0] == "import" and "." not in word and not word.startswith("-") and word == words[1]:
-            press_people(path, folder)
+            press_people(path, sorted(folder.glob("*.txt")) if "--profile" in words else [])
         elif word.endswith(".toml") and words[:2] == ["resins", "add"]:
             path.write_text(BATCH.format(path.stem), encoding="utf-8")
         elif word == value(words, "--limits", ""):
@@ -147,10 +147,9 @@ def press_person(path: Path, who: str, speed_mm_s: float, force_N: float) -> Non
     save(path, t, x, PEOPLE[who] * five_elements(t, x))
 
 
-def press_people(folder: Path, beside: Path) -> None:
-    """Six presses of each person in the files of a machine: of the one whose file lies beside, or of a German one."""
+def press_people(folder: Path, known: Sequence[Path]) -> None:
+    """Six presses of each person in the files of a German machine; of one whose file is known, that file for each."""
     folder.mkdir(parents=True)
-    known = sorted(beside.glob("*.txt"))
     for who in PEOPLE:
         for speed in (10.0, 250.0):
             for force in (5.0, 10.0, 15.0):

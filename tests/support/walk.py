@@ -1,6 +1,6 @@
 """A walk: command lines are typed one after the other in one folder with an empty home, the lab presses between them.
 
-``python -W error -m tests.support.walk [PAGE...]`` walks README and all pages, or some, and prints each line with its faults.
+``python -W error -m tests.support.walk [PAGE...]`` walks README and all pages, or some, and prints lines and faults.
 """
 
 from __future__ import annotations

@@ -12,6 +12,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.assessment.pad_castings import PadCastings, limits_that_bind, verdict_of_design
 from dummydesign.design.scoring.castings import COUNT, RESIN, Castings, Tolerances
+from dummydesign.design.scoring.finite_strain import finite_strain_of
 from dummydesign.design.scoring.outlook import Match
 from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, Sampling, SlabCurves, make_curves
 from dummydesign.design.scoring.score import evaluate
@@ -67,18 +68,22 @@ def verdict_of_pad(
     missing = len(reached) < evaluation.depth_mm.shape[1]
     bound = [f"depth over thickness (at most {limit / thickness:.2f})"] if missing else []
 
-    def readings(moduli: NDArray, strengths: NDArray) -> Readings:
+    strain = finite_strain_of(slabs, pad.geometry, pad.base, targets, pad.radius_mm)
+
+    def readings(moduli: NDArray, strengths: NDArray, deviates: NDArray) -> Readings:
         every = PadBatch(curves, np.zeros(len(moduli), int), moduli, tau, strengths)
-        return readings_along(every, targets, targets.protocol.steady_grid_N, sampling.coarse)
+        read = readings_along(every, targets, targets.protocol.steady_grid_N, sampling.coarse)
+        return strain.judged(read, deviates)
 
     if resin is None:
         width = float(np.hypot(0.5 * np.log(young["high"] / young["low"]), error)) / HALF_WIDTH
-        drawn = pad.young_MPa * np.exp(width * np.random.default_rng(SEED).standard_normal(DRAWS))
-        spread, known = readings(drawn, np.repeat(beta, DRAWS, axis=0)), readings(np.array([pad.young_MPa]), beta)
+        moduli, deviates = np.random.default_rng(SEED).standard_normal((2, DRAWS))
+        spread = readings(pad.young_MPa * np.exp(width * moduli), np.repeat(beta, DRAWS, axis=0), deviates)
+        known = readings(np.array([pad.young_MPa]), beta, np.zeros(1))
     else:
         castings, tolerances = Castings(resin[0]), Tolerances(USUAL_BATCH_G, thickness_mm=0.0)
         pours = [castings.pours(thickness, resin[1], tolerances, error, group) for group in ((), RESIN)]
-        spread, known = (readings(one.young_MPa, one.beta) for one in pours)
+        spread, known = (readings(one.young_MPa, one.beta, one.finite_strain) for one in pours)
     judged = verdict(
         ranges_of(targets),
         candidate.readings,
@@ -177,5 +182,6 @@ class PadEvaluator:
         match = Match(float(np.log(problem.resin.young_MPa(pad.candidate.ratio))), 0.0)
         outlook = outlook_for(pad.law, shape, thickness, match, problem, MANY_BATCHES)
         tolerances = problem.tolerances(shape, thickness, pad.candidate.ratio)
-        cast = PadCastings(problem.castings, pad.law, pad.candidate, problem, tolerances, outlook)
+        strain = finite_strain_of(pad.candidate.alone, shape, problem.base, problem.targets, problem.radius_mm)
+        cast = PadCastings(problem.castings, pad.law, pad.candidate, problem, tolerances, outlook, strain)
         return verdict_of_design(cast, beyond_people(problem.request.protocol.forces_N, problem.tissue))

@@ -39,7 +39,7 @@ def test_a_peak_reads_low_or_high_from_one_per_cent_beyond_the_subjects_on():
 
 def pressed_candidate(depths=(1.0, np.nan)):
     curves = SlabCurves(np.array([10.0, 12.0]), np.array([4.0, 5.0]), np.zeros((2, SAMPLES)))
-    slabs = PadBatch(curves, np.array([0, 1]), np.ones(2), (1.0,), np.ones((2, 1)))
+    slabs = PadBatch(curves, np.array([0, 1]), np.ones(2), (1.0,), np.ones((2, 1)), np.zeros(2))
     presses = tuple(SimpleNamespace(peak_N=np.array([99.0, peak])) for peak in (7.0, np.nan))
     evaluation = SimpleNamespace(slabs=slabs, depth_mm=np.array([[9.0, 9.0], depths]), presses=presses,
                                  inside=np.array([[0.0, 0.0], [0.75, 0.0]]))  # fmt: skip
@@ -438,12 +438,12 @@ def test_castings_are_at_the_nearest_of_even_steps_and_held_to_the_law():
     targets = SimpleNamespace(limits=verdict_limits())
     space = SimpleNamespace(radius_mm=8.0, resin=SimpleNamespace(tau_s=(0.3,)), targets=targets)
     thickness = np.array([9.8, 10.2, 10.0, 9.913])
-    made = poured_slabs(Law(), Pours(thickness, np.ones(4), np.ones((4, 1))), space)
+    made = poured_slabs(Law(), Pours(thickness, np.ones(4), np.ones((4, 1)), np.zeros(4)), space)
     assert np.abs(made.thickness_mm - thickness).max() <= 0.5 * 0.01 + 1e-9 and made.tau_s == (0.3,)
     assert len(made.curves.thickness_mm) == 41 and np.diff(made.curves.thickness_mm) == pytest.approx(0.01)
-    held = poured_slabs(Law(), Pours(np.array([5.0, 30.0, 12.0]), np.ones(3), np.ones((3, 1))), space)
+    held = poured_slabs(Law(), Pours(np.array([5.0, 30.0, 12.0]), np.ones(3), np.ones((3, 1)), np.zeros(3)), space)
     np.testing.assert_allclose(held.thickness_mm, [8.0, 16.0, 12.0], atol=0.11)
-    one = poured_slabs(Law(), Pours(np.array([10.0, 10.0]), np.ones(2), np.ones((2, 1))), space)
+    one = poured_slabs(Law(), Pours(np.array([10.0, 10.0]), np.ones(2), np.ones((2, 1)), np.zeros(2)), space)
     assert one.thickness_mm.tolist() == [10.0, 10.0] and len(one.curves.thickness_mm) == 1
 
 

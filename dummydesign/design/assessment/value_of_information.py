@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,6 @@ from dummydesign.design.scoring.verdict import (
     deviations,
     ranges_of,
 )
-from dummydesign.design.scoring.windows import readings_along
 from dummydesign.mold.pour.plan import WITNESS_MM
 from dummydesign.mold.puck.protocol import BATCH, command, trace_names
 
@@ -178,10 +177,6 @@ def _two_ratios(cast: PadCastings, worst: int) -> tuple[Pair, Pair, float] | tup
 
 def _usable(cast: PadCastings, pours: list[Pours], worst: int) -> NDArray:
     """Which castings of several ratios are acceptable, shape (ratios, castings)."""
-    targets, one = cast.space.targets, cast.slabs(pours[0])
-    # thickness and crown are the same at every ratio, and so are the curves
-    young, beta = np.concatenate([each.young_MPa for each in pours]), np.concatenate([each.beta for each in pours])
-    every = replace(one, slab=np.tile(one.slab, len(pours)), young_MPa=young, beta=beta)
-    grid, sampling = targets.protocol.steady_grid_N, cast.space.sampling.coarse
-    readings = readings_along(every, targets, grid, sampling)
-    return (classes(deviations(ranges_of(targets), readings), targets.limits) <= worst).reshape(len(pours), -1)
+    targets = cast.space.targets
+    every = [classes(deviations(ranges_of(targets), cast.pressed(one)), targets.limits) for one in pours]
+    return np.stack(every) <= worst

@@ -20,9 +20,9 @@ from dummydesign.design.scoring.castings import (
     Tolerances,
 )
 from dummydesign.design.scoring.press_simulation import steady_depth
-from dummydesign.design.scoring.verdict import CLASSES, classes_of, readings_of
+from dummydesign.design.scoring.verdict import CLASSES, readings_of
 from dummydesign.resin import load_resin
-from tests.support.cast_pads import SHARP, cast_pad, known, space_of
+from tests.support.cast_pads import SHARP, cast_pad, kinds_of, known, space_of
 from tests.support.refusal import raises_code
 
 PAD = 10.0, 15.3
@@ -184,7 +184,7 @@ def test_a_share_of_1200_castings_scatters_by_at_most_a_point_and_a_half_between
     shares = []
     for seed in range(20):
         one = dataclasses.replace(cast, castings=Castings(cast.castings.resin, seed=100 + seed))
-        kinds = classes_of(one.every, cast.space.targets)
+        kinds = kinds_of(one)
         shares.append([(kinds == place).mean() for place in range(len(CLASSES))])
     scatter = np.std(shares, axis=0, ddof=1)
     shares = np.mean(shares, axis=0)

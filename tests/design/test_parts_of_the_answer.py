@@ -11,7 +11,7 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.options import command_words
 from dummydesign.design import measured_pad, suggest, suggestion
 from dummydesign.design.assessment import warnings
-from dummydesign.design.assessment.pad_castings import limits_that_bind, poured_slabs
+from dummydesign.design.assessment.pad_castings import limits_that_bind
 from dummydesign.design.comparison import _differences, _names, _warnings
 from dummydesign.design.measured_pad import PARABOLA, energy_of, peak_of
 from dummydesign.design.protocol import NAGOYA_PROTOCOL
@@ -25,6 +25,7 @@ from dummydesign.design.suggest import centring_tolerance, of_shape, verify_desi
 from dummydesign.design.suggestion import LOSS_PERCENT, CentringTolerance, _low_force, _reads, condition_rows
 from dummydesign.design.test_conditions import LEAST_SIDE, check_numbers
 from dummydesign.pad.axisymmetric.shaped_problem import Touch
+from tests.support.cast_pads import poured_slabs
 from tests.support.judged_pads import away, ranges
 from tests.support.refusal import raises_code
 
@@ -39,7 +40,7 @@ def test_a_peak_reads_low_or_high_from_one_per_cent_beyond_the_subjects_on():
 
 def pressed_candidate(depths=(1.0, np.nan)):
     curves = SlabCurves(np.array([10.0, 12.0]), np.array([4.0, 5.0]), np.zeros((2, SAMPLES)))
-    slabs = PadBatch(curves, np.array([0, 1]), np.ones(2), (1.0,), np.ones((2, 1)), np.zeros(2))
+    slabs = PadBatch(curves, np.array([0, 1]), np.ones(2), (1.0,), np.ones((2, 1)))
     presses = tuple(SimpleNamespace(peak_N=np.array([99.0, peak])) for peak in (7.0, np.nan))
     evaluation = SimpleNamespace(slabs=slabs, depth_mm=np.array([[9.0, 9.0], depths]), presses=presses,
                                  inside=np.array([[0.0, 0.0], [0.75, 0.0]]))  # fmt: skip

@@ -7,13 +7,14 @@ import dataclasses
 import numpy as np
 
 from dummydesign.core.quantity import Quantity
-from dummydesign.design.assessment.pad_castings import PadCastings
+from dummydesign.design.assessment.pad_castings import PadCastings, poured_curves
 from dummydesign.design.pad_evaluator import law_of_shape, one_pad
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import Castings, Tolerances
 from dummydesign.design.scoring.finite_strain import finite_strain_of
 from dummydesign.design.scoring.outlook import Outlook
+from dummydesign.design.scoring.press_simulation import PadBatch
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.verdict import classes, deviations, ranges_of, readings_of
 from dummydesign.design.search.slabs import SearchSpace
@@ -73,6 +74,11 @@ def cast_pad(space, slab_law, castings, pad=CROWNED, tolerances=Tolerances(60.0)
     own = dataclasses.replace(space, castings=castings)
     strain = finite_strain_of(candidate.alone, made, space.base, space.targets, space.radius_mm)
     return PadCastings(castings, law, candidate, own, tolerances, outlook_at(ratio, castings.n), strain)
+
+
+def poured_slabs(law, pours, space):
+    """Pours as designs to press."""
+    return PadBatch(*poured_curves(law, pours, space), pours.young_MPa, space.resin.tau_s, pours.beta)
 
 
 def evaluated(cast, groups=()):

@@ -81,13 +81,18 @@ class PadCastings:
         shape = tuple(one.tobytes() for one in (pours.thickness_mm, *crowns))
         if shape not in self._curves:
             self._curves[shape] = poured_curves(self.law, pours, self.space)
-        return _pads(*self._curves[shape], pours, self.space)
+        return PadBatch(*self._curves[shape], pours.young_MPa, self.space.resin.tau_s, pours.beta)
 
     def pressed(self, pours: Pours) -> Readings:
         """Readings of pours, shapes (n, c) and (n, g)."""
         targets, sampling = self.space.targets, self.space.sampling.coarse
         quick = readings_along(self.slabs(pours), targets, targets.protocol.steady_grid_N, sampling)
         return self.finite_strain.judged(quick, pours.finite_strain)
+
+    def kinds(self, readings: Readings) -> NDArray:
+        """Class of each of several pads for the subjects, shape (n,), as places in ``CLASSES``."""
+        targets = self.space.targets
+        return classes(deviations(ranges_of(targets), readings), targets.limits)
 
     def readings(self, known: Collection[str] = (), ratio: float | NDArray | None = None) -> Readings:
         """Readings of all castings."""
@@ -126,15 +131,6 @@ class PadCastings:
         ends = (ordered[int(np.floor(share * (len(depth) - 1)))] for share in (0.025, 0.975))
         stiff, soft = (np.where(np.isfinite(end), end, np.nan) for end in ends)
         return stiff, soft, np.mean(~np.isfinite(depth), axis=0)
-
-
-def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> PadBatch:
-    """Pours as designs to press."""
-    return _pads(*poured_curves(law, pours, space), pours, space)
-
-
-def _pads(curves: SlabCurves, index: NDArray, pours: Pours, space: SearchSpace) -> PadBatch:
-    return PadBatch(curves, index, pours.young_MPa, space.resin.tau_s, pours.beta)
 
 
 def poured_curves(law: ForceLaw, pours: Pours, space: SearchSpace) -> tuple[SlabCurves, NDArray]:
@@ -275,10 +271,9 @@ def window_kPa(cast: PadCastings) -> tuple[float, float] | None:
     space, ratio, count = cast.space, cast.candidate.ratio, len(MODULI)
     young = space.resin.young_MPa(ratio) * MODULI
     beta = np.tile([term.beta for term in space.resin.prony(ratio)], (count, 1))
-    targets = space.targets
     read = cast.pressed(Pours(np.full(count, cast.candidate.thickness_mm), young, beta, np.zeros(count)))
     # on the safe side no casting has the second of the two classes
-    good = classes(deviations(ranges_of(targets), read), targets.limits) <= CLASSES.index(WITH_CORRECTION)
+    good = cast.kinds(read) <= CLASSES.index(WITH_CORRECTION)
     usable = 1e3 * young[good]
     return (float(usable[0]), float(usable[-1])) if len(usable) else None
 

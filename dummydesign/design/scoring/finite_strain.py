@@ -54,14 +54,10 @@ def finite_strain_of(pad: PadBatch, shape: PadShape, base: str, targets: Targets
         time_s, depth_mm = press.time_s[0], press.displacement_mm
         elastic = pad.young_MPa[0] * pad.curves.area_at(pad.slab, depth_mm)[0]
         force = relaxed_force(time_s, elastic, prony)
-        relative = depth_mm[0] / thickness
-        lower, upper = widest_allowance(base, radius_mm / thickness, relative, time_s, elastic, prony, shape, thickness)
+        place = radius_mm / thickness, depth_mm[0] / thickness
+        lower, upper = widest_allowance(base, *place, time_s, elastic, prony, shape, thickness)
         curves = np.stack([force, -lower, upper])
         ends.append([curves[:, np.argmax(force)], parabolic_work_mJ(np.repeat(depth_mm, 3, axis=0), curves)])
-    return FiniteStrain(*(_normal(values) for values in np.moveaxis(ends, 0, -1)))
-
-
-def _normal(values: NDArray) -> NDArray:
-    """Mean and standard deviation over the reading, from reading, lower and upper end from there, (3, c)."""
-    reading, low, high = values
-    return np.stack([1.0 + 0.5 * (high + low) / reading, 0.5 * (high - low) / reading / HALF_WIDTH])
+    reading, low, high = np.transpose(ends, (2, 1, 0))
+    middle, half = 1.0 + 0.5 * (high + low) / reading, 0.5 * (high - low) / reading
+    return FiniteStrain(*np.stack([middle, half / HALF_WIDTH], axis=1))

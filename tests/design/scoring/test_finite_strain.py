@@ -24,7 +24,7 @@ from tests.support.cast_pads import CROWNED, cast_pad, space_of
 PADS = [
     ("slab", 12.0, 15.2),
     CROWNED,
-    ("layered:modulus_ratio=4,top=1.5", 11.0, 15.2),
+    ("layered:top=2.2,modulus_ratio=0.2", 11.0, 17.5),
     ("boned:radius=6,height=2.4", 9.0, 15.0),
 ]
 

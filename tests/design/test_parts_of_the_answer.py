@@ -12,7 +12,7 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.options import command_words
 from dummydesign.design import measured_pad, suggest, suggestion
 from dummydesign.design.assessment import warnings
-from dummydesign.design.assessment.pad_castings import limits_that_bind, poured_slabs
+from dummydesign.design.assessment.pad_castings import limits_that_bind
 from dummydesign.design.comparison import _differences, _names, _warnings
 from dummydesign.design.measured_pad import PARABOLA, energy_of, peak_of
 from dummydesign.design.protocol import NAGOYA_PROTOCOL
@@ -26,6 +26,7 @@ from dummydesign.design.suggest import centring_tolerance, of_shape, verify_desi
 from dummydesign.design.suggestion import LOSS_PERCENT, CentringTolerance, _low_force, _reads, condition_rows
 from dummydesign.design.test_conditions import LEAST_SIDE, check_numbers
 from dummydesign.pad.axisymmetric.shaped_problem import Touch
+from tests.support.cast_pads import poured_slabs
 from tests.support.judged_pads import away, ranges
 from tests.support.refusal import raises_code
 
@@ -439,12 +440,12 @@ def test_castings_are_at_the_nearest_of_even_steps_and_held_to_the_law():
     targets = SimpleNamespace(limits=verdict_limits())
     space = SimpleNamespace(radius_mm=8.0, resin=SimpleNamespace(tau_s=(0.3,)), targets=targets)
     thickness = np.array([9.8, 10.2, 10.0, 9.913])
-    made = poured_slabs(Law(), Pours(thickness, np.ones(4), np.ones((4, 1))), space)
+    made = poured_slabs(Law(), Pours(thickness, np.ones(4), np.ones((4, 1)), np.zeros(4)), space)
     assert np.abs(made.thickness_mm - thickness).max() <= 0.5 * 0.01 + 1e-9 and made.tau_s == (0.3,)
     assert len(made.curves.thickness_mm) == 41 and np.diff(made.curves.thickness_mm) == pytest.approx(0.01)
-    held = poured_slabs(Law(), Pours(np.array([5.0, 30.0, 12.0]), np.ones(3), np.ones((3, 1))), space)
+    held = poured_slabs(Law(), Pours(np.array([5.0, 30.0, 12.0]), np.ones(3), np.ones((3, 1)), np.zeros(3)), space)
     np.testing.assert_allclose(held.thickness_mm, [8.0, 16.0, 12.0], atol=0.11)
-    one = poured_slabs(Law(), Pours(np.array([10.0, 10.0]), np.ones(2), np.ones((2, 1))), space)
+    one = poured_slabs(Law(), Pours(np.array([10.0, 10.0]), np.ones(2), np.ones((2, 1)), np.zeros(2)), space)
     assert one.thickness_mm.tolist() == [10.0, 10.0] and len(one.curves.thickness_mm) == 1
 
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.assessment.pad_castings import PadCastings
-from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, MODULUS, RELAXATION, RESIN, TISSUE, Pours
+from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, MODULUS, RELAXATION, RESIN, TISSUE
 from dummydesign.design.scoring.verdict import (
     CLASSES,
     STANDS_FOR,
@@ -19,7 +19,6 @@ from dummydesign.design.scoring.verdict import (
     deviations,
     ranges_of,
 )
-from dummydesign.design.scoring.windows import readings_along
 from dummydesign.mold.pour.plan import WITNESS_MM
 from dummydesign.mold.puck.protocol import BATCH, command, trace_names
 
@@ -78,17 +77,12 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
     What a group is worth is found on the castings that were requested; see :func:`share_if_known`.
     """
     few, targets = cast.few, cast.space.targets
-    ranges, limits = ranges_of(targets), targets.limits
-
-    def judged(readings: Readings) -> NDArray:
-        return classes(deviations(ranges, readings), limits)
-
-    known = {group: judged(few.readings((group,))) for group in (MODULUS, RELAXATION, MAKING, FORCE_LAW)}
-    both = judged(few.readings(RESIN))
-    means = STANDS_FOR if ranges.strict or (both == 0).mean() > 0.5 else "usable"
+    known = {group: cast.kinds(few.readings((group,))) for group in (MODULUS, RELAXATION, MAKING, FORCE_LAW)}
+    both = cast.kinds(few.readings(RESIN))
+    means = STANDS_FOR if targets.strict or (both == 0).mean() > 0.5 else "usable"
     worst = CLASSES.index(STANDS_FOR if means == STANDS_FOR else WITH_CORRECTION)
-    fit = judged(few.readings()) <= worst
-    now = float((judged(cast.readings()) <= worst).mean())
+    fit = cast.kinds(few.readings()) <= worst
+    now = float((cast.kinds(cast.readings()) <= worst).mean())
 
     listed = {group: share_if_known(kinds <= worst, fit, now) for group, kinds in known.items()}
     batch_known = cast.space.resin.measured
@@ -164,24 +158,14 @@ def _two_ratios(cast: PadCastings, worst: int) -> tuple[Pair, Pair, float] | tup
     ratios = ratios[max(here - NEAR_RATIOS, 0) : here + NEAR_RATIOS + 1]
     if len(ratios) < 2:
         return None, None, None
-    rough = _usable(cast, [cast.pours(ratio=float(ratio)).first(ROUGH) for ratio in ratios], worst)
+    few = [cast.pours(ratio=float(ratio)).first(ROUGH) for ratio in ratios]
+    rough = np.stack([cast.kinds(cast.pressed(one)) <= worst for one in few])
     either = (rough[:, None] | rough[None]).mean(axis=-1)
     np.fill_diagonal(either, -1.0)
     first, second = sorted(int(at) for at in np.unravel_index(int(np.argmax(either)), either.shape))
     pair = float(ratios[first]), float(ratios[second])
-    acceptable = _usable(cast, [cast.pours(ratio=ratio) for ratio in pair], worst)
+    acceptable = [cast.kinds(cast.readings(ratio=ratio)) <= worst for ratio in pair]
     share = float((acceptable[0] | acceptable[1]).mean())
     if share < LEAST:
         return None, None, None
     return pair, (float(acceptable[0].mean()), float(acceptable[1].mean())), share
-
-
-def _usable(cast: PadCastings, pours: list[Pours], worst: int) -> NDArray:
-    """Which castings of several ratios are acceptable, shape (ratios, castings)."""
-    targets, one = cast.space.targets, cast.slabs(pours[0])
-    # thickness and crown are the same at every ratio, and so are the curves
-    young, beta = np.concatenate([each.young_MPa for each in pours]), np.concatenate([each.beta for each in pours])
-    every = replace(one, slab=np.tile(one.slab, len(pours)), young_MPa=young, beta=beta)
-    grid, sampling = targets.protocol.steady_grid_N, cast.space.sampling.coarse
-    readings = readings_along(every, targets, grid, sampling)
-    return (classes(deviations(ranges_of(targets), readings), targets.limits) <= worst).reshape(len(pours), -1)

@@ -12,6 +12,7 @@ from dummydesign.design.pad_evaluator import law_of_shape
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, RELAXATION, Castings
+from dummydesign.design.scoring.finite_strain import finite_strain_of
 from dummydesign.design.scoring.outlook import Match
 from dummydesign.design.scoring.verdict import CLASSES, classes, deviations, ranges_of
 from dummydesign.design.search.shape_search import candidate_of, outlook_for, search_shapes
@@ -32,7 +33,8 @@ def cast_of(castings=None, aim="average"):
     outlook = outlook_for(law, read_shape(CROWN), THICKNESS_MM, Match(np.log(YOUNG_MPA), 0.1), space, space.castings.n)
     candidate = candidate_of(law, THICKNESS_MM, outlook.ratio, space)
     tolerances = space.tolerances(read_shape(CROWN), THICKNESS_MM, outlook.ratio)
-    return PadCastings(space.castings, law, candidate, space, tolerances, outlook)
+    strain = finite_strain_of(candidate.alone, read_shape(CROWN), space.base, space.targets, space.radius_mm)
+    return PadCastings(space.castings, law, candidate, space, tolerances, outlook, strain)
 
 
 @pytest.fixture(scope="module")

@@ -17,8 +17,7 @@ from dummydesign.design.scoring.castings import (
     Castings,
     Tolerances,
 )
-from dummydesign.design.scoring.verdict import classes_of
-from tests.support.cast_pads import CROWNED, SHARP, cast_pad, known, space_of, with_tissues
+from tests.support.cast_pads import CROWNED, SHARP, cast_pad, kinds_of, known, space_of, with_tissues
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +90,7 @@ def test_nothing_is_named_where_no_measurement_makes_the_pad_fit(palm):
 
 def test_with_both_parts_of_the_resin_known_the_castings_are_those_that_are_left(palm, whole):
     cast, found = whole
-    left = (classes_of(cast.pressed(RESIN), palm[0].targets) <= 1).mean()
+    left = (kinds_of(cast, RESIN) <= 1).mean()
     assert found.acceptable_if_known["modulus+relaxation"] == left
     assert found.group == MODULUS
     gains = {group: found.acceptable_if_known[group] for group in (MODULUS, RELAXATION, MAKING, FORCE_LAW)}
@@ -104,7 +103,7 @@ def test_every_share_of_an_answer_is_from_the_same_draws(palm, whole):
     assert sum(told.castings.values()) == pytest.approx(1.0, abs=1e-12)
     counts = [share * cast.castings.n for share in told.castings.values()]
     np.testing.assert_allclose(counts, np.rint(counts), atol=1e-9)
-    kinds = classes_of(cast.every, palm[0].targets)
+    kinds = kinds_of(cast)
     now = {"stands_for": (kinds == 0).mean(), "usable": (kinds <= 1).mean()}[found.acceptable_means]
     assert found.acceptable_now == now
     assert told.castings["stands_for"] == (kinds == 0).mean()
@@ -139,7 +138,7 @@ def test_a_tissue_that_is_known_is_never_named(palm):
     for seed in range(2):
         resin = known(castings.resin, False, True)
         cast = cast_pad(same, law, Castings(resin, seed=seed))
-        shares = classes_of(cast.every, space.targets) <= 1
+        shares = kinds_of(cast) <= 1
         found = measure_first(cast)
         assert found.acceptable_over_tissues == pytest.approx(shares.mean(), abs=0.01)
         assert found.group != TISSUE
@@ -178,7 +177,7 @@ def test_more_castings_change_the_share_of_all_and_hardly_what_is_left_with_a_gr
     assert other.acceptable_now == pytest.approx(one.acceptable_now, abs=0.04)
     worst = {"usable": 1, "stands_for": 0}[other.acceptable_means]
     for name, groups in ((MODULUS, (MODULUS,)), (MAKING, (MAKING,)), ("modulus+relaxation", RESIN)):
-        direct = (classes_of(more.pressed(groups), palm[0].targets) <= worst).mean()
+        direct = (kinds_of(more, groups) <= worst).mean()
         error = np.sqrt(direct * (1.0 - direct) / few.castings.n)
         assert other.acceptable_if_known[name] == pytest.approx(direct, abs=3.0 * error + 1e-9)
     assert (other.ratios, other.each_fraction) == (one.ratios, one.each_fraction)

@@ -54,7 +54,8 @@ class Pours:
     def first(self, count: int) -> Pours:
         """The first of them."""
         crowns = None if self.crowns is None else self.crowns.first(count)
-        return Pours(*(own[:count] for name, own in vars(self).items() if name != "crowns"), crowns)
+        thickness_mm, young_MPa, beta = self.thickness_mm[:count], self.young_MPa[:count], self.beta[:count]
+        return Pours(thickness_mm, young_MPa, beta, self.finite_strain[:count], crowns)
 
 
 @dataclass(frozen=True)

@@ -263,7 +263,7 @@ class PadGeometry:
 
     @property
     def least_gel_mm(self) -> float:
-        """Thinnest gel of the pad: beside a crown or a bump, over a bone, or a layer."""
+        """Thinnest gel of the pad: beside a crown, over a bone, or a layer."""
         return self.shape.least_gel_mm(self)
 
     @property

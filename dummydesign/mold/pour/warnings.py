@@ -125,16 +125,8 @@ def _bone(spec: MouldSpec) -> dict[str, str]:
         "bone_air": "the plate shuts the mould: lower it tilted, one edge first, until all "
         f"{CARRIER_VENTS} vents show resin"
     }
-    if spec.insert is None:
-        if words := tip_words(spec):
-            notes["bone_height"] = f"measure the bone over its plate: {words}"
-        return notes
-    notes["bone_from_file"] = spec.insert.words
-    if spec.insert.overhang:
-        notes["bone_overhang"] = (
-            "parts of the bone look up towards its plate and keep air under them: wet them with "
-            "resin, lower the bone tilted and turn it while it sinks"
-        )
+    if words := tip_words(spec):
+        notes["bone_height"] = f"measure the bone over its plate: {words}"
     return notes
 
 

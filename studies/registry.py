@@ -45,7 +45,7 @@ SHAPES = tuple(
         (f"{TABLES}{kind}-bonded.json",),
         f"response table of {kind} pads",
     )
-    for kind, count, fresh in (("crowned", 494, 40), ("layered", 80, 40), ("boned", 80, 40), ("bumped", 60, 20))
+    for kind, count, fresh in (("crowned", 494, 40), ("layered", 80, 40), ("boned", 80, 40))
 )
 STUDIES = (
     Study(

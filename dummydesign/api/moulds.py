@@ -6,7 +6,6 @@ import dataclasses
 from collections.abc import Iterable, Mapping
 from os import fspath
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result, question
@@ -16,7 +15,7 @@ from dummydesign.core.parsing import LENGTH, WIDTH, read_number
 from dummydesign.core.serialise import with_texts
 
 if TYPE_CHECKING:
-    from dummydesign.mold.model.spec import MouldSpec, Placing
+    from dummydesign.mold.model.spec import MouldSpec
 
 
 def make_mould(
@@ -32,11 +31,6 @@ def make_mould(
     castings: int = 1,
     base_ratio: float | None = None,
     face_sheet_mm: float | None = None,
-    bone: FilePath | None = None,
-    bone_height_mm: float | None = None,
-    bone_scale: float = 1.0,
-    bone_turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    bone_at_mm: tuple[float, float] = (0.0, 0.0),
     out: FilePath | None = None,
     replace: bool = False,
     puck: str | None = None,
@@ -65,16 +59,6 @@ def make_mould(
         Castings of each mould, for the list of what is needed; more than one make a job too.
     face_sheet_mm : float, optional
         Thickness of a sheet of glass let into the master as the tested face; the preset's by default, 0 for none. [mm]
-    bone : path, optional
-        STL or STEP of a bone (millimetres) that hangs in the gel; the model uses the closest dome.
-    bone_height_mm : float, optional
-        How far it reaches into the gel from the free face; needed with a bone. [mm]
-    bone_scale : float
-        Its scale factor of the file.
-    bone_turn_deg : (float, float, float)
-        Turns about x, y and z, in this order, after which its lowest point is the tip towards the tested face. [deg]
-    bone_at_mm : (float, float)
-        Where the tip lies from the pad's middle. [mm]
     out : path, optional
         Folder of the files, ``mould_tMM`` by default; the next free number when it holds another answer.
     replace : bool
@@ -125,11 +109,6 @@ def make_mould(
             "castings": castings != 1,
             "base_ratio": base_ratio is not None,
             "face_sheet": face_sheet_mm is not None,
-            "bone": bone is not None,
-            "bone_height": bone_height_mm is not None,
-            "bone_scale": bone_scale != 1,
-            "bone_turn": any(bone_turn_deg),
-            "bone_at": any(bone_at_mm),
         }
         if given := [f"--{name.replace('_', '-')}" for name, is_given in pads_only.items() if is_given]:
             message = f"--puck {puck} makes rings of pucks, no pad; leave {', '.join(given)} out"
@@ -149,17 +128,6 @@ def make_mould(
         "base_ratio": base_ratio,
         "face_sheet_mm": face_sheet_mm,
     }
-    if bone is not None:
-        if len(wanted) != 1 or castings != 1 or count != 1:
-            message = "a bone from a file goes into one mould: one thickness, count 1, castings 1"
-            raise InputError(message, "conflict", "bone")
-        placing = _placing(shape, bone_height_mm, bone_scale, bone_turn_deg, bone_at_mm)
-        with TemporaryDirectory(prefix="dummydesign-bone-") as work:
-            solid = Path(work) / "bone.brep"
-            spec = _boned(Path(bone), placing, wanted[0], length_mm, width_mm, settings, solid)
-            return _make_one(spec, resin, preset, out, replace, paper, solid)
-    if bone_height_mm is not None:
-        raise InputError("bone_height_mm belongs to a bone from a file (bone)", "not_applicable", "bone_height_mm")
     specs = [
         mould_spec(one, length_mm, width_mm, kind=kind, parameters=parameters, count=count, **settings)
         for one in wanted
@@ -169,46 +137,8 @@ def make_mould(
     return _make_one(specs[0], resin, preset, out, replace, paper)
 
 
-def _placing(
-    shape: str, height_mm: float | None, scale: float, turn_deg: tuple[float, float, float], at_mm: tuple[float, float]
-) -> Placing:
-    from dummydesign.mold.model.spec import Placing
-
-    if shape not in ("slab", "boned"):
-        message = f"shape {shape} takes no bone from a file; leave the shape out, the bone makes it"
-        raise InputError(message, "conflict", "shape", shape)
-    if height_mm is None:
-        message = "bone_height_mm is missing: how far the bone reaches into the gel from the free face"
-        raise InputError(message, "missing", "bone_height_mm")
-    return Placing(float(height_mm), scale, (turn_deg[0], turn_deg[1], turn_deg[2]), at_mm[0], at_mm[1])
-
-
-def _boned(
-    bone: Path,
-    placing: Placing,
-    thickness_mm: float,
-    length_mm: float,
-    width_mm: float,
-    settings: dict[str, Any],
-    solid: Path,
-) -> MouldSpec:
-    """The specification of a pad with a placed bone; what the pad itself cannot be is refused before CAD is loaded."""
-    from dummydesign.mold.client import insert_bone
-    from dummydesign.mold.model.preset import mould_spec
-
-    mould_spec(thickness_mm, length_mm, width_mm, **settings)
-    insert, dome = insert_bone(bone, placing, thickness_mm, length_mm, width_mm, solid)
-    return mould_spec(thickness_mm, length_mm, width_mm, kind="boned", parameters=dome, insert=insert, **settings)
-
-
 def _make_one(
-    spec: MouldSpec,
-    resin: str | None,
-    preset: str,
-    out: FilePath | None,
-    replace: bool,
-    paper: str,
-    bone_file: Path | None = None,
+    spec: MouldSpec, resin: str | None, preset: str, out: FilePath | None, replace: bool, paper: str
 ) -> Result:
     from dummydesign.core.outputs import new_folder
     from dummydesign.mold.client import make_mold
@@ -228,8 +158,6 @@ def _make_one(
     }
     if spec.base is not None:
         inputs |= {"base_ratio": spec.base.pour.ratio, "modulus_ratio_of_base": spec.base.modulus_ratio}
-    if spec.insert is not None:
-        inputs |= {"bone": spec.insert.file, "bone_off_dome_mm": spec.insert.off_dome_mm}
     if spec.count > 1:
         inputs["count"] = spec.count
     if spec.box.face_sheet_mm:
@@ -238,7 +166,7 @@ def _make_one(
     with new_folder(folder, asked, replace=replace) as output:
         head = {"inputs": {**inputs, "out": str(output.folder)}, "sources": list(spec.sources)}
         try:
-            made = make_mold(spec, output.work, bone_file=bone_file, paper=paper)
+            made = make_mold(spec, output.work, paper=paper)
             mould = dataclasses.replace(made, files=output.settled(made.files))
         except NoAnswerError as reason:
             result = output.settled({**head, **reason.result})

@@ -42,7 +42,7 @@ NOTE_WORDS = {
 
 WIDEST = 90.0
 """Interval of the share of people, in per cent, from which on the share is called unknown."""
-PARTS = {"crowned": "crown", "boned": "bone", "bumped": "bumps", "layered": "layers"}
+PARTS = {"crowned": "crown", "boned": "bone", "layered": "layers"}
 """What the lengths of a shape measure."""
 
 

@@ -12,7 +12,7 @@ from typing import Any
 from dummydesign.cli.common_options import add_replace_option, call, count, number
 from dummydesign.cli.progress import Watch
 from dummydesign.cli.text import files_block, labelled, screen, step_lines, warning_block
-from dummydesign.core.errors import InputError, NoAnswerError, quantity_name
+from dummydesign.core.errors import InputError, NoAnswerError
 
 
 def add_record_arguments(parser: argparse.ArgumentParser) -> None:
@@ -177,31 +177,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="MM",
         help="thickness of a glass sheet that forms the tested face",
     )
-    add("--bone", metavar="FILE", help="STL or STEP (mm) of a bone in the gel; the model uses the closest dome")
-    add(
-        "--bone-height",
-        dest="bone_height_mm",
-        type=number("bone height in mm"),
-        metavar="MM",
-        help="how far the bone reaches into the gel from the free face",
-    )
-    add(
-        "--bone-scale", type=number("bone scale"), default=1.0, metavar="S", help="scale factor of the file (default 1)"
-    )
-    add(
-        "--bone-turn",
-        dest="bone_turn_deg",
-        default="0,0,0",
-        metavar="X,Y,Z",
-        help="degrees about x, y, z; then its lowest point is the tip",
-    )
-    add(
-        "--bone-at",
-        dest="bone_at_mm",
-        default="0,0",
-        metavar="X,Y",
-        help="where the tip lies from the pad's middle, mm (default 0,0)",
-    )
     add("--paper", default="A4", metavar="A4|A3", help="paper of pour sheet and drawings (default A4)")
     add("--out", metavar="DIR", help="folder for the files (default mould_tMM)")
     add_replace_option(parser)
@@ -217,23 +192,8 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         message = "--thickness is missing: the thickness of the pad in mm, 3 to 30; or --puck 50x30 for a witness puck"
         raise InputError(message, "missing", "thickness")
 
-    turn, position = (
-        _numbers(f"--bone-{name}", text, count)
-        for name, text, count in (("turn", options.bone_turn_deg, 3), ("at", options.bone_at_mm, 2))
-    )
     with Watch():
-        return call(make_mould, options, bone_turn_deg=turn, bone_at_mm=position).to_dict()
-
-
-def _numbers(option: str, text: str, count: int) -> Any:
-    try:
-        numbers = tuple(float(part) for part in text.split(","))
-    except ValueError:
-        numbers = ()
-    if len(numbers) != count:
-        message = f"{option} {text} must be {count} comma-separated numbers"
-        raise InputError(message, "malformed", quantity_name(option), text)
-    return numbers
+        return call(make_mould, options).to_dict()
 
 
 def default_in_project(options: argparse.Namespace) -> str | None:
@@ -242,7 +202,7 @@ def default_in_project(options: argparse.Namespace) -> str | None:
         return f"puck_{options.puck.lower().replace(',', '_')}" if getattr(options, "puck", None) else None
     from dummydesign.mold.batch import folder_name, read_thicknesses
 
-    shape = "boned" if options.bone else options.shape.partition(":")[0].lower()
+    shape = options.shape.partition(":")[0].lower()
     kind = "" if shape in ("slab", "puck") else shape  # as ``PadSpec.prefix``
     return folder_name(read_thicknesses(options.thickness_mm), options.castings, kind, options.count)
 

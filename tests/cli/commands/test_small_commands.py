@@ -203,16 +203,16 @@ def test_forces_of_the_shapes_are_those_of_the_test_and_a_fifth_of_the_lowest():
 
 
 @pytest.mark.parametrize(
-    ("acceptable", "shape", "named"), [(False, "bumped:1", True), (True, "bumped:1", False), (False, "slab", False)]
+    ("acceptable", "shape", "named"), [(False, "boned:1", True), (True, "boned:1", False), (False, "slab", False)]
 )
 def test_a_pad_with_a_better_score_that_is_not_acceptable_is_named(acceptable, shape, named):
     rows = [
-        {"shape": shape, "kind": "bumped", "total": 0.8, "acceptable": acceptable},
+        {"shape": shape, "kind": "boned", "total": 0.8, "acceptable": acceptable},
         {"shape": "slab", "kind": "slab", "total": 0.6, "acceptable": True},
-        {"shape": None, "kind": "boned", "total": 0.0, "acceptable": False},
+        {"shape": None, "kind": "layered", "total": 0.0, "acceptable": False},
     ]
     lines = suggest_text._passed_over({"shapes": rows, "recommendation": {"shape": "slab"}})
-    assert bool(lines) is named and all("--shape bumped" in line for line in lines)
+    assert bool(lines) is named and all("--shape boned" in line for line in lines)
 
 
 def test_the_version_is_that_of_the_package_and_of_its_changelog():

@@ -60,7 +60,7 @@ def test_a_stricter_file_limits_every_shape(forefinger, tmp_path, monkeypatch):
     assert limits(forefinger, "slab", 10.0, own) == pytest.approx(3.0)
 
 
-@pytest.mark.parametrize("kind", ["slab", "crowned", "bumped", "layered", "boned"])
+@pytest.mark.parametrize("kind", ["slab", "crowned", "layered", "boned"])
 def test_the_gel_of_every_kind_is_its_thickness_less_its_bone(kind):
     text = {"boned": BONED, "crowned": CROWNED}.get(kind)
     shapes = [read_shape(text)] if text else []

@@ -136,7 +136,6 @@ COMMAND_OF = {
     "import_traces": ["import", "a.csv"],
     "fit": ["fit", "a.csv"],
     "compare": ["compare", "a.csv", "--tissue", "palm"],
-    "compare_designs": ["compare-designs", "a", "b"],
     "on_person": ["on-person", "a.csv", "--tissue", "palm"],
     "calibrate": ["loop", "campaign"],
     "close_loop": ["loop", "campaign"],

@@ -1,15 +1,14 @@
-"""The calls that design a pad, compare designs and sweep over them: `suggest`, `compare_designs`, `whatif`."""
+"""The calls that design a pad and sweep over designs: `suggest`, `whatif`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace as replace_fields
-from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dummydesign.api.answers import Answer, Result, Rows, answer_folder, question
+from dummydesign.api.answers import Answer, Rows, answer_folder, question
 from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import FilePath
@@ -267,6 +266,7 @@ def _answer(request: Request, folder: Path | None, replace: bool, progress: Call
             "tissue": inputs["tissue"],
             "young_kPa": best["young_kPa"]["value"],
             "verdict": result["verdict"]["level"],
+            **_share_and_correction(result),
             "text": result["verdict"]["text"],
             "next": result["next"][0],
             **({"mould": True} if mould else {}),
@@ -274,6 +274,16 @@ def _answer(request: Request, folder: Path | None, replace: bool, progress: Call
     if missing is not None:
         raise NoAnswerError(missing.code, output.settled(str(missing)), with_texts(result), missing.quantity)
     return Answer(suggestion, result)
+
+
+def _share_and_correction(result: dict[str, Any]) -> dict[str, float]:
+    """The share of castings that decides and its factor: with the batch measured, else after one puck."""
+    decides, factor = result["shares"]["after_puck"], result["shares"]["after_puck"]["factor"]
+    if result["batch_measured"]:
+        decides, factor = result["shares"]["as_poured"], result["verdict"]["correction"]["factor"]
+    usable = {"usable_fraction": decides["usable"]}
+    helps = factor is not None and result["verdict"]["light"] != "red"
+    return usable | {"correction_factor": factor} if helps else usable
 
 
 def _mould(suggestion: Suggestion, output: Output) -> tuple[dict[str, Any] | None, NoAnswerError | None]:
@@ -316,45 +326,6 @@ def _write_answer(output: Output, result: dict[str, Any], curves: Any) -> Path:
         "subjects": {"force_N": curves.forces_N.measured, "depth_low_mm": low, "depth_high_mm": high},
     }
     return write_text(output.path(ANSWER), json_text("suggest", kept) + "\n")
-
-
-def compare_designs(folders: Iterable[FilePath], *, out: FilePath | None = None, replace: bool = False) -> Result:
-    """Compare the designs of several folders of ``suggest``; see :mod:`dummydesign.design.comparison`.
-
-    Parameters
-    ----------
-    folders : iterable of path
-        Two or more folders that ``suggest`` wrote.
-    out : path, optional
-        Folder of the report, which is not written without it; the next free number when it holds another answer.
-    replace : bool
-        Take the place of the other answer instead.
-
-    Returns
-    -------
-    Result
-        The same as ``dummydesign compare-designs --json`` prints for the same question.
-
-    Raises
-    ------
-    InputError
-        For fewer than two folders, and for one that holds no design.
-    """
-    from dummydesign.design.comparison import ANSWER
-    from dummydesign.design.comparison import compare_designs as compare
-
-    names = [fspath(folder) for folder in folders]
-    comparison = compare(names)
-    inputs = {"folders": names, "out": None if out is None else fspath(out)}
-    result = {"inputs": inputs, **comparison.to_dict(), "files": {}}
-    asked = question("compare-designs", inputs, files=[f"{name}/{ANSWER}" for name in names])
-    with answer_folder(out, asked, replace) as output:
-        if output is not None:
-            from dummydesign.report.compare_designs import write_designs_report
-
-            result |= {"inputs": {**inputs, "out": str(output.folder)}}
-            result = output.answer({**result, "files": write_designs_report(output.work, comparison)})
-    return Result(comparison, result, "compare-designs")
 
 
 Values = float | str | Iterable[float]

@@ -353,7 +353,6 @@ def whatif(
     scheduler: str | None = None,
     executor: Executor | None = None,
     out: FilePath | None = None,
-    resume: bool = False,
     replace: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Rows:
@@ -386,8 +385,6 @@ def whatif(
         Runs the tasks side by side, from any library with this interface, instead of ``workers`` or ``scheduler``.
     out : path, optional
         Folder of ``rows.csv`` and the report; the next free number when it holds the answer to another question.
-    resume : bool
-        Keep the rows that are in ``out``.
     replace : bool
         Take the place of the other answer instead.
     progress : callable, optional
@@ -403,7 +400,7 @@ def whatif(
     InputError
         For names, ranges or a number of designs that are not allowed.
     NoAnswerError
-        When a worker was lost; what was done is in ``out``.
+        When a worker was lost; nothing is written then.
 
     Examples
     --------
@@ -443,7 +440,6 @@ def whatif(
         **study.to_dict(),
         "workers": workers if executor is None else None,
         "scheduler": scheduler,
-        "resume": resume,
         "out": None if folder is None else str(folder),
     }
     opened = open_executor(workers, scheduler) if executor is None else nullcontext(executor)
@@ -466,24 +462,19 @@ def _work_out(
     targets = targets_of(study)  # a tissue that has no such press is refused before there is a folder
     sites = None if targets is None else targets.tissue
     sources = (*resin.references, *(() if sites is None else sites.sources))
-    if folder is None:
-        with opened as executor:
-            swept = work_out(study, executor=executor, progress=progress, targets=targets)
-        return Rows(study, tuple(swept["rows"]), swept["seconds"], inputs, tuple(swept["warnings"]), sources)
-    from dummydesign.core.outputs import growing_folder
     from dummydesign.design.scoring.settings import settings_files
-    from dummydesign.design.sweep.rows import RowsFile, settings_of
-    from dummydesign.report.whatif import write_whatif
+    from dummydesign.design.sweep.rows import settings_of, write_rows
 
-    settings = settings_of(study, resin, sites)
     asked = question("whatif", inputs, tissue=study.tissue, resin=study.resin, named=settings_files())
-    with opened as executor, growing_folder(folder, asked, replace=replace, go_on=inputs["resume"]) as output:
-        file = RowsFile(output.work, study, settings, inputs["resume"])
-        kept = len(file.rows)
-        swept = work_out(study, executor=executor, file=file, progress=progress, targets=targets)
-        rows = swept["rows"]
-        page = write_whatif(output.work, study, rows, resin, sites, swept["warnings"])
-    answered = output.answer({"warnings": swept["warnings"], "files": {"rows": str(file.path), **page}})
-    inputs = {**inputs, "out": str(output.folder)}
+    with opened as executor, answer_folder(folder, asked, replace) as output:
+        swept = work_out(study, executor=executor, progress=progress, targets=targets)
+        answered = {"inputs": inputs, "warnings": swept["warnings"], "files": {}}
+        if output is not None:
+            from dummydesign.report.whatif import write_whatif
+
+            rows = write_rows(output.work, study, settings_of(study, resin, sites), swept["rows"])
+            page = write_whatif(output.work, study, swept["rows"], resin, sites, swept["warnings"])
+            answered = output.answer(answered | {"files": {"rows": str(rows), **page}})
+            answered["inputs"] = {**inputs, "out": str(output.folder)}
     warnings = tuple(answered["warnings"])
-    return Rows(study, tuple(rows), swept["seconds"], inputs, warnings, sources, kept, answered["files"])
+    return Rows(study, tuple(swept["rows"]), swept["seconds"], answered["inputs"], warnings, sources, answered["files"])

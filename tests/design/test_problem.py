@@ -141,17 +141,6 @@ def test_an_edited_machine_of_the_users_library_is_part_of_the_question(own_fold
     assert found == copy and first != second
 
 
-def test_rows_of_another_compression_of_the_gel_are_not_gone_on_with(own_folder, capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    words = ["whatif", "--thickness", "8,10", "--ratio", "15,16", "--tissue", "forefinger", "--out", "w1", "--json"]
-    assert run(words) == 0
-    capsys.readouterr()
-    own_folder("materials/verdict.toml", "value = 0.6\nlow = 0.3", "value = 0.2\nlow = 0.1")
-    assert run([*words[:2], "8,10,12", *words[3:], "--resume"]) == 2
-    said = json.loads(capsys.readouterr().out)["error"]
-    assert "gel_compression" in said["message"]
-
-
 # --- the mould that one has ------------------------------------------------------------------------------------------
 
 

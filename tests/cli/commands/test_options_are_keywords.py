@@ -133,4 +133,4 @@ def test_numbers_of_whatif_are_read_as_its_defaults():
     parser = argparse.ArgumentParser()
     whatif.add_arguments(parser)
     options = parser.parse_args(["--thickness", "5:15:5"])
-    assert options.velocity_mm_s == "10,250" and options.workers == 1 and not options.resume
+    assert options.velocity_mm_s == "10,250" and options.workers == 1

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def make_mould(
-    thickness_mm: float | str | Iterable[float] | None = None,
+    thickness_mm: float | str | None = None,
     *,
     length_mm: float | str = 150.0,
     width_mm: float | str = 120.0,
@@ -29,7 +29,6 @@ def make_mould(
     resin: str | None = None,
     ratio: float = 15.0,
     count: int = 1,
-    castings: int = 1,
     base_ratio: float | None = None,
     face_sheet_mm: float | None = None,
     bone: FilePath | None = None,
@@ -46,9 +45,8 @@ def make_mould(
 
     Parameters
     ----------
-    thickness_mm : float, str or iterable of float
-        Thickness of the pad, needed but for pucks; several, also as text such as ``"5,15"``, make one job with a folder
-        each. [mm]
+    thickness_mm : float or str
+        Thickness of the pad, needed but for pucks. [mm]
     length_mm, width_mm : float
         Size of the pad. [mm]
     shape : str
@@ -61,8 +59,6 @@ def make_mould(
         Mixing ratio, and that of a layered pad's base (by default from its modulus ratio).
     count : int
         Cavities side by side in one mould, as many as the machines hold.
-    castings : int
-        Castings of each mould, for the list of what is needed; more than one make a job too.
     face_sheet_mm : float, optional
         Thickness of a sheet of glass let into the master as the tested face; the preset's by default, 0 for none. [mm]
     bone : path, optional
@@ -106,10 +102,9 @@ def make_mould(
     >>> {check["verdict"] for check in made.to_dict()["checks"]}  # doctest: +SKIP
     {'pass'}
     """
-    from dummydesign.mold.batch import read_thicknesses
     from dummydesign.mold.files.drawing_sheet import PAPERS
     from dummydesign.mold.model.preset import mould_spec
-    from dummydesign.mold.model.spec import read_kind
+    from dummydesign.mold.model.spec import read_kind, read_thickness
 
     if paper not in PAPERS:
         raise unknown_name("paper", paper, PAPERS)
@@ -122,7 +117,6 @@ def make_mould(
             "width": str(width_mm) not in ("120", "120.0"),
             "shape": shape != "slab",
             "count": count != 1,
-            "castings": castings != 1,
             "base_ratio": base_ratio is not None,
             "face_sheet": face_sheet_mm is not None,
             "bone": bone is not None,
@@ -139,7 +133,7 @@ def make_mould(
         message = "--thickness is missing: the thickness of the pad in mm, 3 to 30"
         raise InputError(message, "missing", "thickness")
     kind, parameters = read_kind(shape)
-    wanted = read_thicknesses(thickness_mm)
+    thickness_mm = read_thickness(thickness_mm)
     length_mm, width_mm = read_number(length_mm, LENGTH), read_number(width_mm, WIDTH)
 
     settings: dict[str, Any] = {
@@ -150,23 +144,18 @@ def make_mould(
         "face_sheet_mm": face_sheet_mm,
     }
     if bone is not None:
-        if len(wanted) != 1 or castings != 1 or count != 1:
-            message = "a bone from a file goes into one mould: one thickness, count 1, castings 1"
+        if count != 1:
+            message = "a bone from a file goes into one cavity: count 1"
             raise InputError(message, "conflict", "bone")
         placing = _placing(shape, bone_height_mm, bone_scale, bone_turn_deg, bone_at_mm)
         with TemporaryDirectory(prefix="dummydesign-bone-") as work:
             solid = Path(work) / "bone.brep"
-            spec = _boned(Path(bone), placing, wanted[0], length_mm, width_mm, settings, solid)
+            spec = _boned(Path(bone), placing, thickness_mm, length_mm, width_mm, settings, solid)
             return _make_one(spec, resin, preset, out, replace, paper, solid)
     if bone_height_mm is not None:
         raise InputError("bone_height_mm belongs to a bone from a file (bone)", "not_applicable", "bone_height_mm")
-    specs = [
-        mould_spec(one, length_mm, width_mm, kind=kind, parameters=parameters, count=count, **settings)
-        for one in wanted
-    ]
-    if len(specs) != 1 or castings != 1:
-        return _make_job(specs, castings, resin, preset, out, replace, paper)
-    return _make_one(specs[0], resin, preset, out, replace, paper)
+    spec = mould_spec(thickness_mm, length_mm, width_mm, kind=kind, parameters=parameters, count=count, **settings)
+    return _make_one(spec, resin, preset, out, replace, paper)
 
 
 def _placing(
@@ -285,25 +274,6 @@ def _make_pucks(
         output.extra["summary"] = {name: inputs[name] for name in ("ratio", "resin", "preset")}
         result = output.answer({**head, **rings_made.to_dict(), "spec": spec.to_dict()})
     return Result(rings_made, result, "make_mould")
-
-
-def _make_job(
-    specs: list[MouldSpec],
-    castings: int,
-    resin: str | None,
-    preset: str,
-    out: FilePath | None,
-    replace: bool,
-    paper: str,
-) -> Result:
-    from dummydesign.mold.batch import folder_name, job_inputs, make_job
-
-    inputs = {**job_inputs(specs, castings), "paper": paper}
-    name = folder_name(inputs["thickness_mm"], castings, specs[0].pad.prefix, specs[0].count)
-    folder = Path(out) if out else Path(name)
-    asked = question("mold", {**inputs, "specifications": [spec.hash for spec in specs]}, resin=resin, preset=preset)
-    result = make_job(specs, castings, folder, asked, replace, paper)
-    return Result(result["moulds"], result, "make_mould")
 
 
 def record_pad(

@@ -177,7 +177,6 @@ def test_the_command_makes_checked_files_of_several_pucks_with_one_sheet(tmp_pat
     "words, named",
     [
         (["--count", "2"], "--count"),
-        (["--castings", "3"], "--castings"),
         (["--shape", "crowned:20,2"], "--shape"),
         (["--length", "100"], "--length"),
         (["--width", "80mm"], "--width"),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Answer, Rows, answer_folder, question
 from dummydesign.core.blas_threads import one_blas_thread
-from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.files import FilePath
 from dummydesign.core.serialise import with_texts
 
@@ -41,7 +41,7 @@ def suggest(
     calibration: FilePath | None = None,
     effects: Iterable[FilePath] = (),
     verify: bool = True,
-    cad: bool | None = None,
+    cad: bool = True,
     punch: str = "square:14",
     force_N: Numbers = (5.0, 10.0, 15.0),
     velocity_mm_s: Numbers = (10.0, 250.0),
@@ -52,12 +52,7 @@ def suggest(
     edge_radius_mm: float | str = 0.0,
     condition: str | None = None,
     preset: str = "open",
-    machine: str | None = None,
-    silicone: str | None = None,
     sites: tuple[int, int] | str | None = None,
-    balance_g: float | str = 0.1,
-    thickness_tolerance_mm: float | str = 0.2,
-    castings: int | str = 1200,
     out: FilePath | None = None,
     replace: bool = False,
     progress: Callable[[str], None] | None = None,
@@ -82,9 +77,9 @@ def suggest(
         Files with effects of your own that the calibration names.
     verify : bool
         Solve the recommended pad by finite elements.
-    cad : bool, optional
-        Make the mould into ``out``; the recipe is then that of the solids' volumes. By default wherever there is
-        an ``out`` and the verdict is not red (``answer.outcome.verdict.acceptable``).
+    cad : bool
+        Make the mould into ``out``, unless the verdict is red (``answer.outcome.verdict.acceptable``); the recipe is
+        then that of the solids' volumes.
     punch : str
         ``square:14``, ``rectangle:20x10``, ``round:16``, ``ball:20`` or ``profile:FILE.csv``, sizes in mm.
     force_N, velocity_mm_s : numbers or text
@@ -100,14 +95,10 @@ def suggest(
     condition : str, optional
         How the punch holds the pad's face: ``bonded``, ``frictionless`` or ``friction:MU``, solved for slabs; glued
         by default, without friction under a ball or a profile.
-    preset, machine, silicone : str
-        Mould preset, machines and silicone, names or files; without the last two those of the preset.
+    preset : str
+        Mould preset, name or file.
     sites : (along, across) or "NxM", optional
         Crowns on one pad, far enough apart to be independent.
-    balance_g, thickness_tolerance_mm : float
-        Errors of weighing and of the cast thickness, even within plus and minus these. [g, mm]
-    castings : int
-        How many castings are drawn for every share and factor, 1200 to 100,000.
     out : path, optional
         Folder of the mould and the report, which are not made without it; the next free number when it holds the
         answer to another question.
@@ -163,12 +154,7 @@ def suggest(
             edge_radius_mm=edge_radius_mm,
             condition=condition,
             preset=preset,
-            machine=machine,
-            silicone=silicone,
             sites=sites,
-            balance_g=balance_g,
-            thickness_tolerance_mm=thickness_tolerance_mm,
-            castings=castings,
         ),
         out,
         replace,
@@ -200,8 +186,6 @@ def answer_request(
     InputError, NoAnswerError
         As :func:`suggest`.
     """
-    if request.cad and out is None:
-        raise InputError("cad = True needs out, the folder for the files of the mould", "missing", "out")
     folder = None if out is None else Path(out)
     if folder is None:
         request = replace_fields(request, cad=False)
@@ -218,9 +202,9 @@ def _effects(request: Request) -> AbstractContextManager[None]:
     return own_effects(request.effects)
 
 
-def _child(output: Output | None, cad: bool | None) -> AbstractContextManager[CadChild | None]:
+def _child(output: Output | None, cad: bool) -> AbstractContextManager[CadChild | None]:
     """The CAD child, loading the kernel beside the search; none where no mould may be made."""
-    if output is None or cad is False:
+    if output is None or not cad:
         return nullcontext()
     from dummydesign.mold.client import child_ahead
 
@@ -245,7 +229,7 @@ def _answer(request: Request, folder: Path | None, replace: bool, progress: Call
         suggestion = design(wanted, progress)
         if output is None:
             return Answer(suggestion, suggestion.to_dict(inputs))
-        cad = suggestion.verdict.acceptable if request.cad is None else request.cad
+        cad = request.cad and suggestion.verdict.acceptable
         inputs = {**inputs, "cad": cad, "out": str(output.folder)}
         progress("mould and report" if cad else "report")
         drawn: list[tuple[Any, PressPictures]] = []

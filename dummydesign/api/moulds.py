@@ -40,6 +40,8 @@ def make_mould(
     replace: bool = False,
     puck: str | None = None,
     paper: str = "A4",
+    machine: str | None = None,
+    silicone: str | None = None,
 ) -> Result:
     """Make the silicone mould of a pad: STEP files, printable master and frame, pour sheet, all checked.
 
@@ -80,6 +82,8 @@ def make_mould(
         they are cast in, one pour sheet with the protocol of the test. Takes a preset of printed moulds. [mm]
     paper : str
         Of pour sheet and drawings: ``A4`` or ``A3``.
+    machine, silicone : str, optional
+        Machines that the mould must fit, and its silicone, names or files; those of the preset by default.
 
     Returns
     -------
@@ -119,6 +123,8 @@ def make_mould(
             "count": count != 1,
             "base_ratio": base_ratio is not None,
             "face_sheet": face_sheet_mm is not None,
+            "machine": machine is not None,
+            "silicone": silicone is not None,
             "bone": bone is not None,
             "bone_height": bone_height_mm is not None,
             "bone_scale": bone_scale != 1,
@@ -142,6 +148,8 @@ def make_mould(
         "ratio": ratio,
         "base_ratio": base_ratio,
         "face_sheet_mm": face_sheet_mm,
+        "machines": machine,
+        "silicone": silicone,
     }
     if bone is not None:
         if count != 1:

@@ -14,7 +14,7 @@ from dummydesign.design.assessment import warnings
 from dummydesign.design.assessment.pad_castings import limits_that_bind, poured_slabs
 from dummydesign.design.measured_pad import PARABOLA, energy_of, peak_of
 from dummydesign.design.protocol import NAGOYA_PROTOCOL
-from dummydesign.design.request import LARGEST_ERROR, Request
+from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import Pours
 from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, SlabCurves
 from dummydesign.design.scoring.settings import verdict_limits
@@ -406,19 +406,9 @@ def options(**given):
     return Request.read(tissue="palm", **given)
 
 
-def test_errors_of_making_are_read_to_two_grams_and_two_millimetres():
-    assert options(balance_g="2").weighing_g == 2.0
-    assert options(thickness_tolerance_mm=0.0).thickness_tolerance_mm == 0.0
-    for given in ({"balance_g": "2.1g"}, {"thickness_tolerance_mm": "2.1mm"}, {"balance_g": "-0.01g"}):
-        with raises_code("out_of_range"):
-            options(**given)
-    assert LARGEST_ERROR <= 2.0
-    words = command_words(
-        Request,
-        vars(options(force_N="5,10", pad="60x50", balance_g=0.5)),
-        ["force_N", "pad_mm", "weighing_g", "hold_s"],
-    )
-    assert words == " --force 5,10 --pad 60x50 --balance 0.5"
+def test_what_was_asked_is_typed_again():
+    words = command_words(Request, vars(options(force_N="5,10", pad="60x50")), ["force_N", "pad_mm", "hold_s"])
+    assert words == " --force 5,10 --pad 60x50"
 
 
 def test_castings_are_at_the_nearest_of_even_steps_and_held_to_the_law():

@@ -25,22 +25,6 @@ NARROW = {"shape": "slab", "thickness_mm": (5.0, 6.0), "verify": False}
 BUILT_IN = data_folder() / "materials"
 
 
-@pytest.fixture
-def own_folder(tmp_path, monkeypatch):
-    """A user's folder, and a function that writes a changed file of the package into it."""
-    home = tmp_path / "home"
-    monkeypatch.setenv("DUMMYDESIGN_HOME", str(home))
-
-    def write(name, old="", new=""):
-        text = (data_folder() / name).read_text()
-        assert old in text
-        (home / name).parent.mkdir(parents=True, exist_ok=True)
-        (home / name).write_text(text.replace(old, new, 1))
-        return home / name
-
-    return write
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("aim", ["average", "safe-side"])
 def test_nothing_below_the_problem_reads_a_users_folder(monkeypatch, aim):

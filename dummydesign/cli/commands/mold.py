@@ -160,6 +160,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--shape", default="slab", metavar="NAME[:P,..]", help=shape_help("puck"))
     presets = "mould preset: open (default), lidded, printed or a TOML file"
     add("--preset", default="open", metavar="NAME|FILE", help=presets)
+    machines = "printer, vacuum chamber and oven the mould must fit (default: the preset's)"
+    add("--machine", metavar="NAME|FILE", help=machines)
+    add("--silicone", metavar="NAME|FILE", help="silicone of the mould (default: the preset's)")
     add("--resin", metavar="NAME|FILE", help="resin to weigh (default the paper's polyurethane)")
     add("--ratio", type=number("ratio"), default=15.0, metavar="R", help="mixing ratio of the resin (default 15)")
     add(

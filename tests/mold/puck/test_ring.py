@@ -182,6 +182,7 @@ def test_the_command_makes_checked_files_of_several_pucks_with_one_sheet(tmp_pat
         (["--width", "80mm"], "--width"),
         (["--base-ratio", "20"], "--base-ratio"),
         (["--face-sheet", "3"], "--face-sheet"),
+        (["--machine", "m", "--silicone", "s"], "--machine, --silicone"),
         (["--bone", "b.stl", "--bone-height", "4"], "--bone, --bone-height"),
         (["--bone-scale", "2", "--bone-turn", "0,0,9", "--bone-at", "1,0"], "--bone-scale, --bone-turn, --bone-at"),
     ],

@@ -7,9 +7,9 @@ import importlib
 import pytest
 
 NAMES = {
-    "dummydesign": "__version__ calibrate close_loop compare compare_designs fit import_traces load_resin load_tissue "
+    "dummydesign": "__version__ calibrate close_loop compare fit import_traces load_resin load_tissue "
     "make_mould on_person predict record_pad replay suggest whatif",
-    "dummydesign.api": "Answer Fitted Predicted Result Rows calibrate close_loop compare compare_designs fit "
+    "dummydesign.api": "Answer Fitted Predicted Result Rows calibrate close_loop compare fit "
     "import_traces load_resin load_tissue make_mould on_person predict record_pad replay suggest whatif",
     "dummydesign.cli": "main run",
     "dummydesign.core.errors": "DummydesignError InputError NoAnswerError",

@@ -205,7 +205,7 @@ def _flat(row: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-IGNORED_INPUTS = ("out", "workers", "scheduler", "resume", "replace", "save_profile")
+IGNORED_INPUTS = ("out", "workers", "scheduler", "replace", "save_profile")
 """Inputs that an answer does not depend on."""
 
 
@@ -368,10 +368,7 @@ class Fitted(Result):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Rows(Values):
-    """What ``whatif`` found: one row a design, in the study's order.
-
-    ``inputs`` are all values used, ``resumed_rows`` the number of rows that were there before.
-    """
+    """What ``whatif`` found: one row a design, in the study's order; ``inputs`` are all values used."""
 
     study: Study
     rows: tuple[dict[str, Any], ...]
@@ -379,7 +376,6 @@ class Rows(Values):
     inputs: dict[str, Any] = field(default_factory=dict)
     warnings: tuple[dict[str, str], ...] = ()
     sources: tuple[str, ...] = ()
-    resumed_rows: int = 0
     files: dict[str, str] = field(default_factory=dict)
     call: str = field(default="whatif", init=False)
 
@@ -391,7 +387,6 @@ class Rows(Values):
             "sources": list(self.sources),
             "rows": self.records(),
             "seconds": self.seconds,
-            "resumed_rows": self.resumed_rows,
             "files": dict(self.files),
         }
 

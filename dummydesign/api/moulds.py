@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def make_mould(
-    thickness_mm: float | str | Iterable[float] | None = None,
+    thickness_mm: float | str | None = None,
     *,
     length_mm: float | str = 150.0,
     width_mm: float | str = 120.0,
@@ -28,21 +28,21 @@ def make_mould(
     resin: str | None = None,
     ratio: float = 15.0,
     count: int = 1,
-    castings: int = 1,
     base_ratio: float | None = None,
     face_sheet_mm: float | None = None,
     out: FilePath | None = None,
     replace: bool = False,
     puck: str | None = None,
     paper: str = "A4",
+    machine: str | None = None,
+    silicone: str | None = None,
 ) -> Result:
     """Make the silicone mould of a pad: STEP files, printable master and frame, pour sheet, all checked.
 
     Parameters
     ----------
-    thickness_mm : float, str or iterable of float
-        Thickness of the pad, needed but for pucks; several, also as text such as ``"5,15"``, make one job with a folder
-        each. [mm]
+    thickness_mm : float or str
+        Thickness of the pad, needed but for pucks. [mm]
     length_mm, width_mm : float
         Size of the pad. [mm]
     shape : str
@@ -55,8 +55,6 @@ def make_mould(
         Mixing ratio, and that of a layered pad's base (by default from its modulus ratio).
     count : int
         Cavities side by side in one mould, as many as the machines hold.
-    castings : int
-        Castings of each mould, for the list of what is needed; more than one make a job too.
     face_sheet_mm : float, optional
         Thickness of a sheet of glass let into the master as the tested face; the preset's by default, 0 for none. [mm]
     out : path, optional
@@ -68,6 +66,8 @@ def make_mould(
         they are cast in, one pour sheet with the protocol of the test. Takes a preset of printed moulds. [mm]
     paper : str
         Of pour sheet and drawings: ``A4`` or ``A3``.
+    machine, silicone : str, optional
+        Machines that the mould must fit, and its silicone, names or files; those of the preset by default.
 
     Returns
     -------
@@ -90,10 +90,9 @@ def make_mould(
     >>> {check["verdict"] for check in made.to_dict()["checks"]}  # doctest: +SKIP
     {'pass'}
     """
-    from dummydesign.mold.batch import read_thicknesses
     from dummydesign.mold.files.drawing_sheet import PAPERS
     from dummydesign.mold.model.preset import mould_spec
-    from dummydesign.mold.model.spec import read_kind
+    from dummydesign.mold.model.spec import read_kind, read_thickness
 
     if paper not in PAPERS:
         raise unknown_name("paper", paper, PAPERS)
@@ -106,9 +105,10 @@ def make_mould(
             "width": str(width_mm) not in ("120", "120.0"),
             "shape": shape != "slab",
             "count": count != 1,
-            "castings": castings != 1,
             "base_ratio": base_ratio is not None,
             "face_sheet": face_sheet_mm is not None,
+            "machine": machine is not None,
+            "silicone": silicone is not None,
         }
         if given := [f"--{name.replace('_', '-')}" for name, is_given in pads_only.items() if is_given]:
             message = f"--puck {puck} makes rings of pucks, no pad; leave {', '.join(given)} out"
@@ -118,7 +118,7 @@ def make_mould(
         message = "--thickness is missing: the thickness of the pad in mm, 3 to 30"
         raise InputError(message, "missing", "thickness")
     kind, parameters = read_kind(shape)
-    wanted = read_thicknesses(thickness_mm)
+    thickness_mm = read_thickness(thickness_mm)
     length_mm, width_mm = read_number(length_mm, LENGTH), read_number(width_mm, WIDTH)
 
     settings: dict[str, Any] = {
@@ -127,14 +127,11 @@ def make_mould(
         "ratio": ratio,
         "base_ratio": base_ratio,
         "face_sheet_mm": face_sheet_mm,
+        "machines": machine,
+        "silicone": silicone,
     }
-    specs = [
-        mould_spec(one, length_mm, width_mm, kind=kind, parameters=parameters, count=count, **settings)
-        for one in wanted
-    ]
-    if len(specs) != 1 or castings != 1:
-        return _make_job(specs, castings, resin, preset, out, replace, paper)
-    return _make_one(specs[0], resin, preset, out, replace, paper)
+    spec = mould_spec(thickness_mm, length_mm, width_mm, kind=kind, parameters=parameters, count=count, **settings)
+    return _make_one(spec, resin, preset, out, replace, paper)
 
 
 def _make_one(
@@ -213,25 +210,6 @@ def _make_pucks(
         output.extra["summary"] = {name: inputs[name] for name in ("ratio", "resin", "preset")}
         result = output.answer({**head, **rings_made.to_dict(), "spec": spec.to_dict()})
     return Result(rings_made, result, "make_mould")
-
-
-def _make_job(
-    specs: list[MouldSpec],
-    castings: int,
-    resin: str | None,
-    preset: str,
-    out: FilePath | None,
-    replace: bool,
-    paper: str,
-) -> Result:
-    from dummydesign.mold.batch import folder_name, job_inputs, make_job
-
-    inputs = {**job_inputs(specs, castings), "paper": paper}
-    name = folder_name(inputs["thickness_mm"], castings, specs[0].pad.prefix, specs[0].count)
-    folder = Path(out) if out else Path(name)
-    asked = question("mold", {**inputs, "specifications": [spec.hash for spec in specs]}, resin=resin, preset=preset)
-    result = make_job(specs, castings, folder, asked, replace, paper)
-    return Result(result["moulds"], result, "make_mould")
 
 
 def record_pad(

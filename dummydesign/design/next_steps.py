@@ -33,10 +33,6 @@ TYPED_AGAIN = (
     "base",
     "condition",
     "deceleration_mm_s2",
-    "machine",
-    "silicone",
-    "weighing_g",
-    "thickness_tolerance_mm",
 )
 """Options of the next search beside tissue, resin and mould, in the order in which they are typed."""
 SEARCHED_AGAIN = ("shape", "preset", "pad_mm", "thickness_mm", "ratio", "sites")

@@ -15,7 +15,7 @@ from dummydesign.core.files import read_json
 from dummydesign.design.request import ANSWER, Request
 from dummydesign.design.scoring.castings import Castings, Tolerances
 from dummydesign.design.scoring.press_simulation import Sampling
-from dummydesign.design.scoring.settings import crown_making, puck_error, settings_files
+from dummydesign.design.scoring.settings import PadMaking, crown_making, pad_making, puck_error, settings_files
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search.shape_family import under_square, with_elastic_law
 from dummydesign.design.search.shape_search import kinds_of
@@ -109,8 +109,9 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
         )
         law = ScaledLaw(law, partial(elastic_factor, alpha=alpha, shape="slab" if glued else "other"))
         correct = partial(with_elastic_law, alpha=alpha, inner=correct)
-    preset = read_preset(request.preset, request.machine, request.silicone)
-    made = partial(_tolerances, request, preset, resin)
+    preset = read_preset(request.preset)
+    making = pad_making()
+    made = partial(_tolerances, request, preset, resin, making)
     made(Slab(), float(thickness[0]), float(ratios[0]))  # a pad that no mould can make is refused at once
     return Problem(
         resin=resin,
@@ -118,7 +119,7 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
         thickness_mm=thickness,
         ratio=ratios,
         radius_mm=punch.radius_mm,
-        castings=Castings(resin, request.castings),
+        castings=Castings(resin, making.castings),
         tolerances=made,
         puck_error=puck_error(),
         sampling=sampling,
@@ -187,12 +188,18 @@ def _mould(
 
 
 def _tolerances(
-    request: Request, preset: Preset, resin: Resin, shape: PadShape, thickness_mm: float, ratio: float
+    request: Request,
+    preset: Preset,
+    resin: Resin,
+    making: PadMaking,
+    shape: PadShape,
+    thickness_mm: float,
+    ratio: float,
 ) -> Tolerances:
     """How well a pad is made: the batch that is mixed is what is weighed."""
     _, batch = recipe_and_batch(_mould(request, preset, resin, shape, thickness_mm, ratio))
     crown = crown_making() if shape.crowned else None
-    return Tolerances(batch["total_g"], request.weighing_g, request.thickness_tolerance_mm, crown)
+    return Tolerances(batch["total_g"], making.weighing_g, making.thickness_mm, crown)
 
 
 def _least_film_mm(request: Request, preset: Preset, resin: Resin, thickness_mm: float, ratios: NDArray) -> float:

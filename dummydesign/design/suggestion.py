@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Any
 from warnings import warn
 
@@ -280,6 +281,16 @@ def _low_force(candidate: DesignCandidate, targets: Targets) -> list[dict[str, A
     return [to_plain(dict(zip(names, row))) for row in zip(forces, depths, stiff, soft)]
 
 
+def mould_command(answer: Suggestion) -> str:
+    """The command that makes the mould of the recommended pad."""
+    best, request = answer.best, answer.request
+    words = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {quote(request.resin)}"
+    words += f" --ratio {best.ratio:g} --shape {quote(str(answer.shape))}"
+    if request.pad_mm != (PAD_LENGTH_MM, PAD_WIDTH_MM):
+        words += " --length {:g} --width {:g}".format(*request.pad_mm)
+    return words + (f" --preset {quote(request.preset)}" if request.preset != "open" else "")
+
+
 def make_mould(answer: Suggestion, folder: Path) -> dict[str, Any]:
     """Make the mould of the recommended pad into a folder; return it with its files, warnings and sources."""
     from dummydesign.mold import client
@@ -290,13 +301,7 @@ def make_mould(answer: Suggestion, folder: Path) -> dict[str, Any]:
         spec = replace(spec, pour=replace(spec.pour, usable_kPa=answer.shares.window_kPa or ()))
         return client.make_mold(spec, folder).to_dict() | {"sources": list(spec.sources)}
     except NoAnswerError as problem:
-        step = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {answer.request.resin}"
-        step += f" --ratio {best.ratio:g} --shape {answer.shape}"
-        if answer.request.pad_mm != (PAD_LENGTH_MM, PAD_WIDTH_MM):
-            step += " --length {:g} --width {:g}".format(*answer.request.pad_mm)
-        if answer.request.preset != "open":
-            step += f" --preset {answer.request.preset}"
-        message = f"{problem}; the recipe stands, the mould is missing: then run '{step}'"
+        message = f"{problem}; the recipe stands, the mould is missing: then run '{mould_command(answer)}'"
         raise NoAnswerError(problem.code, message, quantity=problem.quantity) from None
 
 

@@ -131,7 +131,7 @@ def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
             "other",
         ),
     ]
-    off, thick = curves.ratio_error, answer.request.thickness_tolerance_mm
+    off, thick = curves.ratio_error, answer.castings.tolerances.thickness_mm
     series.append(Series.ellipse("tolerance of weighing and thickness", best.ratio, best.thickness_mm, off, thick))
     others = answer.alternatives
     if others:

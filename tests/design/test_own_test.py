@@ -123,8 +123,6 @@ def test_one_force_and_one_speed_are_a_test():
         ({"edge_radius_mm": 5.0}, "out_of_range"),
         ({"punch": "round:150"}, "out_of_range"),
         ({"punch": "round:40", "thickness_mm": (3.0, 4.0), "pad_mm": (150.0, 120.0)}, "out_of_range"),
-        ({"machine": "nowhere"}, "unknown_name"),
-        ({"silicone": "none-such"}, "unknown_name"),
         ({"preset": "shut"}, "unknown_name"),
         ({"punch": "ball:20", "shape": "crowned"}, "unsupported"),
         ({"condition": "glue"}, "unknown_name"),

@@ -13,10 +13,9 @@ from dummydesign.core.options import command_words
 from dummydesign.design import measured_pad, suggest, suggestion
 from dummydesign.design.assessment import warnings
 from dummydesign.design.assessment.pad_castings import limits_that_bind
-from dummydesign.design.comparison import _differences, _names, _warnings
 from dummydesign.design.measured_pad import PARABOLA, energy_of, peak_of
 from dummydesign.design.protocol import NAGOYA_PROTOCOL
-from dummydesign.design.request import LARGEST_ERROR, Request
+from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import Pours
 from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, SlabCurves
 from dummydesign.design.scoring.settings import verdict_limits
@@ -409,19 +408,9 @@ def options(**given):
     return Request.read(tissue="palm", **given)
 
 
-def test_errors_of_making_are_read_to_two_grams_and_two_millimetres():
-    assert options(balance_g="2").weighing_g == 2.0
-    assert options(thickness_tolerance_mm=0.0).thickness_tolerance_mm == 0.0
-    for given in ({"balance_g": "2.1g"}, {"thickness_tolerance_mm": "2.1mm"}, {"balance_g": "-0.01g"}):
-        with raises_code("out_of_range"):
-            options(**given)
-    assert LARGEST_ERROR <= 2.0
-    words = command_words(
-        Request,
-        vars(options(force_N="5,10", pad="60x50", balance_g=0.5)),
-        ["force_N", "pad_mm", "weighing_g", "hold_s"],
-    )
-    assert words == " --force 5,10 --pad 60x50 --balance 0.5"
+def test_what_was_asked_is_typed_again():
+    words = command_words(Request, vars(options(force_N="5,10", pad="60x50")), ["force_N", "pad_mm", "hold_s"])
+    assert words == " --force 5,10 --pad 60x50"
 
 
 def test_castings_are_at_the_nearest_of_even_steps_and_held_to_the_law():
@@ -460,34 +449,6 @@ def test_limits_bind_where_a_design_lies_at_them():
 
     assert bound(4.94) == () and bound(4.96) == ("depth over thickness (at most 0.50)",) and len(bound(np.nan)) == 1
     assert bound(1.0, thickness=8.0) == ("thickness (8 to 12 mm)",) and bound(1.0, ratio=16.0) == ("ratio (14 to 16)",)
-
-
-def answer(**inputs):
-    return {
-        "inputs": inputs,
-        "verdict": {"limits": inputs.pop("limits", None)},
-        "files_read": inputs.pop("files", []),
-        "version": inputs.pop("version", "1"),
-    }
-
-
-def test_designs_that_answer_other_questions_or_read_other_files_say_so():
-    same = [answer(tissue="palm"), answer(tissue="palm")]
-    assert _differences(same) == () and _warnings([], (), same) == ()
-    two = _differences([answer(tissue="palm"), answer(tissue="forefinger")])
-    assert [one["input"] for one in two] == ["tissue"] and two[0]["values"] == ["palm", "forefinger"]
-    files = [answer(files=[{"name": "a.toml", "sha256": sha}]) for sha in ("1", "2")]
-    assert _differences(files)[0]["values"] == ["1", "2"]
-    missing = [answer(files=[{"name": "a.toml", "sha256": "1"}]), answer()]
-    assert _differences(missing) == ()
-    codes = [one["code"] for one in _warnings([], two, [answer(version="1"), answer(version="2")])]
-    assert codes == ["different_questions", "different_versions"]
-
-
-def test_folders_of_one_name_are_told_apart_by_their_paths(tmp_path):
-    paths = [tmp_path / "a" / "palm", tmp_path / "b" / "palm", tmp_path / "b" / "finger"]
-    assert _names(paths) == [str(paths[0]), str(paths[1]), "finger"]
-    assert _names([paths[0], paths[2]]) == ["palm", "finger"]
 
 
 def test_the_limits_that_come_with_the_package_rise_from_green_to_amber():

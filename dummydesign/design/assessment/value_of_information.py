@@ -39,8 +39,8 @@ CROWN = "weighing, thickness and the crown's height"
 # How what is no resin is measured.
 HOW = {
     MAKING: (
-        "weigh a larger batch or use a finer balance (--balance), and gauge the thickness of the cast pad "
-        "(--thickness-tolerance)"
+        "weigh a larger batch or use a finer balance, and gauge the thickness of the cast pad "
+        "(weighing_g and thickness_mm in materials/making.toml)"
     ),
     FORCE_LAW: "cast the pad, press it by a campaign and calibrate",
     TISSUE: "press the people themselves, or use published traces of them",

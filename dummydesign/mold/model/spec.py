@@ -5,11 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any
 
 from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.core.parsing import PAD_THICKNESS, read_number
 from dummydesign.core.serialise import rebuild, to_plain
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
@@ -89,6 +91,14 @@ class Aids:
 
 
 PUCK = "puck"
+
+
+def read_thickness(given: float | str) -> float:
+    """Read the thickness of the one pad that a mould is for. [mm]"""
+    if isinstance(given, Iterable) and (not isinstance(given, str) or "," in given):
+        message = f"thickness in mm = {given}: a mould is for one thickness; run 'dummydesign mold' once for each"
+        raise InputError(message, "not_a_number", "thickness_mm")
+    return read_number(given, PAD_THICKNESS)
 
 
 def read_kind(text: str) -> tuple[str, tuple[tuple[str, float], ...]]:

@@ -71,7 +71,7 @@ def _check_count(spec: MouldSpec) -> None:
         raise out_of_range("count", spec.count, 1, MOST_CAVITIES, "cavities of one mould")
     if spec.count > 1 and (spec.body.style == "lidded" or spec.base is not None or spec.pad.shape.bone_height_mm):
         what = "a lidded mould" if spec.body.style == "lidded" else f"a mould for {spec.pad.shape.name} pads"
-        message = f"count = {spec.count}: {what} has one cavity; cast the pads one after the other (--castings)"
+        message = f"count = {spec.count}: {what} has one cavity; cast the pads one after the other"
         raise InputError(message, "out_of_range", "count", spec.count, (1, 1))
 
 

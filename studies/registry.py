@@ -144,7 +144,7 @@ STUDIES = (
         "what each shape reaches for each tissue",
         "6 min",
     ),
-    Study("built_in", "", ("docs/design.md",), "recommended pads of the built-in tissues, and what to measure first"),
+    Study("built_in", "", ("docs/design.md",), "recommended pads of the built-in tissues"),
     Study("shape_figure", "", ("docs/images/shapes.png",), "cross-sections of the best pads of a forefinger", "2 s"),
     Study(
         "real_data",

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from dummydesign.core.outputs import Output
     from dummydesign.design.assessment.decision import Choice
     from dummydesign.design.assessment.pad_castings import Shares
-    from dummydesign.design.assessment.value_of_information import MeasureFirst
     from dummydesign.design.scoring.verdict import Verdict
     from dummydesign.design.search.slabs import DesignCandidate
     from dummydesign.design.suggestion import Suggestion
@@ -324,7 +323,6 @@ class Answer(Result):
     verdict: Verdict
     shares: Shares
     choice: Choice
-    measure_first: MeasureFirst
     call = "suggest"
 
     @property

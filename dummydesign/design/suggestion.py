@@ -16,7 +16,7 @@ from dummydesign.design.assessment.pad_castings import PadCastings, PourYield, S
 from dummydesign.design.next_steps import next_steps, paths_of
 from dummydesign.design.problem import recipe_and_batch, recipe_of_pour
 from dummydesign.design.request import Request
-from dummydesign.design.scoring.castings import GROUPS, TISSUE
+from dummydesign.design.scoring.castings import GROUPS
 from dummydesign.design.scoring.people import shares_below
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import TOLERANCE, Verdict
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from dummydesign.design.assessment.budget import Budget
     from dummydesign.design.assessment.curves import CurveMatch
     from dummydesign.design.assessment.decision import Choice
-    from dummydesign.design.assessment.value_of_information import MeasureFirst
     from dummydesign.design.crown_array import Sites
     from dummydesign.design.problem import Problem
     from dummydesign.design.search.slabs import DesignCandidate, ScoreMap
@@ -67,7 +66,6 @@ class Suggestion:
     rests_on: dict[str, Any]
     warnings: tuple[dict[str, str], ...]
     choice: Choice
-    measure_first: MeasureFirst
     curves: CurveMatch
     budget: Budget | None
     sites: Sites | None
@@ -136,7 +134,6 @@ class Suggestion:
         made_by = self.law.provenance.get("command", "")
         force_law = [f"response table of {self.shape.name} pads, made by {made_by}"] if made_by else []
         sources = [*self.tissue.sources, *self.resin.references, *force_law]
-        groups = [group for group in GROUPS if group != TISSUE]
         castings, verdict, shares = self.castings.castings, self.verdict.to_dict(), self.shares.to_dict()
         recommendation = design_dict(self.best, self.problem)
         answer: dict[str, Any] = {
@@ -145,14 +142,13 @@ class Suggestion:
             "castings": {
                 "n": castings.n,
                 "seed": castings.seed,
-                "groups": groups,
+                "groups": list(GROUPS),
                 **(verdict["castings"] or {}),
                 "usable": self.verdict.usable_share,
             },
             "shares": {name: value for name, value in shares.items() if name != "window_kPa"},
             "window_kPa": shares["window_kPa"],
             "people": shares_below(self.targets, self.best.readings.peak_N).to_dict(),
-            "measure_first": self.measure_first.to_dict(),
             "choice": {**self.choice.to_dict(), "weights": self.targets.weights.to_dict()},
             "curves": to_plain(self.curves),
             "budget": to_plain(self.budget),

@@ -294,16 +294,3 @@ def paths_lines(result: dict[str, Any]) -> list[str]:
     if result["verdict"]["level"] != "not_settled" or result["batch_measured"]:
         return []
     return ["; ".join(path["text"] for path in result["paths"])]
-
-
-def meanwhile_text(result: dict[str, Any]) -> str:
-    """Two ratios to pour before anything is measured, where they help."""
-    first = result["measure_first"]
-    if result["verdict"]["light"] == "red" or not first["ratios"]:
-        return ""
-    if first["either_fraction"] - max(first["each_fraction"]) < 0.03:
-        return ""
-    low, high = first["ratios"]
-    words = "is usable" if first["acceptable_means"] == "usable" else "needs no correction"
-    share = 100 * first["either_fraction"]
-    return f"or pour pads at ratios {low:g} and {high:g}: {share:.0f} % probability that at least one {words}"

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
-
 from studies import built_in
 
 
@@ -20,12 +18,6 @@ def answer(level="not_settled", **more):
             "shortfall": excess,
             "over": {"central": 1.69, "quantity": "energy"},
             "correction": {"factor_central": 1.0, "factor": 1.161, "factor_after_measuring": None},
-        },
-        "measure_first": {
-            "group": "relaxation",
-            "acceptable_means": "usable",
-            "acceptable_now": 0.61,
-            "acceptable_if_known": {"modulus": 0.7, "relaxation": 0.9, "modulus+relaxation": 0.9496},
         },
         **more,
     }
@@ -58,17 +50,5 @@ def test_the_shares_have_columns_where_every_answer_states_them():
     assert "average batch" not in cells(mixed, 0)
 
 
-def test_what_to_measure_first_is_bold_and_a_share_near_the_limit_has_a_decimal():
-    assert cells(built_in.measure_table([("palm", answer(), None)])) == [
-        "palm",
-        "`usable`",
-        "61 %",
-        "70 %",
-        "**90 %**",
-        "95.0 %",
-    ]
-
-
-@pytest.mark.parametrize("page", [built_in.DESIGNS, built_in.MEASURE_FIRST])
-def test_the_page_has_the_marks(page):
-    page.read(Path(__file__).parents[2])
+def test_the_page_has_the_marks():
+    built_in.DESIGNS.read(Path(__file__).parents[2])

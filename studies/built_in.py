@@ -37,24 +37,24 @@ def answer_of(tissue: str, **options: Any) -> dict[str, Any] | None:
 
 
 def design_table(answers: Answers) -> str:
-    """One row a tissue: verdict, pad, fractions of castings, factors on energies, and the best slab.
-
-    Fractions of a known resin and after a puck have columns where the answers state them.
-    """
-    shares = [name for name in SHARES if all(name in answer.get("shares", {}) for _, answer, _ in answers)]
+    """One row a tissue: verdict, pad, fractions of castings, factors on energies, and the best slab."""
     head = [
         "tissue",
         "verdict",
         "shape, thickness, ratio",
         "usable as poured",
-        *(SHARES[name] for name in shares),
+        *SHARES.values(),
         "out of reach",
         "factor on energies: central, 95 %, average batch",
         "best slab",
     ]
     rows = []
     for tissue, answer, slab in answers:
-        best, castings, factor = answer["recommendation"], answer["castings"], answer["verdict"]["correction"]
+        best, castings, factor = (
+            answer["recommendation"],
+            answer["shares"]["as_poured"],
+            answer["verdict"]["correction"],
+        )
         factors = (factor[name] for name in ("factor_central", "factor", "factor_after_measuring"))
         shape = str(best["shape"]).partition(":")
         lengths = ",".join(part.partition("=")[2] for part in shape[2].split(",")) if shape[2] else ""
@@ -64,7 +64,7 @@ def design_table(answers: Answers) -> str:
                 level_name(answer["verdict"]["level"]),
                 f"{shape[0]}{f':{lengths}' if lengths else ''}, {best['thickness_mm']:g} mm, {best['ratio']:g}",
                 _percent(castings["usable"]),
-                *(_percent(answer["shares"][name]["usable"]) for name in shares),
+                *(_percent(answer["shares"][name]["usable"]) for name in SHARES),
                 _percent(castings["out_of_reach"]),
                 ", ".join("-" if one is None else f"{one:.2f}" for one in factors),
                 _slab_words(slab),

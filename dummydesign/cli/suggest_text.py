@@ -173,7 +173,7 @@ def _more_details(result: dict[str, Any]) -> list[str]:
 
 def _castings(result: dict[str, Any]) -> list[str]:
     """The castings by class, and their share in the steady range."""
-    drawn, names = result["castings"], ("stands_for", "with_correction", *OUTCOMES)
+    drawn, names = result["shares"]["as_poured"], ("stands_for", "with_correction", *OUTCOMES)
     shares = whole_percents([drawn[name] for name in names])
     words = ["need no correction", "are usable with one", *(OUTCOMES[name] for name in OUTCOMES)]
     return [

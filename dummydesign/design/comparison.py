@@ -102,7 +102,8 @@ def _names(paths: Sequence[Path]) -> list[str]:
 
 def _design(path: Path, name: str, answer: Mapping[str, Any]) -> dict[str, Any]:
     """What is compared of one answer."""
-    best, verdict, inputs, castings = (answer[key] for key in ("recommendation", "verdict", "inputs", "castings"))
+    best, verdict, inputs, shares = (answer[key] for key in ("recommendation", "verdict", "inputs", "shares"))
+    castings = shares["as_poured"]
     length, width = inputs["pad_mm"]
     steps = (
         "steady_force_N",

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from warnings import warn
 
 import numpy as np
 
@@ -72,12 +71,6 @@ class Suggestion:
     other_mould: dict[str, Any] | None
 
     @property
-    def recommended(self) -> DesignCandidate:
-        """The earlier name of ``best``, kept for one release."""
-        warn("'recommended' of a suggestion is now 'best'", DeprecationWarning, stacklevel=2)
-        return self.best
-
-    @property
     def request(self) -> Request:
         """The question."""
         return self.problem.request
@@ -135,19 +128,13 @@ class Suggestion:
         force_law = [f"response table of {self.shape.name} pads, made by {made_by}"] if made_by else []
         sources = [*self.tissue.sources, *self.resin.references, *force_law]
         castings, verdict, shares = self.castings.castings, self.verdict.to_dict(), self.shares.to_dict()
+        drawn = {"n": castings.n, "seed": castings.seed, "groups": list(GROUPS)}
         recommendation = design_dict(self.best, self.problem)
         answer: dict[str, Any] = {
             "verdict": verdict,
             "batch_measured": self.resin.measured,
-            "castings": {
-                "n": castings.n,
-                "seed": castings.seed,
-                "groups": list(GROUPS),
-                **(verdict["castings"] or {}),
-                "usable": self.verdict.usable_share,
-            },
-            "shares": {name: value for name, value in shares.items() if name != "window_kPa"},
-            "window_kPa": shares["window_kPa"],
+            "window_kPa": shares.pop("window_kPa"),
+            "shares": {**shares, "as_poured": {**shares["as_poured"], **drawn}},
             "people": shares_below(self.targets, self.best.readings.peak_N).to_dict(),
             "choice": {**self.choice.to_dict(), "weights": self.targets.weights.to_dict()},
             "curves": to_plain(self.curves),

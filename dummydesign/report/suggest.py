@@ -370,7 +370,7 @@ def _recipe_table(best: dict[str, Any]) -> Table:
 
 def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
     """The share of castings that are usable, and the correction."""
-    castings, factors = result["castings"], result["verdict"]["correction"]
+    castings, factors = result["shares"]["as_poured"], result["verdict"]["correction"]
     share, needed = castings["usable"], result["verdict"]["limits"]["share"]
     words = f"of {castings['n']} castings are usable ({100 * needed:g} % needed)"
     facts = [(percent_below_limit(share, needed), words)]

@@ -206,7 +206,7 @@ def correction_lines(result: dict[str, Any]) -> list[str]:
         both = (("forces", forces[2]), ("energies", energies[2]))
         after = " and ".join(f"{what} by {value:.2f}" for what, value in both if value is not None)
         return [f"after the puck multiply {after} for 95 % of castings{_in_reach(puck)}"] if after else []
-    reach = _in_reach(result["castings"])
+    reach = _in_reach(result["shares"]["as_poured"])
     if any(e is not None and f is not None and e - f > 0.005 for f, e in zip(forces, energies)):
         return [_factors("forces", forces, reach), _factors("energies", energies, None)]
     return [_factors("readings", energies, reach)]

@@ -82,7 +82,7 @@ def test_each_design_has_the_numbers_of_its_answer(designs, capsys):
         assert one["ratio"] == best["ratio"] and one["young_kPa"]["high"] == best["young_kPa"]["high"]
         assert one["shortfall"]["q95"] == answer["verdict"]["shortfall"]["q95"]
         assert one["correction"]["factor"] == answer["verdict"]["correction"]["factor"]
-        usable = answer["castings"]["stands_for"] + answer["castings"]["with_correction"]
+        usable = answer["shares"]["as_poured"]["stands_for"] + answer["shares"]["as_poured"]["with_correction"]
         assert one["castings"]["usable_fraction"] == pytest.approx(usable)
         assert one["batch"]["total_g"] == best["batch"]["total_g"]
         peaks = [row["peak_force_N"] for row in best["conditions"]]

@@ -294,10 +294,7 @@ def test_answers_of_designs_are_typed_and_show_the_screen_of_the_command():
     assert one.verdict.level == plain_values["verdict"]["level"]
     assert one.design.thickness_mm == plain_values["recommendation"]["thickness_mm"] == 16.0
     assert one.shares.after_puck.usable == plain_values["shares"]["after_puck"]["usable"]
-    with pytest.warns(DeprecationWarning, match="verdict|level"):
-        assert one.verdict["level"] == one.verdict.level
-    with pytest.warns(DeprecationWarning, match="best"):
-        assert one.outcome.recommended is one.design
+    assert one.outcome.best is one.design
     shown = one._repr_html_()
     assert shown.startswith("<pre>") and escape(plain_values["verdict"]["text"][:20]) in shown
 

@@ -9,14 +9,13 @@ from dataclasses import dataclass, field
 from html import escape
 from os import fspath
 from typing import TYPE_CHECKING, Any
-from warnings import warn
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import FilePath
 from dummydesign.core.manifest import Question
-from dummydesign.core.serialise import Serialised, parameter_rows, with_texts
+from dummydesign.core.serialise import Serialised, parameter_rows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
     from dummydesign.core.outputs import Output
     from dummydesign.design.assessment.decision import Choice
     from dummydesign.design.assessment.pad_castings import Shares
-    from dummydesign.design.assessment.value_of_information import MeasureFirst
     from dummydesign.design.scoring.verdict import Verdict
     from dummydesign.design.search.slabs import DesignCandidate
     from dummydesign.design.suggestion import Suggestion
@@ -68,7 +66,7 @@ class Values:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the answer of the command with ``--json``, without its ``schema`` and ``version``."""
-        return deepcopy(with_texts(self.values()))
+        return deepcopy(dict(self.values()))
 
     def to_frame(self) -> Any:
         """Return the answer's table as a DataFrame (needs pandas): its columns of equal length, or its records.
@@ -278,12 +276,6 @@ class Result(Values):
                 typed = getattr(outcome, name, None)
                 setattr(self, name, typed if isinstance(typed, Serialised) else _attribute(value))
 
-    @property
-    def found(self) -> Any:
-        """The earlier name of ``outcome``, kept for one release."""
-        warn("'found' of an answer is now 'outcome'", DeprecationWarning, stacklevel=2)
-        return self.outcome
-
     def values(self) -> Mapping[str, Any]:
         """The whole answer, not copied."""
         return self.result
@@ -324,7 +316,6 @@ class Answer(Result):
     verdict: Verdict
     shares: Shares
     choice: Choice
-    measure_first: MeasureFirst
     call = "suggest"
 
     @property

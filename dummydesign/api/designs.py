@@ -12,7 +12,6 @@ from dummydesign.api.answers import Answer, Rows, answer_folder, question
 from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.files import FilePath
-from dummydesign.core.serialise import with_texts
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -256,7 +255,7 @@ def _answer(request: Request, folder: Path | None, replace: bool, progress: Call
             **({"mould": True} if mould else {}),
         }
     if missing is not None:
-        raise NoAnswerError(missing.code, output.settled(str(missing)), with_texts(result), missing.quantity)
+        raise NoAnswerError(missing.code, output.settled(str(missing)), result, missing.quantity)
     return Answer(suggestion, result)
 
 

@@ -12,7 +12,6 @@ from dummydesign.api.answers import Result, question
 from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
 from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import LENGTH, WIDTH, read_number
-from dummydesign.core.serialise import with_texts
 
 if TYPE_CHECKING:
     from dummydesign.mold.model.spec import MouldSpec
@@ -167,7 +166,7 @@ def _make_one(
             mould = dataclasses.replace(made, files=output.settled(made.files))
         except NoAnswerError as reason:
             result = output.settled({**head, **reason.result})
-            raise NoAnswerError(reason.code, output.settled(str(reason)), with_texts(result), reason.quantity) from None
+            raise NoAnswerError(reason.code, output.settled(str(reason)), result, reason.quantity) from None
         output.extra["hash"] = spec.hash
         output.extra["summary"] = {name: inputs[name] for name in ("shape", "thickness_mm", "ratio", "resin", "preset")}
         result = output.answer({**head, **mould.to_dict(), "spec": spec.to_dict()})
@@ -205,7 +204,7 @@ def _make_pucks(
             rings_made = dataclasses.replace(made, files=output.settled(made.files))
         except NoAnswerError as reason:
             result = output.settled({**head, **reason.result})
-            raise NoAnswerError(reason.code, output.settled(str(reason)), with_texts(result), reason.quantity) from None
+            raise NoAnswerError(reason.code, output.settled(str(reason)), result, reason.quantity) from None
         output.extra["hash"] = spec.hash
         output.extra["summary"] = {name: inputs[name] for name in ("ratio", "resin", "preset")}
         result = output.answer({**head, **rings_made.to_dict(), "spec": spec.to_dict()})

@@ -16,7 +16,6 @@ from dummydesign.design.assessment.budget import budget_of_castings
 from dummydesign.design.assessment.curves import match_of_design
 from dummydesign.design.assessment.decision import compare_kinds, explain
 from dummydesign.design.assessment.pad_castings import PadCastings, pour_yield, shares_of_pad, verdict_of_design
-from dummydesign.design.assessment.value_of_information import measure_first
 from dummydesign.design.assessment.warnings import count_unmeasured, design_warnings
 from dummydesign.design.problem import Problem, read_problem
 from dummydesign.design.protocol import NAGOYA_PROTOCOL
@@ -256,7 +255,6 @@ def design(problem: Problem, progress: Progress = quiet) -> Suggestion:
         rests_on=count_unmeasured(problem.resin, problem.tissue, best),
         warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
         choice=explain(chosen, rank([one for one in designs if one is not chosen], problem), problem),
-        measure_first=measure_first(castings),
         curves=match_of_design(best.evaluation, best.index, problem.targets),
         budget=budget_of_castings(castings),
         other_mould=other,

@@ -96,10 +96,3 @@ def outlook_at(ratio, count):
     """An outlook that takes one ratio whatever is known."""
     none = np.zeros(count)
     return Outlook(ratio, 0.0, 0.0, ratio, 0.0, 0.0, 0.0, 0.0, none, none, np.full(count, ratio), none > 1.0)
-
-
-def with_tissues(space, drawn):
-    """The space with other tissues drawn beside its own."""
-    targets = dataclasses.replace(space.targets)
-    targets.__dict__["drawn"] = tuple(drawn)
-    return dataclasses.replace(space, targets=targets)

@@ -17,7 +17,7 @@ from dummydesign.design.scoring.crowns import Crowns
 from dummydesign.design.scoring.settings import STEPS, CrownMaking
 from dummydesign.resin.model.resin import Draws, Resin
 
-MODULUS, RELAXATION, MAKING, FORCE_LAW, TISSUE = GROUPS = ("modulus", "relaxation", "making", "force_law", "tissue")
+MODULUS, RELAXATION, MAKING, FORCE_LAW = GROUPS = ("modulus", "relaxation", "making", "force_law")
 RESIN = frozenset((MODULUS, RELAXATION))
 # Castings: a share of 1200 has a standard error of at most 1.45 points.
 COUNT, SEED, MOST = 1200, 11, 100_000
@@ -50,12 +50,6 @@ class Pours:
     beta: NDArray
     finite_strain: NDArray
     crowns: Crowns | None = None
-
-    def first(self, count: int) -> Pours:
-        """The first of them."""
-        crowns = None if self.crowns is None else self.crowns.first(count)
-        thickness_mm, young_MPa, beta = self.thickness_mm[:count], self.young_MPa[:count], self.beta[:count]
-        return Pours(thickness_mm, young_MPa, beta, self.finite_strain[:count], crowns)
 
 
 @dataclass(frozen=True)

@@ -153,15 +153,13 @@ def test_details_hold_every_number_of_the_screen(capsys):
 def test_castings_are_counted_and_add_up(capsys, own_folder):
     own_folder("materials/making.toml", "castings = 1200", "castings = 1500")
     _, found = answer(capsys, "suggest", "--tissue", "palm", *QUICK)
-    drawn = found["castings"]
+    drawn = found["shares"]["as_poured"]
     assert drawn["n"] == 1500 == found["sensitivity"]["pours"]
     names = ("stands_for", "with_correction", "reads_low", "over", "out_of_reach")
     assert sum(drawn[name] for name in names) == pytest.approx(1.0, abs=1e-12)
     assert found["verdict"]["castings"] == {name: drawn[name] for name in names}
-    first = found["measure_first"]
     assert drawn["usable"] == pytest.approx(drawn["stands_for"] + drawn["with_correction"], abs=1e-12)
-    assert first["acceptable_now"] == pytest.approx(drawn[first["acceptable_means"]], abs=1e-12)
-    assert found["shares"]["as_poured"]["usable"] == pytest.approx(drawn["usable"], abs=1e-12)
+    assert "castings" not in found
 
 
 @pytest.mark.slow

@@ -10,12 +10,10 @@ from dummydesign.design.assessment.pad_castings import verdict_of_design
 from dummydesign.design.scoring.castings import (
     COUNT,
     FORCE_LAW,
-    GROUPS,
     MAKING,
     MODULUS,
     RELAXATION,
     RESIN,
-    TISSUE,
     Castings,
     Tolerances,
 )
@@ -165,10 +163,6 @@ def test_a_resin_that_is_known_draws_as_one_whose_groups_are_frozen(resin, casti
             np.testing.assert_allclose(first.young_MPa, second.young_MPa, rtol=1e-12)
         if modulus and relaxation:
             np.testing.assert_allclose(first.beta, second.beta, rtol=1e-12)
-
-
-def test_the_tissue_is_a_group_that_no_pour_depends_on(castings):
-    assert GROUPS == (*OURS, TISSUE) and same(pours(castings, (TISSUE,)), pours(castings))
 
 
 def test_castings_without_errors_are_the_pad_in_every_share(cast):

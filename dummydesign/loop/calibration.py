@@ -116,8 +116,9 @@ class Model:
         rows = dict(zip(earlier.pads, earlier.law.T)) | dict(zip(self.pads, self.law.T))
         pads = sorted(rows)
         law = np.stack([rows[pad] for pad in pads], axis=1)
-        more = {"thickness_mm": np.array([h for _, h in pads]), "shapes": tuple(s for s, _ in pads)}
-        return replace(self, law=law, reach=max(self.reach, earlier.reach), **more)
+        thickness, shapes = np.array([h for _, h in pads]), tuple(s for s, _ in pads)
+        reach = max(self.reach, earlier.reach)
+        return replace(self, thickness_mm=thickness, law=law, shapes=shapes, reach=reach)
 
     def law_error(self, thickness_mm: NDArray, shapes: Sequence[str] = (), cast: bool = False) -> LawError:
         """Law error of pads (T,): of one's own shape, linear in the logarithm of thickness between the known and
@@ -136,7 +137,7 @@ class Model:
         if self.carried < 1.0:
             same = np.array([(shape, h) in self.pads for shape, h in zip(wanted.tolist(), thickness_mm.tolist())])
             terms[0] *= np.where(same & (not cast), 1.0, self.carried)
-        return LawError(*terms, self.reach)
+        return LawError(*terms, reach=self.reach)
 
     def nodes(self, presses: Presses, law: SetupLaw) -> NDArray:
         """Force at the nodes of other presses (T, N). [N]"""

@@ -209,8 +209,12 @@ def _point(table: TomlTable) -> Point:
         raise puck.fault("seen_s", "must be the shortest and the longest time", "malformed")
     arms = tuple(ResinArm(arm.quantity("tau_s"), arm.quantity("beta")) for arm in puck.tables("arm", required=False))
     size = puck.number("diameter_mm"), puck.number("height_mm")
-    more = seen, arms, puck.string("plates", ""), _alpha(puck, "alpha")
-    return Point(ratio, young, PuckPoint(puck.string("sha256"), puck.string("file"), *size, *more))
+    words, plates, alpha = (
+        (puck.string("sha256"), puck.string("file")),
+        puck.string("plates", ""),
+        _alpha(puck, "alpha"),
+    )
+    return Point(ratio, young, PuckPoint(*words, *size, seen, arms, plates, alpha))
 
 
 def _alpha(table: TomlTable, key: str) -> Quantity | None:

@@ -168,9 +168,9 @@ def add_compression(
         fit = _fit_holds(traces, held, table, window, puck, plates)
     else:
         fit = _fit_loading(traces, table, window, puck, plates)
-    known, alpha = fit.known, fit.known.alpha
+    alpha = fit.known.alpha
     kept = replace(fit.puck, alpha=Quantity(*alpha, "fitted", source))
-    point = Point(ratio, Quantity(*known.young_kPa, "fitted", source), kept)
+    point = Point(ratio, Quantity(*fit.known.young_kPa, "fitted", source), kept)
     others = [one for one in resin.points if one.puck is None or not one.puck.has(puck.sha256)]
     presses = [(trace.name, level) for trace, level in zip(traces, fit.levels)]
     density = resin.property("density_g_per_cm3", ratio)
@@ -202,7 +202,7 @@ def add_compression(
         point.young_kPa,
         {"name": "ogden, one term", "alpha": alpha.value, "alpha_low": alpha.low, "alpha_high": alpha.high},
         plates.name or None,
-        known.friction._asdict(),
+        fit.known.friction._asdict(),
         fit.rmse_N,
         window,
         relaxation,

@@ -159,6 +159,7 @@ def _best(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float,
         lambda q: np.concatenate(residuals(q)), starts, lower, upper, scale=np.r_[0.1, 0.5, np.full(count, 0.003)]
     )
     best = solved.parameters
+    assert solved.jacobian is not None
     rest = residuals(best)
     c = np.concatenate([c for c, _ in parts])
     law = LEAST_MISFIT**2 * alike(c, ALIKE) + TABLE_ERROR**2 * np.eye(len(c))

@@ -250,8 +250,8 @@ def fit_relaxation(
     chosen = simplest(scores)
     noise = _noise(problem, rivals[chosen])
     problem.factor = whitener(presses, height_mm, noise)
-    grips, prior = plates.nodes(GRIPS)
-    profile = _profile(problem, grips, rivals[chosen])
+    nodes, prior = plates.nodes(GRIPS)
+    profile = _profile(problem, nodes, rivals[chosen])
     misfits = [_misfit(problem, one) for one in profile]
     if plates:
         free = _profile(problem, np.array(COARSE), min(profile, key=lambda one: one.chi_square))

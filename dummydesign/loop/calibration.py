@@ -137,7 +137,8 @@ class Model:
         if self.carried < 1.0:
             same = np.array([(shape, h) in self.pads for shape, h in zip(wanted.tolist(), thickness_mm.tolist())])
             terms[0] *= np.where(same & (not cast), 1.0, self.carried)
-        return LawError(*terms, reach=self.reach)
+        level, slope, curve = terms
+        return LawError(level, slope, curve, self.reach)
 
     def nodes(self, presses: Presses, law: SetupLaw) -> NDArray:
         """Force at the nodes of other presses (T, N). [N]"""

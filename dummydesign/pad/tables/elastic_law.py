@@ -40,13 +40,8 @@ class ElasticTable:
     def factor(self, alpha: float, depth: ArrayLike, ratio: ArrayLike, shape: str = "slab") -> tuple[Array, Array]:
         """Factor and its relative error at d / h and a / h (broadcast), held at the table's ends.
 
-<<<<<<< HEAD
-        A crowned pad has the factor of a slab that is thinner, and pressed less deep, by the mean drop under the
-        punch (:func:`mean_drop_mm`). Any other ``shape`` than these has 1, and the slabs' as error.
-=======
         A crowned pad has the factor of a slab that is thinner, and pressed less deep, by the crown's mean drop under
         the punch (:func:`mean_drop_mm`). Any other ``shape`` than these has 1, and the slabs' as error.
->>>>>>> puck
         """
         x, y = np.broadcast_arrays(np.asarray(depth, float), np.log(np.asarray(ratio, float)))
         away, rows = alpha - 2.0, np.log(self.ratio)

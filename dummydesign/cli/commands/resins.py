@@ -247,7 +247,8 @@ def _render_hardness(result: dict[str, Any]) -> list[str]:
 
 def _render_puck(result: dict[str, Any]) -> list[str]:
     young, friction = result["young_kPa"], result["friction"]
-    low, high = ("bonded" if friction[end] is None else f"{friction[end]:.2g}" for end in ("low", "high"))
+    # plates that rub more than this hold a puck as glue does
+    low, high = ("bonded" if (one := friction[end]) is None or one > 1.0 else f"{one:.2g}" for end in ("low", "high"))
     span = low if low == high else f"{low} to {high}"
     how = f"plates declared {result['plates']}" if result["plates"] else "plates not declared"
     known = "Modulus and relaxation of the batch are measured: it needs no other puck."

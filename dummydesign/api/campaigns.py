@@ -80,7 +80,6 @@ def plan_campaign(
         asked = plan
         plan, expected, summary["expected"], notes, material = _expected(plan, by_shape)
         slower = [one["message"] for one in notes if one["code"] == "speed_not_reached"]
-        summary |= dict.fromkeys(["speed"][: len(slower)], "".join(slower))
         # shaped pads last: the power of a plan with one is not computed
         seen, warnings = _power(plan, by_shape[-1][0], design.seed) if power else (None, [])
         trials = [_trial(row, set_up) for row in plan]
@@ -111,7 +110,7 @@ def _expected(
     material: nothing without a law."""
     from dummydesign.core.errors import NoAnswerError
     from dummydesign.core.progress import write_progress
-    from dummydesign.loop.planning import expected_presses, material_of, reached_speeds
+    from dummydesign.loop.planning import at_reached_speed, expected_presses, material_of
     from dummydesign.measurement.motion import DECELERATION_MM_S2
 
     what = "force" if plan[0].by_depth else "depth"
@@ -140,13 +139,16 @@ def _expected(
             listed = f"{len(files)} presses ({files[0]}{', ...' if len(files) > 1 else ''})"
             message = f"{listed}: the punch {verb} deeper than 0.6 of the pad's thickness, or than the model reaches; "
             notes.append({"code": code, "message": message + "take a smaller force or a thicker pad"})
-    reached = reached_speeds(plan, expected)
+    reached = tuple(map(at_reached_speed, plan, expected))
     if slower := [(row, one) for row, one in zip(plan, reached) if row != one]:
         row, one = min(slower, key=lambda pair: pair[1].velocity_mm_s)
-        which = f"{row.file}: {one.velocity_mm_s:g} mm/s, not {row.velocity_mm_s:g}"
-        message = f"{len(slower)} press{'es are' if len(slower) > 1 else ' is'} planned slower than asked ({which}): "
-        message += f"braking with {DECELERATION_MM_S2 / 1e3:g} m/s2 from contact on, a robot touches no faster"
+        message = (
+            f"{len(slower)} press{'es are' if len(slower) > 1 else ' is'} planned slower than asked "
+            f"({row.file}: {one.velocity_mm_s:g} mm/s, not {row.velocity_mm_s:g}): "
+            f"braking with {DECELERATION_MM_S2 / 1e3:g} m/s2 from contact on, a robot touches no faster"
+        )
         notes.append({"code": "speed_not_reached", "message": message})
+        words += f". {message}"
     return reached, expected, words, notes, material.to_dict()
 
 

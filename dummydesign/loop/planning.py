@@ -121,14 +121,11 @@ def expected_presses(
     return tuple(expected[key] for key in keys)
 
 
-def reached_speeds(plan: tuple[Planned, ...], expected: tuple[Expected, ...]) -> tuple[Planned, ...]:
-    """The plan at the speeds that a robot reaches which brakes to a stop at the expected depths, cut to 0.1 mm/s."""
-    out = []
-    for row, one in zip(plan, expected):
-        depth = row.target if row.by_depth else one.value
-        touch = float(contact_velocity(row.velocity_mm_s, depth or np.inf, DECELERATION_MM_S2))
-        out.append(replace(row, velocity_mm_s=math.floor(10.0 * touch) / 10.0) if touch < row.velocity_mm_s else row)
-    return tuple(out)
+def at_reached_speed(row: Planned, expected: Expected) -> Planned:
+    """The press at the speed that a robot reaches which brakes to a stop at the expected depth, cut to 0.1 mm/s."""
+    depth = (row.target if row.by_depth else expected.value) or math.inf
+    touch = float(contact_velocity(row.velocity_mm_s, depth, DECELERATION_MM_S2))
+    return replace(row, velocity_mm_s=math.floor(10.0 * touch) / 10.0) if touch < row.velocity_mm_s else row
 
 
 def _curve(pad: Pad | Puck, progress: Progress) -> tuple[Pad | Puck, ForceCurve]:

@@ -159,13 +159,12 @@ def planned_velocity(time: NDArray, x: NDArray, ramp: Ramp, planned_mm_s: float)
     """
     sent, start, braking = _fastest(time, x, ramp)
     left = np.maximum(ramp.depth_mm - start - np.array([0.0, STRETCH * ramp.depth_mm]), 0.0)
-    throughout = float(contact_velocity(np.inf, left, braking).mean())
-    brakes = braking > BRAKING_MM_S2[0] and sent > ALL_BRAKING * throughout
-    touch = float(contact_velocity(sent, ramp.depth_mm, braking))
-    if not brakes and touch >= sent:
+    brakes = sent > ALL_BRAKING * float(contact_velocity(np.inf, left, braking).mean())
+    touch = contact_velocity(sent, ramp.depth_mm, braking)
+    if braking < BRAKING_MM_S2[0] or (touch >= sent and not brakes):
         return sent
-    touch = float(contact_velocity(touch, ramp.depth_mm, DECELERATION_MM_S2))
-    return float(np.clip(planned_mm_s, touch, np.inf if brakes else sent))
+    least = contact_velocity(touch, ramp.depth_mm, DECELERATION_MM_S2)
+    return float(np.clip(planned_mm_s, least, np.inf if brakes else sent))
 
 
 STEADY_PERIODS = 2.0

@@ -164,7 +164,7 @@ def test_the_loop_finds_the_modulus_of_a_planned_and_pressed_campaign_and_no_eff
     assert found["verdict"] == "none" and young["low"] < 27.0 < young["high"]
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_presses_are_planned_at_speeds_that_are_reached_and_are_taken_at_those_and_at_the_asked(seed, tmp_path, capsys):
     draw = np.random.default_rng([58, seed])
     folder, thick, young = tmp_path / "c", draw.uniform(5.0, 15.0), draw.uniform(25.0, 80.0)
@@ -180,12 +180,15 @@ def test_presses_are_planned_at_speeds_that_are_reached_and_are_taken_at_those_a
     for row in found["trials"]:
         depth = row["expected_depth_mm"]
         motion = ramp_and_hold(row["asked_velocity_mm_s"], depth, row["hold_s"], braking)
-        first = motion.displacement_mm[1] / motion.time_s[1]
-        # the speed of the first step, of a punch that brakes a little less than at touch
-        assert row["velocity_mm_s"] == pytest.approx(first, rel=0.02)
+        step, way = np.diff(motion.time_s), np.diff(motion.displacement_mm)
+        fastest = (way[step > 1e-6] / step[step > 1e-6]).max()
+        # the mean of a step, over which the punch brakes by a 24th of its speed
+        assert row["velocity_mm_s"] == pytest.approx(fastest, rel=0.025)
         assert float(contact_velocity(np.inf, depth, braking)) >= row["velocity_mm_s"]
-        force = row["target_force_N"] * motion.displacement_mm / depth
-        rows = np.column_stack([motion.time_s, motion.displacement_mm, force])
+        time = np.r_[np.arange(0.0, 1.0, 1e-3), np.arange(1.0, row["hold_s"], 0.02)]
+        x = np.interp(time, motion.time_s, motion.displacement_mm)
+        force = row["target_force_N"] * x / depth + 0.01 * draw.standard_normal(len(x))
+        rows = np.column_stack([time, x, force])
         np.savetxt(folder / row["file"], rows, "%.6f", ",", header="time_s,displacement_mm,force_N", comments="")
     for planned in (text, re.sub(r"velocity_mm_s = (?!10\.0)\S+", f"velocity_mm_s = {speed:.0f}.0", text)):
         (folder / "campaign.toml").write_text(planned.replace("unload = true", "unload = false"))

@@ -108,7 +108,8 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
             standard_press(replace(request, punch=PUNCH, pad_mm=(PAD_LENGTH_MM, PAD_WIDTH_MM))) and not punch.profile_mm
         )
         law = ScaledLaw(law, partial(elastic_factor, alpha=alpha, shape="slab" if glued else "other"))
-        correct = partial(with_elastic_law, alpha=alpha, inner=correct)
+        inner, exponent = correct, alpha
+        correct = cast(Correct, lambda one: with_elastic_law(one if inner is None else inner(one), exponent))
     preset = read_preset(request.preset)
     making = pad_making()
     made = partial(_tolerances, request, preset, resin, making)

@@ -412,7 +412,7 @@ def next_steps(result: dict[str, Any]) -> list[str]:
     if verdict["level"] == "not_settled":
         return [
             "do not use the pad yet: press what is missing, or press more repeats, and compare again",
-            f"a plan of the presses: {PLAN}",
+            f"a plan of the presses: '{PLAN}'",
         ]
     if verdict["light"] == "red":
         return ["do not use this pad for these presses", *_correct_the_design(traces)]
@@ -438,4 +438,4 @@ def _correct_the_design(traces: list[str]) -> list[str]:
     folder = Path(traces[0]).parent
     if (folder / CAMPAIGN).is_file():
         return [f"dummydesign loop {quote(str(folder))}"]
-    return [f"press a campaign of it: {PLAN}", "let it correct the next design: dummydesign loop DIR"]
+    return [f"press a campaign of it: '{PLAN}'", "let it correct the next design: 'dummydesign loop DIR'"]

@@ -72,6 +72,9 @@ def made_mixture(thinner, young, spread=0.03, open_friction=False):
             0.02,
             0.01,
             profile,
+            rmse_open=0.01,
+            levels=(),
+            known=None,
         ),
     )
 

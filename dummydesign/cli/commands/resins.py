@@ -231,13 +231,7 @@ def _span(ends: list[str]) -> str:
 def _render_hardness(result: dict[str, Any]) -> list[str]:
     young, base = result["young_kPa"], result["base"]
     form = "one fixed mix, no ratio" if base is None else f"law of {base}, moved to this modulus at its reference ratio"
-    first = [
-        line
-        for one in result["contradictions"]
-        for line in labelled("CHECK", f"{one['what']}: {one['a']:.3g} and {one['b']:.3g}")
-    ]
     return [
-        *first,
         f"modulus   {young['value']:.3g} kPa (95 %: {young['low']:.3g} to {young['high']:.3g}) from Shore "
         f"{result['shore']['scale']} {result['shore']['value']:g}",
         f"resin     {result['name']}: {form}",
@@ -254,7 +248,13 @@ def _render_puck(result: dict[str, Any]) -> list[str]:
     known = "Modulus and relaxation of the batch are measured: it needs no other puck."
     if not (result["relaxation"] or {}).get("prony"):
         known = "Only the modulus is measured: hold the position for 10 s to measure the relaxation too."
+    first = [
+        line
+        for one in result["contradictions"]
+        for line in labelled("CHECK", f"{one['what']}: {one['a']:.3g} and {one['b']:.3g}")
+    ]
     return [
+        *first,
         *labelled(
             "RESULT",
             f"{young['value']:.3g} kPa at ratio {result['ratio']:g} (95 %: {young['low']:.3g} to {young['high']:.3g}); "

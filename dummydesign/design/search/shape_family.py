@@ -331,15 +331,15 @@ def under_square(family: Family) -> Family:
     return cast(Family, ScaledFamily(family, corners)) if family.kind == "crowned" else family
 
 
-def with_elastic_law(family: Family, alpha: Quantity, inner: Callable[[Family], Family] | None = None) -> Family:
-    """The family, corrected by ``inner``, of a resin whose elastic law is not neo-Hookean."""
+def with_elastic_law(family: Family, alpha: Quantity) -> Family:
+    """The family of a resin whose elastic law is not neo-Hookean."""
 
     def stiffening(designs: Designs, depth_mm: NDArray, radius_mm: float) -> tuple[NDArray, NDArray]:
         pads = range(len(designs.thickness_mm))
         drop = np.array([mean_drop_mm(designs.shape(index), radius_mm) for index in pads])[:, None]
         return elastic_factor(depth_mm, designs.thickness_mm[:, None], radius_mm, alpha, family.kind, drop)
 
-    return cast(Family, ScaledFamily(family if inner is None else inner(family), stiffening))
+    return cast(Family, ScaledFamily(family, stiffening))
 
 
 def designable_kinds() -> tuple[str, ...]:

@@ -20,9 +20,10 @@ from dummydesign.loop.effects.registry import known_effects, refuse_unsound
 from dummydesign.loop.fitting.candidates import EffectCandidate
 from dummydesign.loop.fitting.fit import fit_base, with_rough_law
 from dummydesign.loop.fitting.noise import repeat_pairs
-from dummydesign.loop.model.campaign_law import law_of, start_young_kPa, within_reach
+from dummydesign.loop.model.campaign_law import law_of, within_reach
 from dummydesign.loop.model.effect import Effect, SetupLaw
 from dummydesign.loop.model.forward_model import readings
+from dummydesign.loop.model.material import material_of
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.pad_scatter import known_pads
 from dummydesign.loop.prior import PooledFit, check_prior, join, with_prior_effects
@@ -130,8 +131,9 @@ def close_loop(
     law = law_of(campaign, progress)
     declared, every = campaign, make_presses(campaign)
     campaign, presses, beyond = within_reach(declared, every, law)
+    material = material_of(campaign)
     with processor_budget(budget_s) as budget:
-        first = fit_base(presses, law, 1e-3 * start_young_kPa(campaign), progress)
+        first = fit_base(presses, law, 1e-3 * material.young_kPa, progress, material.prior)
         progress("checking the labels of the presses")
         # a label that is wrong is no effect, and would be taken for one
         doubts = doubts_of(declared, every, first)
@@ -144,7 +146,11 @@ def close_loop(
     if law.shape == "cylinder":
         base, answer = _of_pucks(base, answer, available, progress)
     plain, learnt = answer.after.fit, answer.learnt
-    doubt = doubt_of(plain, answer.selection.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
+    doubt = (
+        doubt_of(plain, answer.selection.rivals)
+        if learnt is None
+        else doubt_of_curve(plain.problem.base_count, learnt.effect.shape.flat)
+    )
     after = replace(answer.after, fit=with_rough_law(plain, doubt))
     base = after if plain is base.fit else base
     joined = None

@@ -25,9 +25,13 @@ from dummydesign.loop.fitting.fit import (
 from dummydesign.loop.fitting.noise import NoiseSizes, contrasts, estimate_slow_noise, make_whitener
 from dummydesign.loop.fitting.problem import ARMS, CampaignProblem
 from dummydesign.loop.fitting.screening import Screened, starts_of
-from dummydesign.loop.model.forward_model import BASE, HIGH, LOW, simulate_yielding
+from dummydesign.loop.model.forward_model import simulate_yielding
+from dummydesign.loop.model.material import UNDECLARED
 from tests.support import puck_presses as pucks
 from tests.support.puck_presses import clean_fit
+
+BASE = len(UNDECLARED.mean)
+LOW, HIGH = UNDECLARED.bounds()
 
 NOISE = Noise(0.1, 0.05, 0.7, 0.02)
 

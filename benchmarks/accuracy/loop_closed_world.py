@@ -30,7 +30,7 @@ RATE_HZ, REST = 1000.0, 200
 KINDS = {
     "slabs": ("slab", (5.0, 15.0, 20.0)),
     "crown": ("crowned:3.6,4.6,9.4", (10.5,)),
-    "crowns": ("crowned:radius=10,height=2,foot=9", (7.0, 10.0, 14.0)),
+    "crowns": ("crowned:radius=4,height=3,foot=9", (7.0, 10.0, 14.0)),
 }
 
 

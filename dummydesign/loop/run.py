@@ -28,6 +28,7 @@ from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.pad_scatter import known_pads
 from dummydesign.loop.prior import PooledFit, check_prior, join, with_prior_effects
 from dummydesign.loop.result import EffectModel, LoopResult, listed, named
+from dummydesign.loop.selection.as_designed import AsDesigned, as_designed
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.doubts import doubt_warnings, doubts_of, without_doubted
 from dummydesign.loop.selection.explanations import explain, one_shape
@@ -138,7 +139,7 @@ def close_loop(
         # a label that is wrong is no effect, and would be taken for one
         doubts = doubts_of(declared, every, first)
         campaign, presses, first = without_doubted(campaign, presses, first, doubts)
-        base = assess(first)
+        base, designed = assess(first), as_designed(first)
         available, untested = _available(presses, law)
         seen = diagnose(base.fit)
         explained = _explain(base, seen, available, progress)
@@ -166,7 +167,7 @@ def close_loop(
     stopped = f"{budget_s:g} s of processor time" if budget.ran_out else ""
     better = _better_alone(answer.selection, after) if answer.among is None else ()
     labels = doubt_warnings(doubts, presses)
-    warnings = (*labels, *_warnings(campaign, presses, beyond, stopped, answer, joined), *better)
+    warnings = (*_contradicted(designed), *labels, *_warnings(campaign, presses, beyond, stopped, answer, joined), *better)
     return LoopResult(
         **{**vars(answer), "after": after},
         campaign=campaign,
@@ -178,7 +179,18 @@ def close_loop(
         warnings=warnings,
         joined=joined,
         doubts=doubts,
+        designed=designed,
     )
+
+
+def _contradicted(designed: AsDesigned | None) -> Iterator[dict[str, str]]:
+    """Numbers of the declared material that the presses contradict."""
+    for one in () if designed is None else designed.contradicted:
+        message = (
+            f"{one.name} is {one.declared:.4g} as declared, {one.refitted:.4g} in these presses "
+            f"({one.distance:.1f} standard deviations): check resin and ratio of the campaign"
+        )
+        yield {"code": "material_contradicted", "message": message}
 
 
 def _explain(

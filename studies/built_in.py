@@ -15,6 +15,7 @@ from typing import Any
 
 import dummydesign
 from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.levels import level_name
 from dummydesign.design.scoring.settings import verdict_limits
 from studies.marked_page import MarkedPage
 
@@ -23,12 +24,6 @@ PAGE = Path("docs") / "design.md"
 DESIGNS = MarkedPage(PAGE, "<!-- built-in tissues: begin -->", "<!-- built-in tissues: end -->")
 MEASURE_FIRST = MarkedPage(PAGE, "<!-- measure first: begin -->", "<!-- measure first: end -->")
 SHARES = {"resin_known": "average batch", "after_puck": "after a puck"}
-LEVELS = {
-    "stands_for": "green",
-    "usable_with_correction": "usable with a correction",
-    "not_settled": "not settled",
-    "not_representative": "red",
-}
 KNOWN = {"modulus": "modulus known", "relaxation": "relaxation known", "modulus+relaxation": "both known"}
 
 Answers = Sequence[tuple[str, Mapping[str, Any], Mapping[str, Any] | None]]
@@ -68,10 +63,10 @@ def design_table(answers: Answers) -> str:
         rows.append(
             [
                 tissue,
-                LEVELS[answer["verdict"]["level"]],
+                level_name(answer["verdict"]["level"]),
                 f"{shape[0]}{f':{lengths}' if lengths else ''}, {best['thickness_mm']:g} mm, {best['ratio']:g}",
-                _percent(_usable(castings)),
-                *(_percent(_usable(answer["shares"][name])) for name in shares),
+                _percent(castings["usable"]),
+                *(_percent(answer["shares"][name]["usable"]) for name in shares),
                 _percent(castings["out_of_reach"]),
                 ", ".join("-" if one is None else f"{one:.2f}" for one in factors),
                 _slab_words(slab),
@@ -93,10 +88,6 @@ def measure_table(answers: Answers) -> str:
     return _table(["tissue", "acceptable means", "now", *KNOWN.values()], rows)
 
 
-def _usable(shares: Mapping[str, Any]) -> float:
-    return float(shares["stands_for"] + shares["usable"])
-
-
 def _percent(share: float) -> str:
     """A share, with a decimal near the limit so that it is not rounded onto it."""
     near = abs(share - verdict_limits().share) < 0.01
@@ -108,7 +99,7 @@ def _slab_words(slab: Mapping[str, Any] | None) -> str:
     if slab is None:
         return "none reaches the presses"
     verdict = slab["verdict"]
-    level, short, over = LEVELS[verdict["level"]], verdict["shortfall"], verdict["over"]
+    level, short, over = level_name(verdict["level"]), verdict["shortfall"], verdict["over"]
     if verdict["not_reached"]:
         return f"{level}: a press is out of reach"
     if short["central"] > over["central"]:

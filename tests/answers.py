@@ -74,6 +74,9 @@ CASES = [
         "predict shaped axisymmetric",
         "predict --young 25 --thickness 12 --depth 0.5,1 --shape crowned:10,2 --fidelity axisymmetric",
     ),
+    Case("predict mass", "predict --ratio 15.4 --thickness 8 --drive mass:0.3 --velocity 150 --out hit.csv"),
+    Case("predict bottoms", "predict --ratio 15.4 --thickness 8 --drive mass:5 --velocity 250"),
+    Case("gone option", "suggest --tissue palm --robot-mass 2", json=False),
     Case("predict layered", "predict --young 25 --thickness 10 --depth 0.5,2 --shape layered:3,0.4"),
     Case("fit", f"fit {PRESSES} --out tissue.toml"),
     Case("fit by speed", "fit ../in/press_0.csv ../in/press_3.csv --elements 3 --mode per-speed"),
@@ -81,7 +84,7 @@ CASES = [
     Case("suggest slab", f"suggest --tissue forefinger --shape slab {SUGGEST}"),
     Case("suggest verified", "suggest --tissue forefinger --shape slab --thickness 6:9 --no-cad --out out"),
     Case("suggest crowned", f"suggest --tissue forefinger --shape crowned {SUGGEST}"),
-    Case("suggest palm", f"suggest --tissue palm --shape slab --robot-mass 2 --robot-velocity 100 {SUGGEST}"),
+    Case("suggest palm", f"suggest --tissue palm --shape slab {SUGGEST}"),
     Case("suggest safe", f"suggest --tissue thenar --aim safe-side --resin ecoflex-00-10 --shape slab {SUGGEST}"),
     Case("whatif table", "whatif --thickness 4:20:4 --ratio 14,15.5,17 --out out"),
     Case(

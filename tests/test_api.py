@@ -66,11 +66,11 @@ PALM_OPTIONS = [
 @pytest.mark.slow
 def test_suggest_is_the_answer_of_the_command(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    answer = dummydesign.suggest("palm", **PALM, verify=False, cad=False, out="a", robot_mass_kg=2.0)
+    answer = dummydesign.suggest("palm", **PALM, verify=False, cad=False, out="a")
     page = Path("a/report.html").read_text()
     mine = plain(answer)
     red = not answer.outcome.verdict.acceptable
-    theirs = printed(capsys, *PALM_OPTIONS, "--no-cad", "--robot-mass", "2", "--out", "a", status=int(red))
+    theirs = printed(capsys, *PALM_OPTIONS, "--no-cad", "--out", "a", status=int(red))
     assert not red or theirs.pop("error")["code"] == "no_acceptable_pad"
     assert mine == theirs
     assert Path("a/report.html").read_text() == page
@@ -268,7 +268,6 @@ def test_refusals_leave_no_folder(tmp_path):
         lambda: dummydesign.whatif(5, tissue="plam", out=tmp_path / "x"),
         lambda: dummydesign.whatif(5, tissue="palm", aim="avarage", out=tmp_path / "x"),
         lambda: dummydesign.whatif(5, workers=0, out=tmp_path / "x"),
-        lambda: dummydesign.suggest("palm", robot_mass_kg=-1.0, out=tmp_path / "x"),
     ):
         with pytest.raises(InputError):
             call()

@@ -10,7 +10,7 @@ ROOT = Path(__file__).parent.parent
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 # The whole way with its mould takes minutes; the first command of the README is the same.
 LONG = [pytest.mark.slow]
-LONG_EXAMPLES = ("suggest_forefinger", "safety")
+LONG_EXAMPLES = ("suggest_forefinger",)
 
 
 @pytest.mark.slow

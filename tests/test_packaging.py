@@ -65,7 +65,7 @@ def test_the_main_job_runs_from_the_wheel(installed, tmp_path, tissue):
     done = run(installed, tmp_path, "suggest", "--tissue", tissue, *quick, "--json")
     answer = json.loads(done.stdout)
     assert done.returncode == int(answer["verdict"]["light"] == "red"), done.stderr
-    assert answer["schema"] == "dummydesign.suggest/1"
+    assert answer["schema"] == "dummydesign.suggest/2"
     chosen = answer["recommendation"]
     assert 3.0 <= chosen["thickness_mm"] <= 30.0
     assert sum(part["mass_g"] for part in chosen["recipe"]["components"]) == pytest.approx(

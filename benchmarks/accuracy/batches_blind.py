@@ -166,7 +166,7 @@ def run(number: int, seed: int) -> Row:
         before.verdict.level,
         float(before.verdict.usable_share or 0.0),
         poured,
-        before.shares.after_puck.stands_for + before.shares.after_puck.usable,
+        before.shares.after_puck.usable,
         time.process_time() - began,
     )
 

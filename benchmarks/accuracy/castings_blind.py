@@ -33,13 +33,14 @@ from scipy.interpolate import PchipInterpolator
 from scipy.special import erf
 
 from benchmarks.rows import keep_row, read_rows
+from dummydesign.core.levels import LEVELS
 from dummydesign.design.assessment.pad_castings import verdict_of_design
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import Castings
 from dummydesign.design.scoring.press_simulation import make_curves
 from dummydesign.design.scoring.score import evaluate
-from dummydesign.design.scoring.verdict import LEVELS, ranges_of
+from dummydesign.design.scoring.verdict import ranges_of
 from dummydesign.design.search.slabs import DesignCandidate, make_slabs
 from dummydesign.design.suggest import design
 from dummydesign.geometry.shape_registry import read_shape
@@ -67,7 +68,7 @@ KNOWLEDGE = ("as stated", "modulus known", "measured", "measured, made well")
 MADE_WELL: dict[str, Any] = {"weighing_g": 0.01, "thickness_tolerance_mm": 0.05}
 AROUND, TRIED = 9, 28
 """Steps of the ratio to either side that are judged, and depths at which a pad is pressed."""
-CLASSES = ("stands_for", "usable", "reads_low", "over", "out_of_reach")
+CLASSES = ("stands_for", "with_correction", "reads_low", "over", "out_of_reach")
 
 
 def known_resin(resin, knowledge: str):

@@ -21,11 +21,12 @@ import numpy as np
 
 from benchmarks.rows import keep_row, read_rows, write_csv
 from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.levels import LEVELS
 from dummydesign.design.assessment.pad_castings import Share, shares_of_pad, verdict_of_design
 from dummydesign.design.problem import Problem, read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.scoring.verdict import CLASSES, LEVELS, ranges_of
+from dummydesign.design.scoring.verdict import CLASSES, ranges_of
 from dummydesign.design.search.shape_search import ShapedDesign, search_shapes
 from dummydesign.design.suggest import cast_pad
 from dummydesign.tissue.model.posterior import COLUMNS, read_draws, subject_of
@@ -106,7 +107,7 @@ def _share(share: Share) -> dict[str, float]:
 
 def usable(share: dict[str, float]) -> float:
     """Share of castings that may be used, as they are or with a correction."""
-    return share["stands_for"] + share["usable"]
+    return share["stands_for"] + share["with_correction"]
 
 
 def table(rows: list[dict[str, Any]]) -> str:

@@ -26,14 +26,13 @@ import numpy as np
 
 from benchmarks.accuracy.castings_blind import GEOMETRIES, force_over_young
 from benchmarks.rows import keep_row, read_rows
+from dummydesign.core.levels import LEVELS, LIGHTS
 from dummydesign.design.measured_pad import verdict_of_traces
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import Castings, Tolerances
 from dummydesign.design.scoring.verdict import (
     CLASSES,
-    LEVELS,
-    LIGHTS,
     Readings,
     classes,
     deviations,

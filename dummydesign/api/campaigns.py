@@ -481,6 +481,7 @@ def replay(
     from dummydesign.design.measured_pad import verdicts_of_campaign
     from dummydesign.loop.calibration_file import read_calibration
     from dummydesign.loop.effects.registry import own_effects
+    from dummydesign.loop.run import HOLDS_WITHIN
     from dummydesign.loop.run import replay as predict_again
     from dummydesign.measurement.campaign_file import read_campaign
     from dummydesign.tissue.model.tissue_file import load_tissue
@@ -507,6 +508,8 @@ def replay(
         "calibration_verdict": known.verdict,
         "effects": [one.effect.name for one in known.after.active],
         **replayed.to_dict(),
+        "holds": replayed.total_rmse_N <= HOLDS_WITHIN * known.noise_floor_N,
+        "noise_floor_N": known.noise_floor_N,
         "warning_band_N": known.remainder_N,
     }
     return Result(replayed, result, "replay")

@@ -21,14 +21,12 @@ if TYPE_CHECKING:
     from dummydesign.core.outputs import Output
     from dummydesign.design.plot_data import PressPictures
     from dummydesign.design.request import Request
-    from dummydesign.design.safety import SafetyView, UserLimits
     from dummydesign.design.suggestion import Suggestion
     from dummydesign.design.sweep.spec import Study
     from dummydesign.mold.client import CadChild
     from dummydesign.resin.model.resin import Resin
 
 
-ROBOT_VELOCITY_MM_S = 250.0
 Numbers = float | str | Iterable[float | str]
 
 
@@ -61,10 +59,6 @@ def suggest(
     balance_g: float | str = 0.1,
     thickness_tolerance_mm: float | str = 0.2,
     castings: int | str = 1200,
-    robot_mass_kg: float | str | None = None,
-    robot_velocity_mm_s: float | str | None = None,
-    limits: FilePath | None = None,
-    drive: str | None = None,
     out: FilePath | None = None,
     replace: bool = False,
     progress: Callable[[str], None] | None = None,
@@ -115,13 +109,6 @@ def suggest(
         Errors of weighing and of the cast thickness, even within plus and minus these. [g, mm]
     castings : int
         How many castings are drawn for every share and factor, 1200 to 100,000.
-    robot_mass_kg, robot_velocity_mm_s : float
-        Mass and speed (250 mm/s by default) of a free body that hits tissue and pad, for the safety view. [kg, mm/s]
-    drive : str, optional
-        What moves the robot, as in :func:`dummydesign.on_person`: the answer adds what the predicted presses would be
-        on people.
-    limits : path, optional
-        Limits of force and pressure with their source (TOML), for the safety view.
     out : path, optional
         Folder of the mould and the report, which are not made without it; the next free number when it holds the
         answer to another question.
@@ -183,10 +170,6 @@ def suggest(
             balance_g=balance_g,
             thickness_tolerance_mm=thickness_tolerance_mm,
             castings=castings,
-            robot_mass_kg=robot_mass_kg,
-            robot_velocity_mm_s=robot_velocity_mm_s,
-            limits=limits,
-            drive=drive,
         ),
         out,
         replace,
@@ -220,19 +203,9 @@ def answer_request(
     """
     if request.cad and out is None:
         raise InputError("cad = True needs out, the folder for the files of the mould", "missing", "out")
-    if request.robot_mass_kg is None and request.robot_velocity_mm_s is not None:
-        velocity = request.robot_velocity_mm_s
-        message = f"robot velocity in mm/s = {velocity:g} needs the robot's mass: give --robot-mass KG"
-        raise InputError(message, "missing", "robot_mass")
-    if request.robot_mass_kg is not None and request.robot_velocity_mm_s is None:
-        request = replace_fields(request, robot_velocity_mm_s=ROBOT_VELOCITY_MM_S)
     folder = None if out is None else Path(out)
     if folder is None:
         request = replace_fields(request, cad=False)
-    if request.drive is not None:
-        from dummydesign.person.drives import read_drive
-
-        request = replace_fields(request, drive=read_drive(request.drive).text)
     with _effects(request):
         return _answer(request, folder, replace, progress or (lambda step: None))
 
@@ -259,30 +232,20 @@ def _child(output: Output | None, cad: bool | None) -> AbstractContextManager[Ca
 def _answer(request: Request, folder: Path | None, replace: bool, progress: Callable[[str], None]) -> Answer:
     """Resolve, design, and write what there is a folder for."""
     from dummydesign.design.problem import read_problem
-    from dummydesign.design.safety import read_limits, safety_view
     from dummydesign.design.suggest import design
 
     wanted = read_problem(request)
-    mass_kg, velocity_mm_s = request.robot_mass_kg, request.robot_velocity_mm_s or ROBOT_VELOCITY_MM_S
     inputs = request.to_dict() | {"out": None if folder is None else str(folder)}
     inputs["weights"] = wanted.targets.weights.to_dict()
-    limits = None if request.limits is None else read_limits(request.limits)
-
     profile = request.punch.partition("profile:")[2] or None
-    read = (request.calibration, request.limits, *request.effects, profile)
+    read = (request.calibration, *request.effects, profile)
     asked = question(
         "suggest", inputs, tissue=request.tissue, resin=request.resin, files=read, named=dict(wanted.files)
     )
     with answer_folder(folder, asked, replace) as output, _child(output, request.cad) as child:
         suggestion = design(wanted, progress)
-        safety = safety_view(suggestion, mass_kg, velocity_mm_s, limits)
-        if mass_kg is not None:
-            from dummydesign.person.free_mass import with_known_range
-
-            safety = with_known_range(safety, suggestion.targets.tissue, mass_kg, velocity_mm_s)
-        people, people_sections = _on_people(suggestion, request.drive, limits)
         if output is None:
-            return Answer(suggestion, suggestion.to_dict(inputs, safety) | people)
+            return Answer(suggestion, suggestion.to_dict(inputs))
         cad = suggestion.verdict.acceptable if request.cad is None else request.cad
         inputs = {**inputs, "cad": cad, "out": str(output.folder)}
         progress("mould and report" if cad else "report")
@@ -298,8 +261,7 @@ def _answer(request: Request, folder: Path | None, replace: bool, progress: Call
         mould, missing = _mould(suggestion, output) if cad else (None, None)
         if not drawn:
             draw()
-        whole = suggestion.to_dict(inputs, safety, mould) | people
-        result = _written(suggestion, safety, whole, output, drawn[0], people_sections)
+        result = _written(suggestion, suggestion.to_dict(inputs, mould), output, drawn[0])
         best = result["recommendation"]
         output.extra["summary"] = {name: best[name] for name in ("shape", "thickness_mm", "ratio", "resin")} | {
             "tissue": inputs["tissue"],
@@ -312,23 +274,6 @@ def _answer(request: Request, folder: Path | None, replace: bool, progress: Call
     if missing is not None:
         raise NoAnswerError(missing.code, output.settled(str(missing)), with_texts(result), missing.quantity)
     return Answer(suggestion, result)
-
-
-def _on_people(
-    suggestion: Suggestion, drive: str | None, limits: UserLimits | None
-) -> tuple[dict[str, Any], tuple[Any, ...]]:
-    """Carry the predicted presses over to people, where a drive was given: for the answer and for its report."""
-    if drive is None:
-        return {}, ()
-    from dummydesign.person.drives import read_drive
-    from dummydesign.person.on_person import design_on_people, to_dict
-    from dummydesign.report.on_person import people_sections
-
-    pressed = design_on_people(suggestion, read_drive(drive), limits)
-    values = to_dict(pressed)
-    sections = people_sections(pressed, values["presses"], "people")
-    titled = (replace_fields(one, title=f"On people, {drive}: {one.title}") for one in sections)
-    return {"on_person": values}, tuple(titled)
 
 
 def _mould(suggestion: Suggestion, output: Output) -> tuple[dict[str, Any] | None, NoAnswerError | None]:
@@ -344,18 +289,13 @@ def _mould(suggestion: Suggestion, output: Output) -> tuple[dict[str, Any] | Non
 
 
 def _written(
-    suggestion: Suggestion,
-    safety: SafetyView,
-    result: dict[str, Any],
-    output: Output,
-    drawn: tuple[Any, PressPictures],
-    people: tuple[Any, ...],
+    suggestion: Suggestion, result: dict[str, Any], output: Output, drawn: tuple[Any, PressPictures]
 ) -> dict[str, Any]:
     """Write the report and the answer, and return the answer with all files."""
     from dummydesign.report.suggest import write_suggestion
 
     curves, pictures = drawn
-    report = write_suggestion(output.work, suggestion, result, curves, safety, pictures, people)
+    report = write_suggestion(output.work, suggestion, result, curves, pictures)
     result = {**result, "files": {**result["files"], **report}}
     return output.answer({**result, "files": {**result["files"], "json": str(_write_answer(output, result, curves))}})
 

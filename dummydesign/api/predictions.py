@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Predicted
 from dummydesign.core import parsing
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import check_units, parts_of, read_allowed, read_number, twin_of
 
@@ -107,7 +107,7 @@ def relaxation_warnings(made: Pad | Puck, moves: bool) -> list[dict[str, str]]:
     """Warn where a pad without relaxation is pressed in time; ``moves`` says whether it is."""
     if made.prony or not moves:
         return []
-    message = "this pad has no relaxation: its peak force is its steady force. "
+    message = "this pad has no relaxation: its force does not depend on speed. "
     message += "Give --resin with --ratio, or --young with --prony TAU:BETA"
     return [{"code": "no_relaxation", "message": message}]
 
@@ -171,6 +171,7 @@ def predict(
     velocity_mm_s: float | str | Iterable[float] | None = None,
     hold_s: float | str = 10.0,
     deceleration_mm_s2: float | str = 30_000.0,
+    drive: str = "position",
     tissue: str | None = None,
     aim: str = "average",
     punch: str = "square:14",
@@ -190,7 +191,7 @@ def predict(
     picture: FilePath | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Predicted:
-    """Force of one pad at static depths, under a measured motion, or in a ramp and hold.
+    """Force of one pad at static depths, under a measured motion, in a ramp and hold, or as it stops a free mass.
 
     Parameters
     ----------
@@ -211,6 +212,10 @@ def predict(
         ``presses`` with one entry for each force at each speed; the other keys are those of the last press. [N, mm/s]
     hold_s, deceleration_mm_s2 : float
         Hold after the stop, and braking. [s, mm/s2]
+    drive : str
+        ``position`` (default), or ``mass:KG``: the pad alone stops a free mass that hits at ``velocity_mm_s``. The
+        curves begin with a short free flight and end after the rebound; ``out`` is a trace for
+        :func:`dummydesign.on_person`.
     tissue, aim : str
         Hold the pad against a tissue as ``suggest`` does, under presses to 5, 10 and 15 N at 10 and 250 mm/s: the
         answer then has ``verdict`` and ``conditions``. Depths, a motion or a force may be left out.
@@ -256,7 +261,7 @@ def predict(
     InputError
         For values that are not allowed.
     NoAnswerError
-        When the force is out of the pad's reach, or a solve fails.
+        When the force is out of the pad's reach, the pad bottoms out under the mass, or a solve fails.
 
     Examples
     --------
@@ -270,10 +275,12 @@ def predict(
         from dummydesign.resin.model.resin_file import DEFAULT
 
         inputs["resin"] = DEFAULT
+    mass_kg = _free_mass_kg(drive)
     asked = [name for name in ("depth_mm", "motion", "force_N") if inputs[name] is not None]
+    asked += [] if mass_kg is None else [DRIVE]
     if len(asked) > 1 or (not asked and tissue is None):
         given = f"{len(asked)} of them are given" if asked else "none is given"
-        message = f"give exactly one of --depth, --motion and --force (with --velocity); {given}"
+        message = f"give exactly one of --depth, --motion, --force (with --velocity) and --drive mass:KG; {given}"
         raise InputError(message, "conflict" if asked else "missing", "depth")
     if velocity_mm_s is not None and asked in (["depth_mm"], ["motion"]) and tissue is None:
         why = "forces at a depth are static" if asked == ["depth_mm"] else "a motion has its own speed"
@@ -290,8 +297,8 @@ def predict(
     check_units(units)
     if units != parsing.SYSTEMS[0] and out is None:
         raise InputError("--units is of the table that --out writes: give --out", "not_applicable", "units", units)
-    if rate_Hz is not None and (out is None or asked not in (["motion"], ["force_N"])):
-        message = "--rate is of curves over time in a file: give --out, and --motion or --force"
+    if rate_Hz is not None and (out is None or asked in ([], ["depth_mm"])):
+        message = "--rate is of curves over time in a file: give --out, and --motion, --force or --drive mass:KG"
         raise InputError(message, "not_applicable", "rate_Hz", rate_Hz)
     made, young, sources = pad_of_inputs(inputs)
     moves = asked != ["depth_mm"] or tissue is not None
@@ -314,6 +321,16 @@ def predict(
         moved = read_motion(Path(motion))
         prediction = predict_motion(made, moved, fidelity, progress)
         common |= _measured(Path(motion), moved, prediction, warnings)
+    elif mass_kg is not None:
+        from dummydesign.person.free_mass import mass_on_pad
+
+        speed = _one_speed(inputs["velocity_mm_s"], drive)
+        try:
+            stopped = mass_on_pad(made, mass_kg, speed, fidelity, progress)
+        except NoAnswerError as problem:
+            raise NoAnswerError(problem.code, str(problem), common | problem.result, problem.quantity) from None
+        prediction = stopped.prediction
+        common |= stopped.to_dict()
     else:
         prediction, reached = _presses(made, inputs, progress)
         common |= reached
@@ -330,6 +347,30 @@ def predict(
 
 AVERAGE = "average"
 """Value of ``aim`` when it is not given."""
+
+
+DRIVE = "drive"
+
+
+def _free_mass_kg(drive: str) -> float | None:
+    """Mass of ``mass:KG``; None for ``position``, a press that the robot leads. [kg]"""
+    from dummydesign.person.drives import read_drive
+
+    read = read_drive(drive)
+    if read.name not in ("position", "mass"):
+        message = f"drive = {drive} is of a press that was measured: predict knows position and mass:KG"
+        raise InputError(message, "not_applicable", DRIVE, drive, ["position", "mass:KG"])
+    return read.values[0] if read.values else None
+
+
+def _one_speed(velocity_mm_s: float | list[float] | None, drive: str) -> float:
+    """The speed at which a mass hits. [mm/s]"""
+    if velocity_mm_s is None or isinstance(velocity_mm_s, list):
+        code, message = "missing", f"--drive {drive} needs --velocity, the speed at which the mass hits, in mm/s"
+        if velocity_mm_s is not None:
+            code, message = "conflict", f"--drive {drive} takes one --velocity; {len(velocity_mm_s)} are given"
+        raise InputError(message, code, "velocity")
+    return velocity_mm_s
 
 
 def _check_unused(inputs: dict[str, Any], asked: list[str], tissue: str | None) -> None:

@@ -231,7 +231,7 @@ def compare(
         if output is not None:
             from dummydesign.report.compare import write_comparison
 
-            files = write_comparison(comparison, site, output.work, judged)
+            files = write_comparison(comparison, site, output.work, result)
             output.extra["summary"] = {"verdict": judged["level"], "text": judged["text"]}
             result = output.answer({**result, "inputs": {**inputs, "out": str(output.folder)}, "files": files})
     return Result(comparison, result, "compare")
@@ -453,10 +453,10 @@ def on_person(
     import math
 
     from dummydesign.core.serialise import to_plain
-    from dummydesign.design.safety import read_limits
     from dummydesign.geometry.punch import equal_area_radius_mm
     from dummydesign.measurement.sensor import parse_lowpass
     from dummydesign.person.drives import read_drive
+    from dummydesign.person.limits import read_limits
     from dummydesign.person.on_person import on_person as work_out
     from dummydesign.person.people_budget import budget_of_people
     from dummydesign.tissue.model.tissue_file import load_tissue

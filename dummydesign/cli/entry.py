@@ -31,15 +31,17 @@ if TYPE_CHECKING:
 
 
 @cache
-def help_texts() -> dict[str, dict[str, Any]]:
-    """Read ``choices`` by option (or command and option), and ``examples`` by command, of ``help.toml``."""
-    return tomllib.loads((Path(__file__).parent / "help.toml").read_text(encoding="utf-8"))
+def table_of(name: str) -> dict[str, dict[str, Any]]:
+    """Read a table of this folder: ``help`` (choices by option or command and option, examples) or ``gone``."""
+    return tomllib.loads((Path(__file__).parent / f"{name}.toml").read_text(encoding="utf-8"))
 
 
 def meanings_of(command: str, action: argparse.Action) -> dict[str, str]:
     """What the words mean that an option lists in its help; empty for options without such words."""
     name = name_of(action)
-    choices = {option: words for options, words in help_texts()["choices"].items() for option in options.split(", ")}
+    choices = {
+        option: words for options, words in table_of("help")["choices"].items() for option in options.split(", ")
+    }
     known = choices.get(f"{command.partition(' ')[0]} {name}", choices.get(name, {}))
     if name == "shape":
         from dummydesign.geometry.shape_registry import shape_meanings
@@ -65,7 +67,7 @@ def epilog_of(command: str, parser: argparse.ArgumentParser) -> str:
         if meanings:
             rows.append(f"  {action.option_strings[-1]}")
             rows += [f"    {word:<17} {text}" for word, text in meanings.items()]
-    examples = [f"  {what}:\n    dummydesign {words}" for what, words in help_texts()["examples"].get(command, ())]
+    examples = [f"  {what}:\n    dummydesign {words}" for what, words in table_of("help")["examples"].get(command, ())]
     parts = (("what the choices mean:", rows), ("examples:", examples))
     return "\n\n".join("\n".join([title, *lines]) for title, lines in parts if lines)
 
@@ -183,6 +185,8 @@ def _check_options(parser: argparse.ArgumentParser, name: str, words: list[str])
             others = [one for one in COMMANDS if one != name and option in _options(parser_of(one))]
             theirs = f"it is an option of {', '.join(others)}; " if others and not near else ""
             message = f"unknown option '{option}': {hint}{theirs}'dummydesign {name} --help' lists them"
+            if instead := table_of("gone").get(name, {}).get(option.removeprefix("--")):
+                message = f"option '{option}' of {name} is gone: {instead}"
             raise InputError(message, "unknown_option", quantity_name(option), option, sorted(known))
 
 
@@ -271,7 +275,7 @@ def _run(arguments: list[str]) -> int:
                 result = module.run(options)
             verdict = result.get("verdict")
             if isinstance(verdict, dict) and verdict.get("light") == "red":
-                message = "the pad is not representative of the tissue"
+                message = "the verdict on the pad is red: do not use it"
                 problem = NoAnswerError("not_representative", message, quantity="verdict")
         except NoAnswerError as reason:
             result, problem = reason.result, reason

@@ -101,13 +101,13 @@ def _shapes(result: dict[str, Any]) -> list[str]:
 
 
 def _passed_over(result: dict[str, Any]) -> list[str]:
-    """The pad with the best score where it was passed over because it is not representative."""
+    """The pad with the best score where it was passed over because it is red."""
     known = [row for row in result["shapes"] if row["shape"] is not None]
     nearest = max(known, key=lambda row: row["total"], default=None)
     if nearest is None or nearest["acceptable"] or nearest["shape"] == result["recommendation"]["shape"]:
         return []
     return [
-        f"  the {nearest['kind']} pad scores higher (total {nearest['total']:.2f}) and is not representative; "
+        f"  the {nearest['kind']} pad scores higher (total {nearest['total']:.2f}) and is red; "
         f"--shape {nearest['kind']} gives it",
     ]
 
@@ -172,7 +172,7 @@ def _more_details(result: dict[str, Any]) -> list[str]:
 
 def _castings(result: dict[str, Any]) -> list[str]:
     """The castings by class, what each known group makes of them, and their share in the steady range."""
-    drawn, first, names = result["castings"], result["measure_first"], ("stands_for", "usable", *OUTCOMES)
+    drawn, first, names = result["castings"], result["measure_first"], ("stands_for", "with_correction", *OUTCOMES)
     shares = whole_percents([drawn[name] for name in names])
     words = ["need no correction", "are usable with one", *(OUTCOMES[name] for name in OUTCOMES)]
     over = first["acceptable_over_tissues"]
@@ -241,9 +241,8 @@ def render(result: dict[str, Any]) -> str:
 
 
 def _notes(result: dict[str, Any]) -> list[str]:
-    """At most four warnings, each with what to do; an impact comes first."""
-    lines = labelled("IMPACT", facts.impact_text(result))
-    return [*lines, *(line for note in facts.warning_texts(result) for line in labelled("WARNING", note, 2))]
+    """At most four warnings, each with what to do."""
+    return [line for note in facts.warning_texts(result) for line in labelled("WARNING", note, 2)]
 
 
 def _next(result: dict[str, Any]) -> list[str]:

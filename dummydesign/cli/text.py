@@ -222,20 +222,10 @@ def file_lines(result: dict[str, Any]) -> list[str]:
 
 
 def first_lines(result: dict[str, Any]) -> list[str]:
-    """What must be read next: a pad that bottoms out, the impact, a puck to be measured first, and why this pad."""
-    from dummydesign.report.suggest_facts import impact_of
-
-    lines = [f"BOTTOMS OUT: {item['message']}" for item in result["warnings"] if item["code"] == "bottoms_out"]
-    pad, known = impact_of(result)
-    if pad and known:
-        with_ = (
-            f"the subjects with {min(known):.3g} to {max(known):.3g} N"
-            if len(known) > 1
-            else (f"the subject with {known[0]:.3g} N")
-        )
-        lines.append(f"impact: the pad stops it with {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm, {with_}")
+    """What must be read next: a puck to be measured first, and why this pad."""
     first = result.get("measure_first")
-    lines += [f"{first['text']}: {first['protocol']}", f"then: {first['command']}"] if first and first["text"] else []
+    lines = [f"{first['text']}: {first['protocol']}"] if first and first["text"] else []
+    lines += [f"then: {first['command']}"] if first and first["command"] else []
     choice = result.get("choice")
     lines += [f"why this pad: {choice['text']}"] if choice else []
     return [*lines, ""] if lines else []

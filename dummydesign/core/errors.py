@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -85,6 +85,15 @@ class NoAnswerError(DummydesignError):
         return type(self), (self.code, str(self), self.result, self.quantity)
 
 
+def accepts(call: Callable[..., object], *given: Any) -> bool:
+    """Whether a call takes what it is given without an ``InputError``."""
+    try:
+        call(*given)
+    except InputError:
+        return False
+    return True
+
+
 @contextmanager
 def errors_within(where: str, advice: str = "") -> Iterator[None]:
     """Put the place they were found at in front of the errors of a ``with`` block, and advice behind."""
@@ -154,6 +163,6 @@ def unknown_name(
 
 
 def quantity_name(words: str) -> str:
-    """Return the words of a message as a name: ``--robot-mass`` and ``robot mass in kg`` as ``robot_mass_kg``."""
+    """Return the words of a message as a name: ``--edge-radius`` as ``edge_radius``, ``mass in kg`` as ``mass_kg``."""
     plain = words.replace("Young's modulus", "young").replace(" in ", " ").replace("%", "percent")
     return re.sub(r"\W+", "_", plain).strip("_")

@@ -53,7 +53,6 @@ class QuantitySpec:
 
 FORCE = QuantitySpec("force in N", "N", (0.05, 1000.0))
 VELOCITY = QuantitySpec("velocity in mm/s", "mm/s", (1.0, 5000.0))
-ROBOT_VELOCITY = QuantitySpec("robot velocity in mm/s", "mm/s", (1.0, 10_000.0))
 HOLD = QuantitySpec("hold in s", "s", (0.05, 3600.0))
 REST = QuantitySpec("rest in s", "s", (0.0, math.inf))
 DECELERATION = QuantitySpec("deceleration in mm/s2", "mm/s2", (100.0, 1e7))
@@ -61,7 +60,6 @@ YOUNG = QuantitySpec("Young's modulus in kPa", "kPa", (0.5, 5000.0))
 YOUNG_KPA = 0.01, 1e6
 """Smallest and largest modulus that is allowed. [kPa]"""
 THICKNESS = QuantitySpec("thickness in mm", "mm", (0.3, 300.0))
-MASS = QuantitySpec("robot mass in kg", "kg", (0.02, 5000.0))
 BALANCE = QuantitySpec("balance in g", "g", (0.0, 2.0))
 TOLERANCE = QuantitySpec("thickness tolerance in mm", "mm", (0.0, 2.0))
 DEPTH = QuantitySpec("depth in mm", "mm", (0.0, math.inf))

@@ -31,9 +31,13 @@ def to_plain(value: Any) -> Any:
     return os.fspath(value) if isinstance(value, os.PathLike) else value
 
 
+# Answers whose fields changed their meaning.
+VERSIONS = {"suggest": 2}
+
+
 def json_text(command: str, result: Mapping[str, Any]) -> str:
     """Return the JSON of an answer: schema, version, inputs, warnings and sources first."""
-    head = {"schema": f"dummydesign.{command}/1", "version": __version__}
+    head = {"schema": f"dummydesign.{command}/{VERSIONS.get(command, 1)}", "version": __version__}
     for key, empty in (("inputs", {}), ("warnings", []), ("sources", [])):
         head[key] = result.get(key, empty)
     return json.dumps(to_plain(with_texts({**head, **result})), indent=1, allow_nan=False)

@@ -13,7 +13,7 @@ from dummydesign.core.files import FilePath, read_json
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.request import ANSWER
 
-SCHEMA = "dummydesign.suggest/1"
+SCHEMA = "dummydesign.suggest/2"
 MANIFEST = "manifest.json"
 # Inputs that change what a verdict or a score means; limits of the search are left out.
 QUESTIONS = {
@@ -76,7 +76,7 @@ def read_design(folder: Path) -> dict[str, Any]:
         raise InputError(message, "nothing_found", "folder", str(folder))
     answer = _json(folder / ANSWER)
     if answer is None or answer.get("schema") != SCHEMA:
-        message = f"file '{folder / ANSWER}' is not an answer of 'dummydesign suggest'"
+        message = f"file '{folder / ANSWER}' is not an answer of this version of 'dummydesign suggest'; run it again"
         raise InputError(message, "file_unreadable", "design_file")
     try:
         _design(folder, "", answer)
@@ -137,7 +137,7 @@ def _design(path: Path, name: str, answer: Mapping[str, Any]) -> dict[str, Any]:
         "correction": {key: verdict["correction"][key] for key in ("factor_central", "factor")},
         "castings": {
             **castings,
-            "usable_fraction": castings["stands_for"] + castings["usable"],
+            "usable_fraction": castings["usable"],
             "needed_fraction": (verdict.get("limits") or {}).get("share"),
         },
         "batch": _batch(best["batch"]),

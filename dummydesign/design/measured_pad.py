@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import DummydesignError
+from dummydesign.core.levels import LEVELS
 from dummydesign.core.parsing import DECELERATION, EDGE, FORCE, HOLD, VELOCITY, positive, read_number, read_numbers
 from dummydesign.core.serialise import to_plain
 from dummydesign.design.measured_match import budget_of_traces
 from dummydesign.design.request import face_of
-from dummydesign.design.safety import tissue_press
 from dummydesign.design.scoring.castings import COUNT
 from dummydesign.design.scoring.press_simulation import Sampling
-from dummydesign.design.scoring.verdict import LEVELS, Ranges, Readings, Verdict, verdict
+from dummydesign.design.scoring.targets import energies_of
+from dummydesign.design.scoring.verdict import Ranges, Readings, Verdict, verdict
 from dummydesign.design.test_conditions import check_edge, check_numbers, tissue_warnings
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.interface import CONDITIONS, Interface
@@ -125,7 +126,8 @@ def verdict_of_traces(
     if not len(ranges.steady_N):
         lowest = comparison.test.span_N[0]
         unsettled = " and ".join(filter(None, [unsettled, f"it was not pressed above {lowest:g} N"]))
-    return verdict(ranges, readings, spread, of="pads that fit these traces", unsettled=unsettled)
+    of, measure = "pads that fit these traces", "more presses of this pad"
+    return verdict(ranges, readings, spread, of=of, unsettled=unsettled, measure=measure)
 
 
 def readings_of_traces(comparison: Comparison, tissue: Tissue) -> tuple[Ranges, Readings, Readings]:
@@ -158,7 +160,7 @@ def _press(pressed: Sequence[ComparedPress], tissue: Tissue, speed_mm_s: float, 
     outer = []
     for trace, band, braking in pressed:
         sampling = Sampling(hold_s=trace.hold_s, deceleration_mm_s2=braking)
-        energy = tissue_press(band, tissue.law, sampling).energy_mJ if band.energy_mJ is None else band.energy_mJ
+        energy = energies_of([band], tissue.law, sampling)[0] if band.energy_mJ is None else band.energy_mJ
         outer.append((trace.steady_force_N, band.peak_low_N, band.peak_high_N, energy.min(), energy.max()))
     force, low, high, least, most = np.mean(outer, axis=0)
     # Repeats differ in depth and force; what scatters is the peak over its own lowest subject.

@@ -1,4 +1,4 @@
-"""What to do now, in order: the puck first where it settles the pad, else the pad; hours and grams of each step."""
+"""What to do now, in order: one puck of a batch that was not measured, else the pad; hours and grams of each step."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from dummydesign.core.options import command_words
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.assessment.value_of_information import batch_name
 from dummydesign.design.request import Request
+from dummydesign.design.scoring.castings import FORCE_LAW, RESIN
 from dummydesign.design.scoring.verdict import PEAK, deviations, ranges_of
+from dummydesign.design.test_conditions import beyond_people
 from dummydesign.mold.pour.plan import WITNESS_MM
 
 if TYPE_CHECKING:
@@ -39,6 +41,13 @@ TYPED_AGAIN = (
 """Options of the next search beside tissue, resin and mould, in the order in which they are typed."""
 SEARCHED_AGAIN = ("shape", "preset", "pad_mm", "thickness_mm", "ratio", "sites")
 """Those that a mould which is kept has decided already."""
+TEST = ("punch", "edge_radius_mm", "force_N", "velocity_mm_s", "hold_s")
+"""Options of the test that a campaign and 'compare' have as well."""
+CAMPAIGN = "my-dummy"
+PRESS_PEOPLE = (
+    "press people with these forces; read the presses with 'dummydesign import' and 'dummydesign fit', "
+    "keep them with 'dummydesign tissues add'"
+)
 # A puck and its two presses on the machine, and a pad by the protocol. [h]
 PRESSING_H = 0.5
 
@@ -73,14 +82,42 @@ def next_steps(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     level, first = answer.verdict.level, answer.measure_first
     if level == "not_representative":
         return [Step(f"do not cast this pad: {why_red(answer)}")]
-    if level == "not_settled" or first.group in ("modulus", "relaxation"):
-        return _puck_first(answer, inputs)
-    made = _mould(answer)
+    beyond = beyond_people(answer.request.protocol.forces_N, answer.problem.tissue) > 1.0
+    people = [Step(PRESS_PEOPLE)] if beyond else []
+    # of a batch that was measured a second puck shows nothing new
+    if not answer.resin.measured and (first.group in RESIN or (level == "not_settled" and not beyond)):
+        return [*people, *_puck_first(answer, inputs)]
+    if first.group is None:
+        return [*people, *_pad(answer, inputs)]
+    corrected = f"dummydesign loop {CAMPAIGN}" if first.group == FORCE_LAW else None
+    return [*people, *_pad(answer, inputs), Step(f"{first.text}: {first.protocol}", corrected)]
+
+
+def _pad(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
+    """Cast the pad, press it by a campaign and compare it with the subjects."""
+    made, best = _mould(answer), answer.best
     hours = None if made.printing_h is None else made.printing_h + _curing_h(answer)
-    pad = Step("cast the pad by its pour sheet", None, hours, {"silicone": made.silicone_g, "resin": made.resin_g})
-    compared = f"dummydesign compare PRESS.csv... --tissue {shlex.quote(inputs['tissue'])}"
-    pressed = Step("press it by the test and compare it with the subjects", compared, PRESSING_H)
-    return [pad, pressed, *([Step(f"{first.text}: {first.protocol}", first.command)] if first.group else [])]
+    given = {**inputs, "resin": str(inputs["resin"]), "condition": _typed_condition(inputs)}
+    shape = "" if best.shape.plain else f" --shape {shlex.quote(str(best.shape))}"
+    planned = (
+        f"dummydesign campaign new {CAMPAIGN} --resin {shlex.quote(given['resin'])} --ratio {best.ratio:g} "
+        f"--pads {best.thickness_mm:g}{shape}{command_words(Request, given, ('pad_mm', 'base', *TEST))}"
+    )
+    planned += f" --contact {given['condition']}" if given["condition"] else ""
+    compared = f"dummydesign compare {CAMPAIGN}/*.csv --tissue {shlex.quote(given['tissue'])}"
+    compared += command_words(Request, given, (*TEST, "condition", "deceleration_mm_s2"))
+    return [
+        Step("cast the pad by its pour sheet", None, hours, {"silicone": made.silicone_g, "resin": made.resin_g}),
+        # a campaign knows no punch of two sides
+        Step("plan its presses", None if given["punch"].startswith("rectangle") else planned),
+        Step(f"press in the order of its sheet; save each trace under its name in {CAMPAIGN}", None, PRESSING_H),
+        Step("compare it with the subjects", compared),
+    ]
+
+
+def _typed_condition(inputs: Mapping[str, Any]) -> str | None:
+    """The condition under the punch, where it has to be typed."""
+    return None if inputs["condition"] == "bonded" else inputs["condition"]
 
 
 def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
@@ -117,33 +154,22 @@ def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
 
 def _search_again(inputs: Mapping[str, Any], batch: str) -> str:
     """The command of the next search: of the same mould where one was made."""
-    given = dict(inputs)
-    if given["condition"] == "bonded":
-        given["condition"] = None
+    given = {**inputs, "condition": _typed_condition(inputs)}
     folder = given.get("mould") or (given.get("out") if given.get("cad") else None)
     names = TYPED_AGAIN if folder else (*TYPED_AGAIN, *SEARCHED_AGAIN)
     words = command_words(Request, given, names)
     words += f" --mould {shlex.quote(str(folder))}" if folder else ""
-    return f"dummydesign suggest --tissue {shlex.quote(given['tissue'])}{words}{_safety_words(given)} --resin {batch}"
-
-
-def _safety_words(given: Mapping[str, Any]) -> str:
-    """Options of the safety view as they are typed."""
-    words = ""
-    if given.get("robot_mass_kg") is not None:
-        words += f" --robot-mass {given['robot_mass_kg']:g}"
-        words += "" if given["robot_velocity_mm_s"] == 250.0 else f" --robot-velocity {given['robot_velocity_mm_s']:g}"
-    for name in ("limits", "drive"):
-        words += f" --{name} {shlex.quote(given[name])}" if given.get(name) else ""
-    return words
+    return f"dummydesign suggest --tissue {shlex.quote(given['tissue'])}{words} --resin {batch}"
 
 
 def paths_of(answer: Suggestion) -> list[PadPath]:
-    """The puck first and then the pad, beside the pad at once: what each takes and how many castings are usable."""
+    """The puck first and then the pad, beside the pad at once: what each takes and how many castings are usable.
+
+    Of a batch that was measured it is the pad alone.
+    """
     from dummydesign.mold.puck.plan import ring_cost
 
-    strict, shares, pad = answer.targets.strict, answer.shares, _mould(answer)
-    poured, after = (one.stands_for + (0.0 if strict else one.usable) for one in (shares.as_poured, shares.after_puck))
+    pad, poured, after = _mould(answer), answer.shares.as_poured.usable, answer.shares.after_puck.usable
     ring, wait = ring_cost(*WITNESS_MM, resin=answer.request.resin, ratio=answer.best.ratio), _curing_h(answer)
     printing, kept = pad.printing_h, answer.request.mould is not None
     grams = {"silicone": 0.0 if kept else pad.silicone_g, "resin": pad.resin_g}
@@ -154,10 +180,8 @@ def paths_of(answer: Suggestion) -> list[PadPath]:
     filament = 0.0 if kept else pad.filament_g or 0.0
     both = {**grams, "filament": ring.filament_g + filament, "resin": grams["resin"] + ring.resin_g}
     printed = None if printing is None else ring.printing_h + printing
-    return [
-        _path("puck first", printed, known_h + wait, both, after),
-        _path("pad at once", printing, (printing or 0.0) + wait, {**grams, "filament": filament}, poured),
-    ]
+    at_once = _path("pad at once", printing, (printing or 0.0) + wait, {**grams, "filament": filament}, poured)
+    return [*([] if answer.resin.measured else [_path("puck first", printed, known_h + wait, both, after)]), at_once]
 
 
 def _path(name: str, printing_h: float | None, calendar_h: float, grams: dict[str, float], usable: float) -> PadPath:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import MISSING, asdict, dataclass
 from functools import partial
 from os import fspath
@@ -34,13 +33,6 @@ def _read_error(given: float | str, purpose: parsing.QuantitySpec) -> float:
     number = read_number(given, purpose)
     if not 0.0 <= number <= LARGEST_ERROR:
         raise out_of_range(purpose.quantity, number, 0, LARGEST_ERROR)
-    return number
-
-
-def _read_positive(given: float | str, purpose: parsing.QuantitySpec) -> float:
-    number = read_number(given, purpose)
-    if not 0.0 < number < math.inf:
-        raise out_of_range(purpose.quantity, number, "above 0", "any finite value")
     return number
 
 
@@ -189,33 +181,6 @@ class Request:
         "number of simulated castings (default and minimum 1200)",
         read=partial(read_count, quantity="castings"),
     )
-    robot_mass_kg: float | None = option(
-        None,
-        "robot-mass",
-        "KG",
-        "safety view: mass of the free body that hits tissue and pad",
-        read=partial(_read_positive, purpose=parsing.MASS),
-    )
-    robot_velocity_mm_s: float | None = option(
-        None,
-        "robot-velocity",
-        "MM_S",
-        "its speed, with --robot-mass (default 250 mm/s)",
-        read=partial(_read_positive, purpose=parsing.ROBOT_VELOCITY),
-    )
-    limits: str | None = option(
-        None,
-        "limits",
-        "FILE",
-        "safety view: your limits of force and pressure, with their source (TOML)",
-        read=fspath,
-    )
-    drive: str | None = option(
-        None,
-        "drive",
-        "NAME",
-        "also predict the presses on people: position, steady, force, mass:KG, spring:K,M or spring:K,M,ZETA",
-    )
     cad: bool | None = None
     effects: tuple[str, ...] = ()
 
@@ -250,6 +215,6 @@ class Request:
         return read_options(cls, given | {"effects": tuple(fspath(path) for path in given.get("effects", ()))})
 
     def to_dict(self) -> dict[str, Any]:
-        """Return what was asked, defaults included; a drive where one was given."""
+        """Return what was asked, defaults included."""
         asked = asdict(self) | {"condition": self.face}
-        return {name: value for name, value in asked.items() if name != "effects" and (name, value) != ("drive", None)}
+        return {name: value for name, value in asked.items() if name != "effects"}

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.blas_threads import one_blas_thread
-from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.errors import NoAnswerError, accepts
+from dummydesign.core.levels import LEVELS
 from dummydesign.core.progress import Progress, quiet
 from dummydesign.design.assessment.budget import budget_of_castings
 from dummydesign.design.assessment.curves import match_of_design
@@ -23,7 +24,7 @@ from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import Castings
 from dummydesign.design.scoring.people import people_warnings
 from dummydesign.design.scoring.press_simulation import make_curves
-from dummydesign.design.scoring.verdict import LEVELS, deviations, good_share, ranges_of, shares_of
+from dummydesign.design.scoring.verdict import deviations, good_share, ranges_of, shares_of
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.search.shape_search import (
     ShapedDesign,
@@ -81,20 +82,20 @@ def _neighbours(
     problem: Problem, chosen: ShapedDesign, best: DesignCandidate
 ) -> tuple[list[DesignCandidate], ScoreMap]:
     """Alternatives of other thickness or ratio about a design, and the map of scores."""
-    around = problem.thickness_mm
-    if isinstance(chosen.law, FamilyLaw):
+    around, law = problem.thickness_mm, chosen.law
+    if isinstance(law, FamilyLaw):
         near = around[np.abs(around - chosen.thickness_mm) <= AROUND_STEPS * 0.5 + 1e-9]
-        known = np.asarray(chosen.law.depth_limit_mm(near, problem.radius_mm)) > 0.0
-        pads = chosen.law.family.at_thickness(chosen.shape, chosen.thickness_mm, near)
+        known = np.asarray(law.depth_limit_mm(near, problem.radius_mm)) > 0.0
+        pads = law.family.at_thickness(chosen.shape, chosen.thickness_mm, near)
         able = known & pads.castable(problem.pad_mm, problem.least_film_mm)
         around = near[able] if able.any() else np.array([chosen.thickness_mm])
-    first, alternatives, score_map = search(chosen.law, replace(problem, thickness_mm=around))
+    first, alternatives, score_map = search(law, replace(problem, thickness_mm=around))
     others = [
-        one
+        replace(one, shape=law.shape_at(one.thickness_mm) if isinstance(law, FamilyLaw) else chosen.shape)
         for one in (first, *alternatives)
         if abs(one.thickness_mm - best.thickness_mm) > 1e-9 or abs(one.ratio - best.ratio) > 1e-9
     ]
-    return others[:ALTERNATIVES], score_map
+    return [one for one in others if accepts(problem.mould, one)][:ALTERNATIVES], score_map
 
 
 def _verify(chosen: ShapedDesign, best: DesignCandidate, problem: Problem) -> Verification:
@@ -194,13 +195,6 @@ def _of_kinds(designs: Sequence[ShapedDesign]) -> list[ShapedDesign]:
     return list(first.values())
 
 
-def _shape_at(chosen: ShapedDesign, other: DesignCandidate) -> PadShape:
-    """Shape of an alternative: the best design's, in proportion to the thickness."""
-    if not isinstance(chosen.law, FamilyLaw):
-        return chosen.shape
-    return chosen.law.shape_at(other.thickness_mm)
-
-
 def suggest(request: Request) -> Suggestion:
     """Find ratio, thickness and shape of a pad for a tissue, with its castings and verification."""
     return design(read_problem(request))
@@ -218,7 +212,7 @@ def design(problem: Problem, progress: Progress = quiet) -> Suggestion:
     if request.verify:
         from dummydesign.design.search.fe_candidates import solve_leading
 
-        designs = solve_leading(designs, problem, progress)
+        designs = solve_leading(designs, problem, missing, progress)
     chosen = designs[0]
     progress("castings")
     castings = cast_pad(problem, chosen)
@@ -256,7 +250,7 @@ def design(problem: Problem, progress: Progress = quiet) -> Suggestion:
         shares=shares_of_pad(castings),
         pour=pour,
         best=replace(best, shape=chosen.shape),
-        alternatives=tuple(replace(one, shape=_shape_at(chosen, one)) for one in alternatives),
+        alternatives=tuple(alternatives),
         rests_on=count_unmeasured(problem.resin, problem.tissue, best),
         warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
         choice=explain(chosen, rank([one for one in designs if one is not chosen], problem), problem),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from warnings import warn
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from dummydesign.design.assessment.value_of_information import MeasureFirst
     from dummydesign.design.crown_array import Sites
     from dummydesign.design.problem import Problem
-    from dummydesign.design.safety import SafetyView
     from dummydesign.design.search.slabs import DesignCandidate, ScoreMap
     from dummydesign.geometry.punch import Punch
     from dummydesign.pad.force_law import ForceLaw
@@ -128,12 +127,11 @@ class Suggestion:
     def to_dict(
         self,
         inputs: dict[str, Any] | None = None,
-        safety: SafetyView | None = None,
         mould: dict[str, Any] | None = None,
     ) -> dict[str, Any]:
         """Return the answer in the form of the ``suggest`` contract.
 
-        With inputs and safety view it is the whole answer. The recipe is that of the mould's volumes where it was made.
+        With inputs it is the whole answer. The recipe is that of the mould's volumes where it was made.
         """
         made_by = self.law.provenance.get("command", "")
         force_law = [f"response table of {self.shape.name} pads, made by {made_by}"] if made_by else []
@@ -143,7 +141,14 @@ class Suggestion:
         recommendation = design_dict(self.best, self.problem)
         answer: dict[str, Any] = {
             "verdict": verdict,
-            "castings": {"n": castings.n, "seed": castings.seed, "groups": groups, **(verdict["castings"] or {})},
+            "batch_measured": self.resin.measured,
+            "castings": {
+                "n": castings.n,
+                "seed": castings.seed,
+                "groups": groups,
+                **(verdict["castings"] or {}),
+                "usable": self.verdict.usable_share,
+            },
             "shares": {name: value for name, value in shares.items() if name != "window_kPa"},
             "window_kPa": shares["window_kPa"],
             "people": shares_below(self.targets, self.best.readings.peak_N).to_dict(),
@@ -165,13 +170,13 @@ class Suggestion:
             "sites": self.sites.to_dict(self.shape) if self.sites else None,
             "other_mould": self.other_mould,
             "rests_on": self.rests_on,
-            "warnings": [*(safety.warnings if safety else ()), *self.warnings],
+            "warnings": list(self.warnings),
             "sources": sources,
         }
-        if inputs is None or safety is None:
+        if inputs is None:
             return answer
         ahead = {"next": to_plain(next_steps(self, inputs)), "paths": to_plain(paths_of(self))}
-        whole = {"inputs": inputs, **answer, **ahead, "safety": safety.to_dict(), "files": {}}
+        whole = {"inputs": inputs, **answer, **ahead, "files": {}}
         if mould is None:
             return whole
         excluded = ("files", "warnings", "sources")
@@ -282,6 +287,7 @@ def make_mould(answer: Suggestion, folder: Path) -> dict[str, Any]:
     best = answer.best
     try:
         spec = answer.problem.mould(best)
+        spec = replace(spec, pour=replace(spec.pour, usable_kPa=answer.shares.window_kPa or ()))
         return client.make_mold(spec, folder).to_dict() | {"sources": list(spec.sources)}
     except NoAnswerError as problem:
         step = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {answer.request.resin}"

@@ -39,6 +39,9 @@ from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curv
 from dummydesign.loop.selection.verdict import GAIN_FLOOR, AcceptedEffect, at_bound, needed, remainder
 from dummydesign.measurement.campaign import Campaign
 
+HOLDS_WITHIN = 2.0
+"""A calibration holds where its error is at most so many noise floors of its own campaign."""
+
 
 @dataclass(frozen=True)
 class Replayed:

@@ -377,8 +377,11 @@ class RampPress:
 BEYOND_TABLE = 1.1
 
 
-def curve_to(pad: Pad | Puck, fidelity: str, force_N: float) -> ForceCurve:
-    """The long-term force of a pad, solved as deep as a steady force takes: where a table knows how deep that is."""
+def curve_to(pad: Pad | Puck, fidelity: str, enough: Callable[[Array, Array], Array]) -> ForceCurve:
+    """The long-term force of a pad, solved as deep as is needed: where a table knows how deep that is.
+
+    ``enough`` says of depths from 0 on, shape (n,), and the forces there whether the press ends before each.
+    """
     if fidelity == "table":
         return elastic_curve(pad, fidelity)
     try:
@@ -386,11 +389,12 @@ def curve_to(pad: Pad | Puck, fidelity: str, force_N: float) -> ForceCurve:
     except InputError:
         return elastic_curve(pad, fidelity)
     depth = np.linspace(0.0, table.limit_mm, 200)
-    enough = np.flatnonzero(table.force(depth) >= force_N)
-    if not len(enough) or BEYOND_TABLE * depth[enough[0]] >= MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm:
+    reached = np.flatnonzero(enough(depth, table.force(depth)))
+    if not len(reached) or BEYOND_TABLE * depth[reached[0]] >= MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm:
         return elastic_curve(pad, fidelity)
-    curve = elastic_curve(pad, fidelity, float(BEYOND_TABLE * depth[enough[0]]))
-    return curve if float(curve.force(np.array([curve.limit_mm]))[0]) >= force_N else elastic_curve(pad, fidelity)
+    curve = elastic_curve(pad, fidelity, float(BEYOND_TABLE * depth[reached[0]]))
+    depth = np.linspace(0.0, curve.limit_mm, 200)
+    return curve if enough(depth, curve.force(depth))[-1] else elastic_curve(pad, fidelity)
 
 
 def press_to_forces(
@@ -406,7 +410,7 @@ def press_to_forces(
     presses: list[RampPress] = []
     out_of_reach: NoAnswerError | None = None
     with reporting_depths(progress):
-        curve = curve_to(pad, fidelity, max(force_N))
+        curve = curve_to(pad, fidelity, lambda depth, force: force >= max(force_N))
     for velocity in velocity_mm_s:
 
         def motion_to(depth: float, velocity: float = velocity) -> Motion:

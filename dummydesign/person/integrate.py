@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.safety import QUASI_STATIC_AFTER_S
 from dummydesign.person.people import People
 from dummydesign.person.ringing import GAP_S, RobotArm
 from dummydesign.person.smoothing import interpolation
 
+# ISO/TS 15066: contact below 0.5 s is transient, what lasts longer quasi-static (second-hand, docs/references.md).
+QUASI_STATIC_AFTER_S = 0.5
 TOLERANCE = 2e-5
 """Error of a step, over the depth."""
 SOLVED_MM = 1e-7
@@ -63,6 +65,30 @@ class PersonResponse:
     def four(self) -> dict[str, NDArray]:
         """The four numbers by name."""
         return {name: getattr(self, name) for name in FOUR}
+
+
+class Body(Protocol):
+    """What :func:`run_robot` presses: persons, or a pad; p of them at once, each with ``arms`` inner states.
+
+    The methods are those of :class:`~dummydesign.person.people.People`.
+    """
+
+    def __len__(self) -> int: ...
+
+    def at_rest(self) -> NDArray:
+        """Inner states before contact, shape (p, arms)."""
+
+    def carried(self, depth: NDArray, stretch: NDArray, new: NDArray, step: float) -> tuple[NDArray, NDArray]:
+        """Inner states after a step at even speed, and their slopes over the new depth, both (p, arms)."""
+
+    def force_of(self, depth: NDArray, stretch: NDArray) -> NDArray:
+        """Force at depths (p,), not below 0. [N]"""
+
+    def slope_of(self, depth: NDArray, stretch: NDArray, gain: NDArray) -> NDArray:
+        """Slope of the force over depth within a step, shape (p,). [N/mm]"""
+
+    def depth_taking(self, energy_mJ: float) -> NDArray:
+        """Depth at which an energy is taken if nothing relaxes, shape (p,). [mm]"""
 
 
 Input = Callable[[float], tuple[NDArray | float, NDArray | float]]
@@ -150,7 +176,7 @@ def _depth_for(people: People, x: NDArray, q: NDArray, step: float, goal: NDArra
 
 
 def run_robot(
-    people: People,
+    body: Body,
     arm: RobotArm,
     given: Input,
     end_s: float,
@@ -165,7 +191,7 @@ def run_robot(
     mean_from_s: float = np.inf,
     lost_mm_s: NDArray | float = 0.0,
 ) -> PersonResponse:
-    """Integrate M u'' = F_p(t) - D u' - K u - F(x_p(t) + u, q) of all persons, by Newmark's rules.
+    """Integrate M u'' = F_p(t) - D u' - K u - F(x_p(t) + u, q) of all bodies, by Newmark's rules.
 
     u is the difference of the path on a person to the path x_p on the pad, where the force was F_p. The command
     x_c that the trace implies, with M x_p'' = K (x_c - x_p) + D (x_c' - x_p') - F_p, acts on the person too, and the
@@ -179,7 +205,7 @@ def run_robot(
 
     Parameters
     ----------
-    people : People
+    body : Body
     arm : Arm
         K, M and the damping of the robot alone, D; a stiffness of 0 and no input is a free mass.
     given : callable
@@ -206,11 +232,11 @@ def run_robot(
     lost_mm_s : ndarray or float
         Speed of the path just before that time, less that after it.
     """
-    mass, stiffness, damping, count = 1e-3 * arm.mass_kg, arm.stiffness_N_per_mm, arm.damping_N_s_per_mm, len(people)
-    u, v, q = np.zeros(count), np.array(velocity_mm_s, float), people.at_rest()
+    mass, stiffness, damping, count = 1e-3 * arm.mass_kg, arm.stiffness_N_per_mm, arm.damping_N_s_per_mm, len(body)
+    u, v, q = np.zeros(count), np.array(velocity_mm_s, float), body.at_rest()
     pushed, path = given(0.0)
     x = path + u
-    force = people.force_of(x, q)
+    force = body.force_of(x, q)
     a = (pushed - force) / mass
     times, depths, forces = [0.0], [x], [force]
     peak, deepest, work, energy = force.copy(), x.copy(), np.zeros(count), np.zeros(count)
@@ -235,7 +261,7 @@ def run_robot(
         resisting = damping * new_share / (far_share * taken)
         known = weight * (pushed - damping * (v + taken * (1.0 - new_share) * a) + resisting * constant)
         new, new_q, new_force = _solve(
-            people, x, q, taken, constant + known, weight, stiffness + resisting, path, predicted
+            body, x, q, taken, constant + known, weight, stiffness + resisting, path, predicted
         )
         error = float(np.max(np.abs(new - predicted) / scale_mm)) / (tolerance * loose)
         if before is not None and error > 2.0 and taken > 1e-9:
@@ -278,7 +304,7 @@ def run_robot(
 
 
 def _solve(
-    people: People,
+    body: Body,
     x: NDArray,
     q: NDArray,
     step: float,
@@ -291,8 +317,8 @@ def _solve(
     """Solve u = constant - weight (K u + F(path + u)) for u, stretches and force at the end of a step (Newton)."""
     new = guess
     for _ in range(25):
-        stretch, gain = people.carried(x, q, path + new, step)
-        force, slope = people.force_of(path + new, stretch), people.slope_of(path + new, stretch, gain)
+        stretch, gain = body.carried(x, q, path + new, step)
+        force, slope = body.force_of(path + new, stretch), body.slope_of(path + new, stretch, gain)
         left = new - constant + weight * (stiffness * new + force)
         change = left / (1.0 + weight * (stiffness + slope))
         new = new - change

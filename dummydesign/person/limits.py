@@ -3,13 +3,31 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
 
+from dummydesign.core.quantity import Quantity
 from dummydesign.core.serialise import Serialised
-from dummydesign.design.safety import N_PER_CM2
+from dummydesign.core.toml_schema import read_table
 
-if TYPE_CHECKING:
-    from dummydesign.design.safety import UserLimits
+N_PER_CM2 = 100.0
+"""Pressure of 1 N/mm2. [N/cm2]"""
+
+
+@dataclass(frozen=True)
+class UserLimits(Serialised):
+    """A user's limits at one site, each with source: force [N] and pressure [N/cm2], and the transient factor."""
+
+    name: str
+    force_N: Quantity
+    pressure_N_per_cm2: Quantity
+    transient_factor: Quantity
+
+
+def read_limits(path: str | Path) -> UserLimits:
+    """Read a limits file: ``name`` and the three numbers, each with value, low, high, kind, source."""
+    names = ("force_N", "pressure_N_per_cm2", "transient_factor")
+    table = read_table(Path(path), ("schema", "name", *names), schema=None)
+    return UserLimits(str(table.data.get("name", Path(path).stem)), *(table.quantity(name) for name in names))
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,21 +11,17 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.serialise import to_plain
-from dummydesign.design.safety import N_PER_CM2
-from dummydesign.design.scoring.press_simulation import press_to_depth
 from dummydesign.measurement.importing.press_checks import copies_among, doubts_of
 from dummydesign.measurement.trace import Trace
 from dummydesign.person.drive_diagnostics import TraceSigns, signs_of
 from dummydesign.person.drives.drive import RobotDrive
 from dummydesign.person.integrate import FOUR, PersonResponse, held_after
-from dummydesign.person.limits import ContactLoad, LimitRow, against_guarded_limits
+from dummydesign.person.limits import N_PER_CM2, ContactLoad, LimitRow, UserLimits, against_guarded_limits
 from dummydesign.person.people import People, draw_another, draw_subject
 from dummydesign.person.press import Press, read_press
 from dummydesign.person.validity_range import Beyond, beyond_range
 
 if TYPE_CHECKING:
-    from dummydesign.design.safety import UserLimits
-    from dummydesign.design.suggestion import Suggestion
     from dummydesign.measurement.sensor import Lowpass
     from dummydesign.measurement.trace import Trace
     from dummydesign.tissue.model.tissue import Tissue
@@ -279,46 +275,3 @@ def _of_presses(pressed: Sequence[PersonPress], drive: RobotDrive, tissue: Tissu
         rows.append(("one_subject", "the interval is that of one subject; measure more people to see how they differ"))
     rows += [] if tissue.notice is None else [tissue.notice]
     return [{"code": code, "message": text} for code, text in rows]
-
-
-APPROACH_S, APPROACH_SAMPLES = 0.01, 12
-KEPT = "beyond_range"
-"""Warning that is of the presses; what the motion of a measured file shows does not apply to one that is assumed."""
-
-
-def design_on_people(answer: Suggestion, drive: RobotDrive, limits: UserLimits | None = None) -> OnPerson:
-    """Carry the predicted presses of the recommended pad over to the subjects; one press a condition in reach."""
-    pressed = on_person(predicted_traces(answer), answer.tissue, drive, limits=limits, area_mm2=answer.punch.area_mm2)
-    kept = tuple(one for one in pressed.warnings if one["code"] == KEPT)
-    return replace(pressed, presses=tuple(replace(one, contradicted="") for one in pressed.presses), warnings=kept)
-
-
-def predicted_traces(answer: Suggestion) -> list[Trace]:
-    """Return the predicted press of each condition as a trace, with a short approach before contact."""
-    slabs, depths = answer.best.alone, answer.best.depth_mm
-    traces = []
-    for column, condition in enumerate(answer.targets.conditions):
-        if not np.isfinite(depths[column]):
-            continue
-        speed = condition.velocity_mm_s
-        press = press_to_depth(slabs, depths[[column]], speed, answer.targets.sampling)
-        time, order = np.unique(press.time_s[0], return_index=True)
-        distinct = np.r_[True, np.diff(time) > 1e-7]
-        time, x, force = time[distinct], press.displacement_mm[0][order][distinct], press.force_N[0][order][distinct]
-        touch = float((x[1] - x[0]) / (time[1] - time[0]))
-        lead = np.linspace(-APPROACH_S, 0.0, APPROACH_SAMPLES + 1)[:-1]
-        traces.append(
-            Trace(
-                f"{condition.steady_force_N:g} N, {speed:g} mm/s",
-                np.r_[lead, time],
-                np.r_[touch * lead, x],
-                np.r_[0.0 * lead, force],
-                speed,
-            )
-        )
-    return traces
-
-
-def to_dict(answer: OnPerson) -> dict[str, Any]:
-    """Return what ``suggest --drive`` adds to its answer."""
-    return {"drive": answer.drive.text, "presses": [one.to_dict(answer.area_mm2) for one in answer.presses]}

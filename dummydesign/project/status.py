@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
 from functools import lru_cache
 from pathlib import Path
 from shlex import quote
@@ -13,9 +14,10 @@ from typing import Any
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import read_json
 from dummydesign.core.manifest import NAME as MANIFEST
+from dummydesign.core.user_library import find
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.measurement.campaign_status import check_campaign
-from dummydesign.mold.puck.protocol import command, trace_names
+from dummydesign.mold.puck.protocol import BATCH, command, trace_names
 from dummydesign.project.folder import FOLDERS, Project
 
 STANDARD_RESIN = "polyurethane-nagoya"
@@ -149,7 +151,7 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
     best = (designs[-1].summary or {}) if designs else {}
     red = best.get("verdict") == "not_representative"
     if designs and ((red and not files["campaigns"]) or (not pads_of(files) and "mould" not in best)):
-        return _after_design(project, best, bool(files["moulds"]), tissue)
+        return _after_design(project, designs[-1], bool(files["moulds"]), tissue)
     open_plans = [one for one in files["campaigns"] if one.summary and (one.summary["missing"] or one.summary["wrong"])]
     if designs and not files["campaigns"]:
         moulds = [one for one in pads_of(files) if one.command == "mold"]
@@ -166,8 +168,13 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
     if learned and all(one.date < learned.date for one in designs):
         return _learned(learned, tissue, bool(designs))
     if red:
-        return _after_design(project, best, bool(files["moulds"]), tissue)
-    return f"all steps are done: read {designs[-1].folder}/report.html", "dummydesign status"
+        return _after_design(project, designs[-1], bool(files["moulds"]), tissue)
+    if designs and files["campaigns"]:
+        campaign = files["campaigns"][-1].folder
+        press = check_campaign(project.root / campaign).pressed[0]
+        used = f"dummydesign on-person {quote(f'{campaign}/{press}')}{tissue} --drive steady"
+        return f"all steps are done: read {designs[-1].folder}/report.html, use the pad", used
+    return "all steps are done", "dummydesign history"
 
 
 def _learned(latest: ProjectFile, tissue: str, again: bool) -> tuple[str, str]:
@@ -194,17 +201,20 @@ def pads_of(files: dict[str, tuple[ProjectFile, ...]]) -> list[ProjectFile]:
     return [one for one in files["moulds"] if not one.summary or "thickness_mm" in one.summary]
 
 
-def _after_design(project: Project, best: dict[str, Any], ring: bool, tissue: str) -> tuple[str, str]:
+def _after_design(project: Project, design: ProjectFile, ring: bool, tissue: str) -> tuple[str, str]:
     """What a design without a mould asks for: another search where it is red, a puck where that settles it."""
+    best = design.summary or {}
     given = best.get("next")
     step = given if isinstance(given, dict) else {}
     level, resin = best.get("verdict"), str(best.get("resin"))
     if level == "not_representative":
-        text = str(step.get("do") or "do not cast this pad: it is not representative")
-        return f"{text}; then design again", f"dummydesign suggest{tissue} --no-cad"
-    if level == "not_settled" and "ratio" in best:
-        if project.resin not in (None, resin):
-            return "design again with the batch that was measured", f"dummydesign suggest{tissue} --no-cad"
+        text = str(step.get("do") or "do not cast this pad")
+        return f"{text}; then design again with another resin or test", "dummydesign resins list"
+    if level == "not_settled" and "ratio" in best and not _measured(resin):
+        other = project.resin not in (None, resin)
+        if other or _measured(BATCH, design.date):
+            batch = "" if other else f" --resin {BATCH}"
+            return "design again with the batch that was measured", f"dummydesign suggest{tissue}{batch} --no-cad"
         size = witness_size()
         if ring:
             diameter, height = size.split("x")
@@ -213,6 +223,18 @@ def _after_design(project: Project, best: dict[str, Any], ring: bool, tissue: st
         made = f"dummydesign mold --puck {size} --resin {quote(resin)} --ratio {best['ratio']:g}"
         return str(step.get("do") or "measure one puck of the resin first"), str(step.get("command") or made)
     return "make the mould", _mould(project, best)
+
+
+def _measured(resin: str, since: str = "") -> bool:
+    """Whether a batch was measured, after a date; of it no other puck is needed. False where it cannot be read."""
+    from dummydesign.resin.model.resin_file import KIND, read_resin
+
+    try:
+        entry = find(KIND, "resin", resin)
+        written = datetime.fromtimestamp(entry.path.stat().st_mtime, UTC).isoformat()
+        return written >= since and read_resin(entry).measured
+    except (InputError, OSError):
+        return False
 
 
 def _mould(project: Project, best: dict[str, Any]) -> str:

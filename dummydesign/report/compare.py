@@ -6,11 +6,14 @@ import io
 import json
 import math
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 import numpy as np
 
 from dummydesign.core.files import csv_text, write_bytes, write_text
+from dummydesign.geometry.dimensions import PUNCH
+from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, Series, press_plot, steady_plot
@@ -30,7 +33,7 @@ FARTHEST = 3.0
 """Parameters are drawn up to this many widths of the band beside it."""
 
 
-def _write_report(folder: Path, comparison: Comparison, tissue: Tissue, verdict: dict[str, Any]) -> dict[str, str]:
+def _write_report(folder: Path, comparison: Comparison, tissue: Tissue, answer: dict[str, Any]) -> dict[str, str]:
     """Write the report of a comparison; see :func:`dummydesign.report.page.write_report`."""
     data, fit = comparison.result, comparison.result["fit"]
     steady, rows = data["steady_state_range"], data["force_variation_range"]
@@ -78,12 +81,12 @@ def _write_report(folder: Path, comparison: Comparison, tissue: Tissue, verdict:
         facts=facts,
         warnings=data["warnings"],
         sources=tissue.sources,
-        verdict=verdict,
-        front=_front(title, data, verdict, steady_figure, presses),
+        verdict=answer["verdict"],
+        front=_front(title, data, answer, steady_figure, presses),
     )
 
 
-def _front(title: str, data: dict[str, Any], verdict: dict[str, Any], steady: Plot, presses: list[Plot]) -> FrontPage:
+def _front(title: str, data: dict[str, Any], answer: dict[str, Any], steady: Plot, presses: list[Plot]) -> FrontPage:
     """The first page: verdict, steady curve, each press in the subjects' range."""
     head, rows = press_rows(data)
     facts = [
@@ -95,7 +98,7 @@ def _front(title: str, data: dict[str, Any], verdict: dict[str, Any], steady: Pl
     return FrontPage(
         title,
         f"Each press is compared with the subjects at its own steady force, speed and hold.{_test_words(data)}",
-        (verdict["light"], verdict["text"]),
+        (answer["verdict"]["light"], answer["verdict"]["text"]),
         ("Steady force over depth", plot_drawing(steady)),
         "Comparison",
         [fact for fact in facts if fact.text],
@@ -104,7 +107,7 @@ def _front(title: str, data: dict[str, Any], verdict: dict[str, Any], steady: Pl
         [("band", "subjects"), ("main", "this pad")],
         Grid(head, rows),
         notes=warning_texts(data["warnings"]),
-        steps=[sentence(step) for step in next_steps({"verdict": verdict})],
+        steps=[one if one.startswith("dummydesign ") else sentence(one) for one in next_steps(answer)],
         foot=FOOT,
     )
 
@@ -268,7 +271,7 @@ def _traces(data: dict[str, Any]) -> Table:
     )
 
 
-def write_comparison(comparison: Comparison, tissue: Tissue, folder: Path, verdict: dict[str, Any]) -> dict[str, str]:
+def write_comparison(comparison: Comparison, tissue: Tissue, folder: Path, answer: dict[str, Any]) -> dict[str, str]:
     """Write parametric.csv, steady_state.csv, force_variation.csv, ranges.png, compare.json and the report."""
     files = {
         "parametric": write_text(folder / "parametric.csv", _parametric_file(comparison)),
@@ -276,10 +279,10 @@ def write_comparison(comparison: Comparison, tissue: Tissue, folder: Path, verdi
         "force_variation": write_text(folder / "force_variation.csv", _force_variation(comparison)),
         "picture": write_bytes(folder / "ranges.png", _picture(comparison, tissue)),
         "json": write_text(
-            folder / "compare.json", json.dumps({"verdict": verdict, **comparison.result}, indent=1) + "\n"
+            folder / "compare.json", json.dumps({"verdict": answer["verdict"], **comparison.result}, indent=1) + "\n"
         ),
     }
-    report = _write_report(folder, comparison, tissue, verdict)
+    report = _write_report(folder, comparison, tissue, answer)
     return {role: str(path) for role, path in files.items()} | report
 
 
@@ -400,21 +403,33 @@ def parameters_text(result: dict[str, Any]) -> str:
 
 def next_steps(result: dict[str, Any]) -> list[str]:
     """What to do with the pad, by the light of its verdict; nothing without one."""
-    verdict = result["verdict"] or {"light": "", "level": ""}
-    if verdict["light"] == "green":
-        return ["use the pad; its readings need no correction"]
-    if verdict["level"] == "not_settled":
-        return [
-            "do not use the pad yet: press what is missing, or press more repeats, and compare again",
-            "a plan of the presses: dummydesign campaign new DIR",
-        ]
-    if verdict["light"] == "amber" and verdict["correction"]["factor"] is not None:
-        force, energy = verdict["correction"]["force"], verdict["correction"]["factor"]
-        return [f"use the pad; multiply forces by {max(force or 1.0, 1.0):.2f}, energies by {max(energy, 1.0):.2f}"]
-    if verdict["light"] != "red":
+    verdict, traces = result["verdict"] or {"light": ""}, result["inputs"]["traces"]
+    if not verdict["light"]:
         return []
-    return [
-        "do not use this pad for these presses",
-        "press a campaign of it: dummydesign campaign new DIR",
-        "let it correct the next design: dummydesign loop DIR",
-    ]
+    if verdict["level"] == "not_settled":
+        return ["do not use the pad yet: press what is missing, or press more repeats, and compare again"]
+    if verdict["light"] == "red":
+        return ["do not use this pad for these presses", *_correct_the_design(traces)]
+    if verdict["light"] == "green" or verdict["correction"]["factor"] is None:
+        used = "use the pad; its readings need no correction"
+    else:
+        force, energy = (max(verdict["correction"][name] or 1.0, 1.0) for name in ("force", "factor"))
+        used = f"use the pad; multiply forces by {force:.2f}, energies by {energy:.2f}"
+    return [used, _on_person(result["inputs"])]
+
+
+def _on_person(inputs: dict[str, Any]) -> str:
+    """The press on people with the drive by which the pad was compared, as it is typed."""
+    passed, punch = inputs["lowpass"], inputs["punch"]
+    words = f" --lowpass {passed['cutoff_hz']:g}:{passed['order']}:{passed['passes']}" if passed else ""
+    words += "" if punch == PUNCH else f" --punch {quote(punch)}"
+    trace, tissue = quote(inputs["traces"][0]), quote(inputs["tissue"])
+    return f"dummydesign on-person {trace} --tissue {tissue} --drive steady{words}"
+
+
+def _correct_the_design(traces: list[str]) -> list[str]:
+    """How the next design is corrected: by the campaign to which the presses belong, or by one that is to be made."""
+    folder = Path(traces[0]).parent
+    if (folder / CAMPAIGN).is_file():
+        return [f"dummydesign loop {quote(str(folder))}"]
+    return ["press a campaign of it ('dummydesign campaign new'): 'dummydesign loop' then corrects the next design"]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dummydesign.core.levels import level_name
 from dummydesign.core.serialise import percent_below_limit
 from dummydesign.report.page import STYLES, Section, Table, write_report
 from dummydesign.report.plot import Plot, Series, steady_plot
@@ -149,7 +150,7 @@ def _press(row: Mapping[str, Any] | None) -> str:
 
 
 def _level(design: Mapping[str, Any]) -> str:
-    return str(design["verdict"]["level"]).replace("_", " ")
+    return level_name(design["verdict"]["level"])
 
 
 def _interval(value: Mapping[str, float]) -> str:

@@ -12,7 +12,6 @@ import numpy as np
 from dummydesign.core.serialise import percent_below_limit
 from dummydesign.design.plot_data import THICKNESS_GRID_MM, PressPictures, SuggestionCurves
 from dummydesign.design.request import base_words
-from dummydesign.design.safety import SafetyView
 from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_view, view_script
 from dummydesign.report import suggest_facts
@@ -22,7 +21,7 @@ from dummydesign.report.page import STYLES, Section, Table, solid_section, write
 from dummydesign.report.plot import Plot, Series, press_plot, steady_plot
 from dummydesign.report.sections.conformity import budget_section
 from dummydesign.report.sections.curves import curves_section
-from dummydesign.report.suggest_sections import full_sentence, pressed_section, safety_section
+from dummydesign.report.suggest_sections import full_sentence, pressed_section
 
 if TYPE_CHECKING:
     from dummydesign.design.suggestion import Suggestion
@@ -237,12 +236,11 @@ def suggestion_front(answer: Suggestion, result: dict[str, Any], presses: Sequen
         base_words(given["base"]),
     )
     head, rows = suggest_facts.press_rows(result)
-    impact, steps = suggest_facts.impact_text(result), suggest_facts.next_steps(result)
-    risks = [suggest_facts.risk_text(result), impact and f"impact: {impact}"]
+    steps, risk = suggest_facts.next_steps(result), suggest_facts.risk_text(result)
     blocks = [
         ("Correction", [full_sentence(line) for line in suggest_facts.correction_lines(result)]),
         ("Why this pad", [full_sentence(suggest_facts.why_text(result))]),
-        ("Risk", [full_sentence(text) for text in risks if text]),
+        ("Risk", [full_sentence(risk)] if risk else []),
     ]
     return FrontPage(
         title=f"Pad for the {answer.tissue.name}",
@@ -292,14 +290,9 @@ def write_suggestion(
     answer: Suggestion,
     result: dict[str, Any],
     curves: SuggestionCurves,
-    safety: SafetyView,
     pictures: PressPictures,
-    people: Sequence[Section] = (),
 ) -> dict[str, str]:
-    """Write the report of a suggestion into a folder; see :func:`dummydesign.report.page.write_report`.
-
-    ``people`` are the sections on people, where a drive was given.
-    """
+    """Write the report of a suggestion into a folder; see :func:`dummydesign.report.page.write_report`."""
     best = result["recommendation"]
     young, batch = best["young_kPa"], best["batch"]
     size, base = "{:g} x {:g} mm".format(*answer.request.pad_mm), base_words(answer.request.base)
@@ -346,8 +339,6 @@ def write_suggestion(
         ),
         _solids(best, result.get("files", {}), answer.request.pad_mm),
         *budget_section(result["budget"]),
-        safety_section(safety),
-        *people,
     ]
     title = f"Dummy for the {answer.tissue.name}"
     return write_report(
@@ -382,8 +373,7 @@ def _recipe_table(best: dict[str, Any]) -> Table:
 def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
     """The share of castings that are usable, and the correction."""
     castings, factors = result["castings"], result["verdict"]["correction"]
-    share = castings["stands_for"] + castings["usable"]
-    needed = result["verdict"]["limits"]["share"]
+    share, needed = castings["usable"], result["verdict"]["limits"]["share"]
     words = f"of {castings['n']} castings are usable ({100 * needed:g} % needed)"
     facts = [(percent_below_limit(share, needed), words)]
     if result["verdict"]["light"] == "amber" and factors["factor"] is not None:

@@ -14,8 +14,6 @@ from dummydesign.tissue.model.people_share import is_strict
 
 MOST_NOTES = 4
 NOTES = (
-    "bottoms_out",
-    "impact_beyond_people",
     "people_bound",
     "measured_curves",
     "tissue_punch",
@@ -201,8 +199,10 @@ def correction_lines(result: dict[str, Any]) -> list[str]:
     forces = [factors["force_central"], factors["force"], puck["force_factor"]]
     energies = [factors["factor_central"], factors["factor"], puck["factor"]]
     if max(value for value in (*forces, *energies) if value is not None) <= 1.01:
-        return ["no correction needed"]
-    if result["verdict"]["level"] == "not_settled":
+        return ["multiply readings by 1.00: they are not low"]
+    if result["batch_measured"]:
+        forces[2] = energies[2] = None
+    elif result["verdict"]["level"] == "not_settled":
         both = (("forces", forces[2]), ("energies", energies[2]))
         after = " and ".join(f"{what} by {value:.2f}" for what, value in both if value is not None)
         return [f"after the puck multiply {after} for 95 % of castings{_in_reach(puck)}"] if after else []
@@ -228,14 +228,14 @@ def _factors(what: str, values: list[float | None], reach: str | None) -> str:
 def castings_lines(result: dict[str, Any]) -> list[str]:
     """Castings that are usable as poured, of an average batch and after one puck, and the window of moduli."""
     shares, strict = result["shares"], is_strict(result["inputs"]["aim"])
-    good = {name: share["stands_for"] + (0.0 if strict else share["usable"]) for name, share in shares.items()}
+    good = {name: share["usable"] for name, share in shares.items()}
     after = shares["after_puck"]
     words = "on the safe side" if strict else "usable"
-    none = f" ({_percent(after['no_ratio'])} never)" if after["no_ratio"] >= 0.005 else ""
-    lines = [
-        f"{_percent(good['as_poured'])} {words} as poured, {_percent(good['resin_known'])} of an average batch, "
-        f"{_percent(good['after_puck'])} after one puck{none}"
-    ]
+    line = f"{_percent(good['as_poured'])} {words} as poured"
+    if not result["batch_measured"]:
+        line += f", {_percent(good['resin_known'])} of an average batch, {_percent(good['after_puck'])} after one puck"
+        line += f" ({_percent(after['no_ratio'])} never)" if after["no_ratio"] >= 0.005 else ""
+    lines = [line]
     window, young = result["window_kPa"], result["recommendation"]["young_kPa"]
     if window is not None:
         # on the safe side a stiffer pad only reads higher
@@ -284,25 +284,6 @@ def warning_texts(result: dict[str, Any]) -> list[str]:
     return [NOTE_WORDS.get(code, "{message}").format(message=text) for code, text in texts.items()]
 
 
-def impact_of(result: dict[str, Any]) -> tuple[dict[str, Any] | None, list[float]]:
-    """The row of a pad that stops a free mass, None where none does, and the peaks of the subjects who stop it. [N]"""
-    rows = [row for row in result.get("safety", {}).get("impact", []) if row["peak_force_N"] is not None]
-    pad = next((row for row in rows if row["body"] == "pad"), None)
-    return pad, [row["peak_force_N"] for row in rows if row["body"] != "pad"]
-
-
-def impact_text(result: dict[str, Any]) -> str:
-    """What a free mass does on pad and subjects; empty where none was requested."""
-    pad, known = impact_of(result)
-    if not pad or not known:
-        return ""
-    span = f"{min(known):.3g} to {max(known):.3g} N" if len(known) > 1 else f"{known[0]:.3g} N"
-    notes = [row["note"] for row in result["safety"]["impact"] if row.get("beyond_range")]
-    unusable = any("do not use" in note for note in notes)
-    mark = f" ({'do not use' if unusable else 'extrapolated'}: people were not pressed so hard)" if notes else ""
-    return f"peak {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm on the pad, {span} on the subjects{mark}"
-
-
 def next_steps(result: dict[str, Any]) -> list[str]:
     """What to do now, a step each: what to type, else what to do."""
     return [step["command"] or step["do"] for step in result["next"]]
@@ -310,7 +291,7 @@ def next_steps(result: dict[str, Any]) -> list[str]:
 
 def paths_lines(result: dict[str, Any]) -> list[str]:
     """The ways to a pad that can be used, where a puck comes first."""
-    if result["verdict"]["level"] != "not_settled":
+    if result["verdict"]["level"] != "not_settled" or result["batch_measured"]:
         return []
     return ["; ".join(path["text"] for path in result["paths"])]
 

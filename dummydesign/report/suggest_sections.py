@@ -1,14 +1,12 @@
-"""Sections of a suggestion's report: inside of the pressed pad, safety view."""
+"""Sections of a suggestion's report: inside of the pressed pad."""
 
 from __future__ import annotations
 
-from html import escape
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dummydesign.design.plot_data import ABOVE_MM, PressedPad, PressPictures
-from dummydesign.design.safety import SafetyView
 from dummydesign.report.page import Section, Table
 from dummydesign.report.plot import Plot, Series
 
@@ -158,80 +156,3 @@ def _table(pictures: PressPictures) -> Table:
             "at the edge": lambda row: "rises" if row["edge_kPa"] > row["peak_kPa"] else "falls",
         },
     )
-
-
-def safety_section(view: SafetyView) -> Section:
-    """Energy and pressure at each condition, and on request an impact and a user's limits."""
-    presses = Table.of(
-        map(vars, view.presses),
-        {
-            "steady N": "steady_force_N:g",
-            "speed mm/s": "velocity_mm_s:g",
-            "energy of the rise, subjects mJ": lambda row: _pair(row["tissue_energy_mJ"]),
-            "pad mJ": "pad_energy_mJ",
-            "largest mean pressure, subjects N/cm2": lambda row: _pair(row["tissue_pressure_N_per_cm2"]),
-            "pad N/cm2": "pad_pressure_N_per_cm2",
-        },
-    )
-    html = _impact_html(view) if view.impact else ""
-    if view.limits:
-        lines = [
-            [
-                row["body"],
-                row["case"],
-                row["criterion"],
-                row["contact"],
-                row["value"],
-                row["limit"],
-                {True: "yes", False: "no", None: "–"}[row["within"]],
-            ]
-            for row in view.limits
-        ]
-        table = Table(["body", "case", "criterion", "contact", "value", "limit", "within"], lines)
-        html += f"<p>{escape(view.limits_source)}</p>" + table.html()
-    return Section("Safety view", view.text, [_energy(view)], presses, html)
-
-
-def _pair(values: tuple[float, float]) -> str:
-    return f"{values[0]:.3g} to {values[1]:.3g}"
-
-
-def _energy(view: SafetyView) -> Plot:
-    series: list[Series] = []
-    styles = {10.0: "main", 250.0: "alt1"}
-    for speed in dict.fromkeys(row.velocity_mm_s for row in view.presses):
-        rows = [row for row in view.presses if row.velocity_mm_s == speed]
-        forces = [row.steady_force_N for row in rows]
-        low, high = zip(*(row.tissue_energy_mJ for row in rows))
-        series.append(
-            Series.band(f"subjects, {speed:g} mm/s", forces, low, high, style="band" if speed > 50 else "extra")
-        )
-        pad = np.array([row.pad_energy_mJ for row in rows], float)
-        series.append(Series.line(f"pad, {speed:g} mm/s", forces, pad, styles.get(speed, "alt2")))
-    alt = "Energy of the rise over steady force for the pad and the subjects at each speed."
-    return Plot(
-        "energy",
-        "Energy of the rise",
-        alt,
-        "steady force [N]",
-        "energy [mJ]",
-        "force_N",
-        "energy_mJ",
-        tuple(series),
-        note="integral of F dx from touch to stop",
-    )
-
-
-def _impact_html(view: SafetyView) -> str:
-    rows = Table.of(
-        view.impact,
-        {
-            "body": "body",
-            "depth mm": "depth_mm",
-            "peak N": "peak_force_N",
-            "energy mJ": "energy_mJ",
-            "mean pressure N/cm2": "mean_pressure_N_per_cm2",
-            "": "note",
-        },
-    )
-    return f"<p>{escape(view.impact_text)}</p>{rows.html()}"

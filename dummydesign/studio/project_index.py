@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.levels import LIGHTS
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
-from dummydesign.design.scoring.verdict import LIGHTS
 from dummydesign.geometry.shape_registry import read_shape, shape_kinds
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.measurement.campaign_file import read_campaign_toml

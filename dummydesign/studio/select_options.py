@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.levels import level_name
 from dummydesign.core.user_library import entries
 from dummydesign.project.status import ProjectFile
 from dummydesign.studio.file_transfer import numbered
@@ -107,7 +108,7 @@ def _summary_line(summary: dict[str, Any]) -> str:
         left = f", {summary['wrong']} problem{'s' * (summary['wrong'] > 1)}" if summary["wrong"] else ""
         return f"{summary['pressed']} of {summary['pressed'] + summary['missing']} presses are there{left}"
     if {"thickness_mm", "ratio", "shape"} <= set(summary):
-        verdict = str(summary.get("verdict", "")).replace("_", " ")
+        verdict = level_name(summary.get("verdict", ""))
         pad = f"{summary['thickness_mm']:g} mm {summary['shape'].partition(':')[0]}, ratio {summary['ratio']:g}"
         return f"{pad}, {verdict}" if verdict else pad
     if "traces" in summary:

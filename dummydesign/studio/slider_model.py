@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from nicegui import events, ui
 
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, accepts
 from dummydesign.core.user_library import find
 from dummydesign.design.pad_evaluator import NotTabulated, PadEvaluator
 from dummydesign.design.request import Request
@@ -120,7 +120,7 @@ def lengths_of(kind: str, thickness_mm: float, radius_mm: float) -> tuple[Length
     made = shape_kind(kind)
     _, columns = made.candidates(np.array([thickness_mm]), radius_mm)
     shapes = (made.of(dict(zip(columns, map(float, row)))) for row in zip(*columns.values()))
-    usable = np.array([_allowed(shape.check, thickness_mm) for shape in shapes], bool)
+    usable = np.array([accepts(shape.check, thickness_mm) for shape in shapes], bool)
     lengths = []
     for name, column in columns.items():
         kept = column[usable]
@@ -142,17 +142,9 @@ def first_shape(
     order = np.argsort((((rows - middle) / spread) ** 2).sum(axis=1), kind="stable")
     for row in rows[order[:MOST_TRIED]]:
         shape = made.of(dict(zip(columns, map(float, row))))
-        if _allowed(shape.check, thickness_mm) and solvable(shape):
+        if accepts(shape.check, thickness_mm) and solvable(shape):
             return shape
     return None
-
-
-def _allowed(call: Callable[..., object], *given: object) -> bool:
-    """Whether a call is not refused."""
-    with suppress(InputError):
-        call(*given)
-        return True
-    return False
 
 
 def evaluator_of(root: Path, state: State) -> PadEvaluator:
@@ -203,7 +195,7 @@ def first_pad(root: Path, state: State, kind: str) -> PadShape:
     near = read_shape(state.shape) if state.shape.startswith(f"{kind}:") else None
 
     def tabulated(shape: PadShape) -> bool:
-        return _allowed(evaluator.evaluate, shape, state.thickness_mm, state.ratio)
+        return accepts(evaluator.evaluate, shape, state.thickness_mm, state.ratio)
 
     radius_mm = evaluator.problem.punch.radius_mm
     for solvable in (tabulated, lambda shape: True):

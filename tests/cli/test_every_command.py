@@ -14,7 +14,7 @@ import pytest
 
 from dummydesign import cli
 from dummydesign.cli import entry
-from dummydesign.cli.entry import help_texts, meanings_of, parser_of
+from dummydesign.cli.entry import meanings_of, parser_of, table_of
 from dummydesign.cli.progress import Count, Steps, Watch, loudness
 from dummydesign.core.progress import VARIABLE, write_progress
 
@@ -29,7 +29,7 @@ def below(parser, name):
 
 ALL = [pair for command in cli.COMMANDS for pair in below(parser_of(command), command)]
 NAMES = [name for name, _ in ALL]
-EXAMPLES = help_texts()["examples"]
+EXAMPLES = table_of("help")["examples"]
 
 
 @pytest.fixture(params=ALL, ids=NAMES)
@@ -74,7 +74,7 @@ def test_every_word_that_can_be_chosen_is_explained(asked):
 
 def test_no_meaning_is_left_that_no_command_shows():
     used = {word for name, parser in ALL for action in parser._actions for word in meanings_of(name, action)}
-    assert {word for words in help_texts()["choices"].values() for word in words} <= used
+    assert {word for words in table_of("help")["choices"].values() for word in words} <= used
 
 
 def test_json_verbose_and_quiet_are_options_of_each_before_and_after_the_action(asked):

@@ -21,18 +21,13 @@ ASKED = {
     "silicone": "tin_a25",
     "weighing_g": 0.05,
     "thickness_tolerance_mm": 0.1,
-    "robot_mass_kg": 2.0,
-    "robot_velocity_mm_s": 400.0,
-    "limits": "our limits.toml",
-    "drive": "spring:10,2",
     "deceleration_mm_s2": 20000.0,
 }
 
 
 def suggested(asked):
     """What was asked of suggest, as its answer holds it."""
-    given = {**DEFAULTS, "robot_mass_kg": None, "robot_velocity_mm_s": 250.0, "limits": None, "condition": "bonded"}
-    return {**given, **asked}
+    return {**DEFAULTS, "condition": "bonded", **asked}
 
 
 def test_the_next_search_keeps_what_was_asked_and_can_be_typed():

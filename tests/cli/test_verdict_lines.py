@@ -1,6 +1,6 @@
-"""What a terminal shows first: the verdict, then what the tissue is not known for, then the impact."""
+"""What a terminal shows first: the verdict, then what the tissue is not known for."""
 
-from dummydesign.cli.text import first_lines, tissue_lines, warning_lines
+from dummydesign.cli.text import tissue_lines, warning_lines
 
 
 def warned(*codes):
@@ -13,13 +13,3 @@ def test_what_nobody_measured_is_said_before_the_numbers_and_once():
     assert first[-1] == "" and len(first) == 5
     assert last == ["warning: said of equal_area_punch"]
     assert tissue_lines(warned("at_edge")) == []
-
-
-def test_one_subject_stops_a_mass_with_one_force():
-    def impact(*peaks):
-        rows = [{"body": f"tissue, subject {k}", "peak_force_N": peak, "depth_mm": 1.0} for k, peak in enumerate(peaks)]
-        rows.append({"body": "pad", "peak_force_N": 20.0, "depth_mm": 1.5})
-        return first_lines({"warnings": [], "safety": {"impact": rows}})[0]
-
-    assert impact(43.3).endswith("at 1.5 mm, the subject with 43.3 N")
-    assert impact(40.0, None, 50.0).endswith("the subjects with 40 to 50 N")

@@ -50,7 +50,7 @@ def test_a_fault_keeps_its_code_and_quantity_in_the_place_it_was_found_at_and_th
     ("words", "name"),
     [
         ("thickness in mm", "thickness_mm"),
-        ("--robot-mass", "robot_mass"),
+        ("--edge-radius", "edge_radius"),
         ("velocity in mm/s", "velocity_mm_s"),
         ("Young's modulus in kPa", "young_kPa"),
     ],

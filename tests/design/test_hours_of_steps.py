@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+import shlex
+from dataclasses import fields, replace
 from types import SimpleNamespace
 
 import pytest
 
+from dummydesign.cli.entry import parser_of
 from dummydesign.design import next_steps as module
+from dummydesign.design.request import Request
 from dummydesign.design.scoring.settings import verdict_limits
+from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.mold.puck import plan
 from tests.support.judged_pads import pad, ranges
 
@@ -23,29 +27,61 @@ def _known_hours(monkeypatch):
     monkeypatch.setattr(module, "_mould", lambda answer: made)
     monkeypatch.setattr(module, "_curing_h", lambda answer: WAIT)
     monkeypatch.setattr(module, "_search_again", lambda inputs, batch: "dummydesign suggest")
+    monkeypatch.setattr(module, "beyond_people", lambda forces, tissue: 1.0)
     monkeypatch.setattr(plan, "ring_cost", lambda *given, **named: ring)
 
 
-def answer(level, group="", mould=None):
-    share = SimpleNamespace(stands_for=0.25, usable=0.5)
+def answer(level, group=None, mould=None, measured=False):
+    share = SimpleNamespace(usable=0.75)
     return SimpleNamespace(
         verdict=SimpleNamespace(level=level),
         measure_first=SimpleNamespace(group=group, text="measure", protocol="so", command="measure it"),
-        best=SimpleNamespace(ratio=15.25),
-        resin=SimpleNamespace(name="r"),
+        best=SimpleNamespace(ratio=15.25, thickness_mm=4.5, shape=read_shape("crowned:21.2,2,9.4")),
+        problem=SimpleNamespace(tissue=None),
+        resin=SimpleNamespace(name="r", measured=measured),
         targets=SimpleNamespace(strict=False),
-        shares=SimpleNamespace(as_poured=share, after_puck=SimpleNamespace(stands_for=0.5, usable=0.375)),
-        request=SimpleNamespace(resin="r", mould=mould),
+        shares=SimpleNamespace(as_poured=share, after_puck=SimpleNamespace(usable=0.875)),
+        request=SimpleNamespace(resin="r", mould=mould, protocol=SimpleNamespace(forces_N=(5.0,))),
     )
 
 
-INPUTS = {"tissue": "palm", "resin": "r", "condition": "bonded"}
+INPUTS = {**{one.name: one.default for one in fields(Request)}, "tissue": "palm", "resin": "r", "condition": "bonded"}
 
 
 def test_a_settled_pad_is_cast_and_pressed_in_half_an_hour():
-    cast, press = module.next_steps(answer("representative"), INPUTS)
+    cast, plan, press, compare = module.next_steps(answer("representative"), INPUTS)
     assert cast.hours == MOULD + WAIT and cast.cost == {"silicone": 200.0, "resin": 60.0}
-    assert press.hours == 0.5 and press.command == "dummydesign compare PRESS.csv... --tissue palm"
+    assert press.hours == 0.5 and compare.command == "dummydesign compare my-dummy/*.csv --tissue palm"
+    assert plan.command.startswith(
+        "dummydesign campaign new my-dummy --resin r --ratio 15.25 --pads 4.5 --shape crowned:"
+    )
+
+
+@pytest.mark.parametrize("level", ["stands_for", "usable_with_correction", "not_settled"])
+def test_of_a_batch_that_was_measured_no_puck_is_asked_for(level):
+    one = answer(level, measured=True)
+    steps = module.next_steps(one, INPUTS)
+    assert not any("puck" in f"{step.do} {step.command}" for step in steps) and "compare" in steps[-1].command
+    assert [path.name for path in module.paths_of(one)] == ["pad at once"]
+
+
+def test_the_steps_of_a_pad_can_be_typed_and_ask_for_the_same_test():
+    own = {"punch": "round:10", "force_N": (2.0, 4.0), "velocity_mm_s": (50.0,), "hold_s": 5.0, "pad_mm": (80.0, 60.0)}
+    given = {**INPUTS, **own, "condition": "frictionless", "deceleration_mm_s2": 9000.0}
+    _, plan, _, compare = module.next_steps(answer("stands_for"), given)
+    typed = parser_of("campaign").parse_args(shlex.split(plan.command)[2:])
+    assert (typed.punch, typed.force, typed.velocity, typed.hold) == ("round:10", "2,4", "50", "5")
+    assert (typed.pad, typed.contact, typed.pads, typed.ratio) == ("80x60", "frictionless", "4.5", 15.25)
+    typed = parser_of("compare").parse_args(shlex.split(compare.command)[2:])
+    assert (typed.punch, typed.force_N, typed.velocity_mm_s, typed.hold_s) == ("round:10", "2,4", "50", "5")
+    assert typed.condition == "frictionless" and float(typed.deceleration_mm_s2) == 9000.0
+
+
+def test_a_test_beyond_the_subjects_asks_for_people_first(monkeypatch):
+    monkeypatch.setattr(module, "beyond_people", lambda forces, tissue: 1.2)
+    steps = module.next_steps(answer("not_settled"), INPUTS)
+    assert "people" in steps[0].do and "compare" in steps[-1].command
+    assert "puck" in module.next_steps(answer("not_settled", "modulus"), INPUTS)[1].command
 
 
 def test_a_pad_that_is_not_settled_has_a_puck_first_with_its_curing_and_its_presses():
@@ -53,7 +89,7 @@ def test_a_pad_that_is_not_settled_has_a_puck_first_with_its_curing_and_its_pres
         steps = module.next_steps(one, INPUTS)
         assert [step.hours for step in steps] == [RING, WAIT + 0.5, None, None]
         assert steps[0].cost == {"filament": 12.0} and steps[1].cost == {"resin": 30.0}
-    assert len(module.next_steps(answer("representative", "tissue"), INPUTS)) == 3
+    assert len(module.next_steps(answer("representative", "tissue"), INPUTS)) == 5
 
 
 def test_the_mould_is_printed_while_the_puck_cures():

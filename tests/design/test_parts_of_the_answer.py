@@ -364,9 +364,9 @@ def test_a_correction_is_said_for_what_needs_it():
     def said(force, every):
         return _ending("usable_with_correction", ReadingCorrection(every, every, None, force, force), "", False)
 
-    assert said(1.0, 1.009) == "no correction is needed" and said(1.0, 1.011) != "no correction is needed"
+    assert said(1.0, 1.009).startswith("multiply readings by 1.00:") and "1.01" in said(1.0, 1.011)
     assert said(1.2, 1.2049) == "multiply readings by 1.20" and said(1.2, 1.2051) != "multiply readings by 1.21"
-    assert said(1.009, 1.2) == "multiply energies by 1.20, forces need no factor"
+    assert said(1.009, 1.2) == "multiply energies by 1.20, forces by 1.00"
     assert said(1.011, 1.2) == "multiply forces by 1.01, energies by 1.20"
     assert said(None, 1.2) == "" and _ending("stands_for", ReadingCorrection(1.2, 1.2), "", True) == ""
     assert _ending("not_settled", ReadingCorrection(1.2, 1.2), "why", True) == "why"

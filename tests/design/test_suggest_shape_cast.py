@@ -6,7 +6,6 @@ import pytest
 from dummydesign.design.plot_data import press_pictures, reactions, suggestion_curves
 from dummydesign.design.protocol import RADIUS_MM
 from dummydesign.design.request import Request
-from dummydesign.design.safety import safety_view
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.suggest import suggest
 from dummydesign.report.suggest import write_suggestion
@@ -41,7 +40,7 @@ def test_the_reports_bars_are_those_of_the_cast_pad(crowned, tmp_path):
     assert not np.allclose(cast[name], searched[name], atol=0.05)
     result = {**crowned.to_dict(), "inputs": crowned.request.to_dict(), "warnings": [], "files": {}, "next": []}
     pictures = press_pictures(crowned)
-    write_suggestion(tmp_path, crowned, result, suggestion_curves(crowned), safety_view(crowned), pictures)
+    write_suggestion(tmp_path, crowned, result, suggestion_curves(crowned), pictures)
     page = (tmp_path / "report.html").read_text()
     low, high = cast[name][0]
     assert f"Change of depth at 10 N, 10 mm/s: {name} {low:.1f} to {high:.1f} %" in page

@@ -171,20 +171,13 @@ def test_the_energy_of_a_ringing_press_is_that_of_its_largest_depth():
     assert forced.energy_mJ == pytest.approx([(4.0 * largest) ** 2 / 16.0], rel=4e-3)
 
 
-def test_a_free_mass_on_springs_is_that_of_the_closed_form_and_of_the_safety_view():
-    from dummydesign.design.safety import impact, tissue_body
-
+def test_a_free_mass_on_springs_is_that_of_the_closed_form():
     run, _ = pressed(250.0)
     press, k = read_press(sampled(run, 2000.0)), np.array([5.0, 20.0, 75.0])
     found = read_drive("mass:2").respond(press, springs(*k))
     omega, speed = np.sqrt(k / 2e-3), float(press.contact_mm_s)
     assert found.depth_mm == pytest.approx(speed / omega, rel=1e-4)
     assert found.peak_N == pytest.approx(k * speed / omega, rel=1e-3)
-    people = TISSUE.parameter_sets
-    other = impact(tissue_body(people, 250.0), 2.0, speed)
-    same = read_drive("mass:2").respond(press, People.of(people, press.velocity_mm_s))
-    assert same.peak_N == pytest.approx(other.peak_force_N, rel=2e-3)
-    assert same.depth_mm == pytest.approx(other.depth_mm, rel=2e-3)
 
 
 @pytest.mark.slow

@@ -72,8 +72,8 @@ def test_a_red_design_asks_for_no_mould_and_an_unsettled_one_for_a_puck_first(tm
         next={"do": "do not cast this pad: why", "command": None},
     )
     text, command, page = then()
-    assert text.startswith("do not cast this pad: why") and command.startswith("dummydesign suggest")
-    assert page == "/design"
+    assert text.startswith("do not cast this pad: why") and command == "dummydesign resins list"
+    assert page == "/resin"
     wrote(tmp_path / "designs" / "open", "suggest", "2026-01-03", **pad, verdict="not_settled")
     text, command, page = then()
     assert "puck" in text and command.startswith("dummydesign mold --puck 50x30") and page == "/resin"
@@ -142,7 +142,7 @@ def test_what_was_learned_is_used_in_the_first_design_and_a_red_design_is_never_
     files["moulds"] = (ProjectFile("moulds/older", "mold", "2026-01-01", {"thickness_mm": 5.0}),)
     for campaigns in (files["campaigns"], ()):
         text, command = status._next(project, files | {"campaigns": campaigns})
-        assert text.startswith("do not cast this pad") and command == "dummydesign suggest --no-cad"
+        assert text.startswith("do not cast this pad") and command == "dummydesign resins list"
 
 
 def test_presses_that_leave_the_modulus_open_ask_for_further_ones(tmp_path):

@@ -89,6 +89,14 @@ def test_the_page_of_a_comparison_has_the_verdict_and_each_press(made):
         assert f"{row['peak_force_N']:.2f} {span} {100 * row['inside_fraction']:.0f} %" in page
 
 
+INPUTS = {
+    "traces": ["my pad/a.csv"],
+    "tissue": "palm",
+    "punch": "round:10",
+    "lowpass": {"cutoff_hz": 35.0, "order": 2, "passes": 1},
+}
+
+
 @pytest.mark.parametrize(
     ("light", "level", "numbers"),
     [
@@ -100,15 +108,17 @@ def test_the_page_of_a_comparison_has_the_verdict_and_each_press(made):
 )
 def test_what_to_do_with_a_measured_pad_follows_from_its_light(light, level, numbers):
     verdict = light and {"light": light, "level": level, "correction": {"factor": 1.16, "force": 1.12}}
-    steps = next_steps({"verdict": verdict})
+    steps = next_steps({"verdict": verdict, "inputs": INPUTS})
     assert bool(steps) == (light is not None) and all(number in " ".join(steps) for number in numbers)
-    assert len(steps) == (3 if light == "red" else int(light is not None))
+    assert len(steps) == (0 if light is None else 2)
+    on_person = "dummydesign on-person 'my pad/a.csv' --tissue palm --drive steady --lowpass 35:2:1 --punch round:10"
+    assert (on_person in steps) == (light in ("green", "amber"))
 
 
 def test_a_pad_that_is_not_settled_is_not_to_be_used():
     verdict = {"light": "amber", "level": "not_settled", "correction": {"factor": 1.0, "force": 1.0}}
-    steps = " ".join(next_steps({"verdict": verdict}))
-    assert "multiply" not in steps and "do not use" in steps and "campaign new" in steps
+    steps = " ".join(next_steps({"verdict": verdict, "inputs": INPUTS}))
+    assert "multiply" not in steps and "do not use" in steps and "dummydesign" not in steps
 
 
 def test_the_page_of_a_study_has_the_best_designs_or_the_plane(made):

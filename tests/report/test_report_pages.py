@@ -27,8 +27,6 @@ def made(tmp_path_factory):
             "slab",
             "--no-cad",
             "--no-verify",
-            "--robot-mass",
-            "3",
             "--out",
             str(folders["suggest"]),
         ]

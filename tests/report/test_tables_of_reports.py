@@ -125,7 +125,7 @@ def design(light, **more):
 def test_of_a_red_design_no_correction_helps_and_a_term_that_none_has_is_left_out():
     rows = dict(compare_designs.design_rows([design("amber"), design("red")]))
     assert rows["correction"] == ["1.07, 95 %: -", "none helps"]
-    assert rows["verdict"] == ["AMBER not settled", "RED not settled"]
+    assert rows["verdict"] == ["AMBER Measure first", "RED Measure first"]
     assert rows["pad"] == ["crowned 11 mm"] * 2 and rows["modulus kPa"] == ["40 (30-50)"] * 2
     assert "  aim" not in rows and rows["mix"][0].startswith("50.0 + 8.0 = 58.0 g")
     assert dict(compare_designs.design_rows([design("amber", aim=0.25), design("red")]))["  aim"] == ["0.25", "-"]

@@ -13,7 +13,7 @@ def answer(level="not_settled", **more):
     excess = {"central": 1.02, "quantity": "peak"}
     return {
         "recommendation": {"shape": "crowned:radius=2.4,height=3.5,foot=7.8", "thickness_mm": 11.0, "ratio": 15.2},
-        "castings": {"stands_for": 0.2, "usable": 0.41, "out_of_reach": 0.28},
+        "castings": {"usable": 0.61, "out_of_reach": 0.28},
         "verdict": {
             "level": level,
             "not_reached": 0,
@@ -39,19 +39,19 @@ def test_a_row_has_the_pad_its_castings_its_factors_and_the_slab():
     table = built_in.design_table([("palm", answer(), answer("not_representative"))])
     assert cells(table) == [
         "palm",
-        "not settled",
+        "Measure first",
         "crowned:2.4,3.5,7.8, 11 mm, 15.2",
         "61 %",
         "28 %",
         "1.00, 1.16, -",
-        "red: energy 69 % too high",
+        "Do not use it: energy 69 % too high",
     ]
     assert cells(built_in.design_table([("palm", answer(), None)]))[-1] == "none reaches the presses"
 
 
 def test_the_shares_have_columns_where_every_answer_states_them():
-    shares = (("resin_known", 0.5), ("after_puck", 0.449))
-    known = {name: {"stands_for": 0.5, "usable": share} for name, share in shares}
+    shares = (("resin_known", 1.0), ("after_puck", 0.949))
+    known = {name: {"usable": share} for name, share in shares}
     table = built_in.design_table([("palm", answer(shares=known), None)])
     assert cells(table, 0)[4:6] == ["average batch", "after a puck"] and cells(table)[4:6] == ["100 %", "94.9 %"]
     mixed = built_in.design_table([("palm", answer(shares=known), None), ("thenar", answer(), None)])

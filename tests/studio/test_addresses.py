@@ -27,7 +27,7 @@ def test_the_first_page_is_the_studio_itself():
 
 
 def test_a_refusal_names_the_file_that_was_sent_and_no_place_of_this_machine(tmp_path):
-    from dummydesign.design.safety import read_limits
+    from dummydesign.person.limits import read_limits
 
     for name, content, read in (("mine.csv", b"1,2\n", None), ("bad.toml", b"name = 'bad'", read_limits)):
         with pytest.raises(InputError) as refused:

@@ -54,7 +54,12 @@ def stacked(pads):
     return Readings(*(np.stack([getattr(one, name) for one in pads]) for name in vars(pads[0])))
 
 
-SIDES = {"stands_for": {}, "usable": {"shortfall": 1.15}, "reads_low": {"shortfall": 1.21}, "over": {"over": 1.26}}
+SIDES = {
+    "stands_for": {},
+    "with_correction": {"shortfall": 1.15},
+    "reads_low": {"shortfall": 1.21},
+    "over": {"over": 1.26},
+}
 
 
 def cast(counts):

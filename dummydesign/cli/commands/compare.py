@@ -82,7 +82,7 @@ def render(result: dict[str, Any]) -> str:
         labelled("CURVES", curves_text(result["curves"], result["verdict"]["subjects"]), 2),
         labelled("LAW", facts.parameters_text(result), 2),
         text.warning_block(result),
-        labelled("NEXT", "; ".join(facts.next_steps(result))),
+        text.step_lines(facts.next_steps(result), 2, 5),
         text.files_block(result, ("report", "first_page", "picture")),
         labelled("MORE", "--details: parameters of the law with their intervals"),
     )

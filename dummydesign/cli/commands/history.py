@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.cli.text import labelled, screen
+from dummydesign.core.levels import level_name
 
 HELP = "Past answers of this folder with their verdicts, the newest first."
 
@@ -55,7 +56,7 @@ def _rows(result: dict[str, Any]) -> list[str]:
 def _words(summary: dict[str, Any] | None) -> str:
     """What an answer came to, in a few words."""
     known = summary or {}
-    parts = [str(known[name]).replace("_", " ") for name in ("verdict", "shape") if known.get(name)]
+    parts = [level_name(known[name]) for name in ("verdict", "shape") if known.get(name)]
     if "thickness_mm" in known and "ratio" in known:
         parts.append(f"{known['thickness_mm']:g} mm, ratio {known['ratio']:g}")
     if "effects" in known:

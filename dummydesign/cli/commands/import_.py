@@ -37,12 +37,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(
         "--tare",
         metavar="auto|none|first|drift|slope|N",
-        help="force reading without load, in the file's unit; drift, slope: what grows with time or depth too",
+        help="force reading without load in N (or with a unit), counted as in the file; drift, slope: what grows with "
+        "time or depth too",
     )
     add(
         "--contact",
         metavar="auto|none|MM",
-        help="displacement reading at contact, in the file's unit (default auto: by force)",
+        help="displacement reading at contact in mm (or with a unit), counted as in the file (default auto: by force)",
     )
     add("--split", metavar="auto|none", help="auto: split where force and depth return to zero; none: one press")
     add("--sheets", metavar="NAME,...", help="sheets of a workbook or specimens to read; not:NAME,...: all others")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from collections import Counter
 from collections.abc import Collection
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any
 
 from dummydesign.cli.common_options import add_replace_option, call, count, number
 from dummydesign.cli.progress import Watch
-from dummydesign.cli.text import files_block, labelled, screen, warning_block
+from dummydesign.cli.text import files_block, labelled, screen, step_lines, warning_block
 from dummydesign.core.errors import InputError, NoAnswerError, quantity_name
 
 
@@ -111,14 +112,16 @@ def _weighed(text: str) -> dict[str, float]:
 
 def render_record(result: dict[str, Any]) -> str:
     """Each limit in a line, then what it does to the force."""
+    from dummydesign.mold.pour.record import allowed_words
+
     size = f"{result['thickness_mm']:.2f} +- {result['thickness_sd_mm']:.2f} mm"
     lines = [f"Pad of {size} (designed {result['design_thickness_mm']:g} mm), mould {result['specification']}"]
     for one in result["limits"]:
-        allowed = f"at most {one['high']:.4g}" if one["low"] is None else f"{one['low']:.4g} to {one['high']:.4g}"
+        allowed, unlimited = allowed_words(one["low"], one["high"]), one["high"] is None
         cost = "" if one["force_percent"] is None else f"{one['force_percent']:+.1f} % force"
-        state = "MISSED" if one["missed"] else "kept"
+        state = "MISSED" if one["missed"] else "" if unlimited else "kept"
         lines.append(f"  {one['what']:<34}{one['value']:>8.4g} {one['unit']:<4}{allowed:<18}{state:<7}{cost}")
-        if one["missed"]:
+        if one["missed"] or unlimited:
             lines.append(f"      {one['advice']}")
     force = result["force_percent"]
     if force is None:
@@ -289,6 +292,8 @@ def _part(part: dict[str, Any]) -> str:
 
 def _render_pucks(result: dict[str, Any], details: bool = False) -> str:
     """What to print, mix and pour for pucks, and the sheet to begin with."""
+    from dummydesign.mold.puck.protocol import command, trace_names
+
     inputs, pour = result["inputs"], result["pour"]
     sizes = ", ".join(f"{one['count']} x {one['diameter_mm']:g} x {one['height_mm']:g} mm" for one in inputs["puck"])
     count = sum(one["count"] for one in inputs["puck"])
@@ -303,7 +308,11 @@ def _render_pucks(result: dict[str, Any], details: bool = False) -> str:
     head += labelled("WEIGH", f"{parts} = {pour['total_g']:.1f} g; pour {each} into each ring, strike off at the rim")
     head += labelled("", f"ratio {inputs['ratio']:g} ({inputs['ratio_meaning']}), {inputs['resin']}")
     head += labelled("CHECKS", _counted(result["checks"]) if result.get("checks") else "")
-    head += labelled("NEXT", "cast, press as the pour sheet says, then dummydesign resins add-compression")
+    first = inputs["puck"][0]
+    size = f"{first['diameter_mm']:g}", f"{first['height_mm']:g}"
+    names = trace_names("x".join(size), 1, first["count"])
+    read = command(names, *size, inputs["ratio"], shlex.quote(inputs["resin"]))
+    head += step_lines(["cast it and press it as the pour sheet says", read])
     if details:
         head += [
             f"  {one['status']:<8}{one['id']}: {one['value']} (limit {one['limit']})"

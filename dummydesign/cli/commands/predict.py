@@ -8,7 +8,7 @@ from typing import Any
 from dummydesign.cli.common_options import call, number
 from dummydesign.cli.text import labelled, screen, table, tissue_lines, verdict_lines, warning_block, warning_lines
 
-HELP = "Force of one pad at static depths, under a measured motion, or in a ramp and hold."
+HELP = "Force of one pad: static, under a motion, in a ramp and hold, or as it stops a free mass."
 SHOWN = 25
 NO_RELAXATION = "no_relaxation"
 
@@ -36,6 +36,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="MM_S2",
         help="braking (default 30000 mm/s2)",
     )
+    drives = "position (default), or mass:KG: the pad stops a free mass that hits at --velocity"
+    add("--drive", default="position", metavar="NAME", help=drives)
     add("--tissue", metavar="NAME|FILE", help="compare the pad with a tissue: the verdict and its numbers")
     aims = "with --tissue: average (default), safe-side, subject:NAME or people:PERCENT"
     add("--aim", default="average", metavar="AIM", help=aims)
@@ -76,26 +78,17 @@ def _progress(options: argparse.Namespace) -> Any:
 
 def render(result: dict[str, Any]) -> str:
     """The pad, then its presses or its curve, thinned to a dozen rows."""
-    young, given = result["young_kPa"], result["inputs"]
-    span = f" (95 %: {young['low']:.3g} to {young['high']:.3g})" if young["low"] < young["high"] else ""
-    solved = "" if result["fidelity"] == "table" else f", {result['fidelity']}"
-    shape = "" if given["shape"] == "slab" else f"{given['shape']}, "
     first = [item["message"] for item in result["warnings"] if item["code"] == NO_RELAXATION]
     head = [
         *verdict_lines(result.get("verdict")),
         *tissue_lines(result),
         *(line for text in first for line in labelled("WARNING", text, 2)),
-        *labelled(
-            "PAD",
-            f"{shape}{given['thickness_mm']:g} mm, E = {young['value']:.4g} kPa{span}, punch {given['punch']}{solved}",
-        ),
+        *labelled("PAD", _pad_text(result)),
     ]
+    if "force_N" not in result:
+        return "\n".join(head)
     if "peak_force_N" in result:
-        head += labelled(
-            "PRESS",
-            f"peak {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s, "
-            f"{result['steady_force_N']:.3f} N at the end",
-        )
+        head += labelled("PRESS", _press_text(result))
         head += labelled("ERROR", _error_text(result))
     elif "presses" not in result and "conditions" not in result:
         head += labelled("FORCE", "static, fully relaxed at each depth; low and high: the model's own uncertainty")
@@ -113,6 +106,27 @@ def render(result: dict[str, Any]) -> str:
         written = [*written[:2], f"and {len(written) - 2} more"]
     files = labelled("FILES", "\n".join(written)) if written else []
     return screen([*head, ""], rows, [""], tail[:4], warnings, files, more)
+
+
+def _pad_text(result: dict[str, Any]) -> str:
+    """Shape, thickness, modulus, punch and fidelity."""
+    young, given = result["young_kPa"], result["inputs"]
+    span = f" (95 %: {young['low']:.3g} to {young['high']:.3g})" if young["low"] < young["high"] else ""
+    solved = "" if given["fidelity"] == "table" else f", {given['fidelity']}"
+    shape = "" if given["shape"] == "slab" else f"{given['shape']}, "
+    return f"{shape}{given['thickness_mm']:g} mm, E = {young['value']:.4g} kPa{span}, punch {given['punch']}{solved}"
+
+
+def _press_text(result: dict[str, Any]) -> str:
+    """Peak and end of a press; of a free mass also where it stops, and its energy."""
+    peak = f"peak {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s"
+    if "energy_mJ" not in result:
+        return f"{peak}, {result['steady_force_N']:.3f} N at the end"
+    given = result["inputs"]
+    return (
+        f"{given['drive']} hits at {given['velocity_mm_s']:g} mm/s: {peak} and {result['depth_at_peak_mm']:.3f} mm; "
+        f"stopped at {result['depth_mm']:.3f} mm after {result['stop_s']:.4f} s, {result['energy_mJ']:.4g} mJ absorbed"
+    )
 
 
 def _contact_texts(result: dict[str, Any]) -> list[str]:
@@ -159,24 +173,17 @@ def _tissue_presses(result: dict[str, Any]) -> list[str]:
 
 def render_details(result: dict[str, Any]) -> str:
     """Write the answer as a short table."""
-    young = result["young_kPa"]
+    if "force_N" not in result:
+        return render(result)
     first = [item["message"] for item in result["warnings"] if item["code"] == NO_RELAXATION]
     lines = [
         *([f"warning: {text}" for text in first] + [""] if first else []),
         *verdict_lines(result.get("verdict")),
         *tissue_lines(result),
-        f"pad {result['inputs']['thickness_mm']:g} mm, E = {young['value']:.4g} kPa "
-        f"({young['low']:.4g} to {young['high']:.4g}), punch {result['inputs']['punch']}, "
-        f"fidelity {result['fidelity']}",
+        f"pad {_pad_text(result)}",
     ]
     lines += [f"error of the prediction: {text}"] if (text := _error_text(result)) else []
-    for row in result.get("conditions", []):
-        head = f"  {row['steady_force_N']:g} N at {row['velocity_mm_s']:g} mm/s: "
-        if row["depth_mm"] is None:
-            lines.append(head + row["out_of_reach"])
-            continue
-        span = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f} N"
-        lines.append(f"{head}{row['depth_mm']:.2f} mm deep, peak {row['peak_force_N']:.1f} N, the subjects' {span}")
+    lines += _tissue_presses(result) if "conditions" in result else []
     lines += _press_lines(result["presses"]) if "presses" in result else _curve_lines(result)
     lines += [f"contact pressure {text}" for text in _contact_texts(result)]
     solver = result["solver"]
@@ -217,13 +224,7 @@ STATIC = {
 def _curve_lines(result: dict[str, Any], shown: int = SHOWN) -> list[str]:
     """A curve over depth or over time, thinned."""
     moved = "peak_force_N" in result
-    forms, lines = STATIC, []
-    if moved:
-        forms = MOVED
-        lines = [
-            f"peak force    {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s",
-            f"force at end  {result['steady_force_N']:.3f} N",
-        ]
+    forms, lines = (MOVED, [_press_text(result)]) if moved else (STATIC, [])
     rows = list(zip(*(result[name] for name in forms)))
     if moved and shown < SHOWN:
         rows = _spread_in_time(rows, result["peak_time_s"], shown)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from typing import Any
 
 from dummydesign.cli.common_options import add_effect_option, call_in_steps
 from dummydesign.cli.text import labelled, screen, table, verdict_lines, warning_block, warning_lines
+from dummydesign.core.levels import level_name
 
 HELP = "Predict a campaign with a calibration written by 'loop', and compare with what was measured."
 
@@ -32,17 +34,29 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def render(result: dict[str, Any]) -> str:
-    """The error over all presses, the pads, and the presses with the largest errors."""
+    """Whether the calibration holds, the error over all presses, the pads, the presses with the largest errors."""
     text = f"{result['rmse_N']:.4f} N rms; the calibration has no effect, so this is the base model's error"
     if result["effects"]:
         text = f"{result['rmse_N']:.4f} N rms with {', '.join(result['effects'])}; "
         text += f"{result['base_rmse_N']:.4f} N with the base model"
-    head = [*verdict_lines(result["verdict"]), *labelled("ERROR", f"{text}; {len(result['trials'])} presses")]
+    head = [*_held(result), *verdict_lines(result["verdict"]), *labelled("ERROR", text)]
     head += [line for pad in _pads(result) for line in labelled("PAD", pad, 1)]
     ordered = sorted(result["trials"], key=lambda row: -row["rmse_N"])
     presses = table(ordered, [("press, largest error first", "file", "<28.28"), *ERRORS], "  ")
+    following = "" if result["holds"] else f"dummydesign loop {shlex.quote(result['inputs']['campaign'])}"
     more = labelled("MORE", "--details: every press and pad")
-    return screen([*head[:14], ""], presses, [""], warning_block(result), more)
+    return screen([*head[:14], ""], presses, [""], warning_block(result), labelled("NEXT", following), more)
+
+
+def _held(result: dict[str, Any]) -> list[str]:
+    """Whether the calibration holds on these presses, with the numbers that decide."""
+    numbers = f"{result['rmse_N']:.3g} N rms over {len(result['trials'])} presses"
+    noise = f"twice the noise of its own campaign ({result['noise_floor_N']:.3g} N)"
+    if result["holds"]:
+        return labelled("HOLDS", f"The calibration holds here: {numbers}, at most {noise}.")
+    worst = max(result["trials"], key=lambda row: abs(row["peak_error_N"]))
+    peak = f"The largest error of a peak is {worst['peak_error_N']:+.3g} N ({worst['file']})."
+    return labelled("FAILS", f"The calibration does not hold here: {numbers}, more than {noise}. {peak}")
 
 
 ERRORS = [
@@ -57,7 +71,7 @@ def _pads(result: dict[str, Any]) -> list[str]:
     if len(result["pads"]) < 2:
         return []
     levels = (
-        pad["reason"] if pad["verdict"] is None else pad["verdict"]["level"].replace("_", " ") for pad in result["pads"]
+        pad["reason"] if pad["verdict"] is None else level_name(pad["verdict"]["level"]) for pad in result["pads"]
     )
     return [f"{pad['shape']}, {pad['thickness_mm']:g} mm: {level}" for pad, level in zip(result["pads"], levels)]
 
@@ -66,7 +80,7 @@ def render_details(result: dict[str, Any]) -> str:
     """Make the readable table."""
     from dummydesign.report.sections.conformity import budget_lines
 
-    lines = verdict_lines(result["verdict"])
+    lines = [*_held(result), *verdict_lines(result["verdict"])]
     if pads := _pads(result):
         lines += ["verdict of the worst pad; by pad:", *pads]
     lines += table(result["trials"], [("press", "file", "<28.28"), *ERRORS], "  ")

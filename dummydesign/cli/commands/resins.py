@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from collections import Counter
 from typing import Any
 
@@ -239,12 +240,18 @@ def _render_hardness(result: dict[str, Any]) -> list[str]:
 def _render_puck(result: dict[str, Any]) -> list[str]:
     young, friction = result["young_kPa"], result["friction"]
     low, high = ("bonded" if friction[end] is None else f"{friction[end]:.2g}" for end in ("low", "high"))
-    plates = f"friction {low} to {high} agrees with the curve; not specified, included in the interval"
-    if result["plates"]:
-        plates = f"declared {result['plates']}; friction {f'{low} to {high}' if low != high else low} used"
+    span = low if low == high else f"{low} to {high}"
+    how = f"plates declared {result['plates']}" if result["plates"] else "plates not declared"
+    known = "Modulus and relaxation of the batch are measured: it needs no other puck."
+    if not (result["relaxation"] or {}).get("prony"):
+        known = "Only the modulus is measured: hold the position for 10 s to measure the relaxation too."
     return [
-        f"modulus   {young['value']:.4g} kPa (95 %: {young['low']:.4g} to {young['high']:.4g}), this puck alone",
-        f"plates    {plates}",
+        *labelled(
+            "RESULT",
+            f"{young['value']:.3g} kPa at ratio {result['ratio']:g} (95 %: {young['low']:.3g} to {young['high']:.3g}); "
+            f"friction {span} ({how}). {known}",
+        ),
+        "",
         f"misfit    {result['rmse_N']:.3g} N rms over {result['compression_mm'][0]:.3g} to "
         f"{result['compression_mm'][1]:.3g} mm",
         *_render_relaxation(result["relaxation"]),
@@ -255,7 +262,18 @@ def _render_puck(result: dict[str, Any]) -> list[str]:
             "replaced": f"had this puck at {result['before']}; that point was replaced by ratio {result['ratio']:g}",
         }[result["action"]],
         f"file      {result['files']['resin']}",
+        "",
+        *labelled("NEXT", _suggest_with(result["name"])),
     ]
+
+
+def _suggest_with(resin: str) -> str:
+    """The search with a batch that was measured, for the project's tissue where there is one."""
+    from dummydesign.project.folder import find_project
+
+    project = find_project()
+    tissue = "forefinger" if project is None or project.tissue is None else project.tissue
+    return f"dummydesign suggest --tissue {shlex.quote(tissue)} --resin {shlex.quote(resin)}"
 
 
 def _render_relaxation(relaxation: dict[str, Any] | None) -> list[str]:

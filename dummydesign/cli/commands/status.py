@@ -7,6 +7,7 @@ from typing import Any
 
 from dummydesign.cli.text import labelled, screen
 from dummydesign.core.errors import InputError
+from dummydesign.core.levels import level_name
 
 HELP = "Show the state of a project: what was measured, designed, made and learned, and what to do next."
 
@@ -56,7 +57,7 @@ def status_line(one: dict[str, Any]) -> str:
         left = f", {summary['wrong']} problem{'s' * (summary['wrong'] > 1)}" if summary["wrong"] else ""
         return f"{summary['pressed']} of {summary['pressed'] + summary['missing']} presses are there{left}"
     if "thickness_mm" in summary and "ratio" in summary:
-        verdict = f": {summary['verdict']}".replace("_", " ") if summary.get("verdict") else ""
+        verdict = f": {level_name(summary['verdict'])}" if summary.get("verdict") else ""
         return f"{summary['thickness_mm']:g} mm {summary['shape']}, ratio {summary['ratio']:g}{verdict}"
     if "traces" in summary:
         return f"{summary['traces']} presses"

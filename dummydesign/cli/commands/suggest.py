@@ -42,7 +42,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     test = parser.add_argument_group("your own test", "numbers may carry their unit: 0.25m/s, 10mm/s")
     add_options(test, Request, OWN_TEST)
     add_options(parser, Request, ("weighing_g", "thickness_tolerance_mm", "castings"))
-    add_options(parser, Request, ("robot_mass_kg", "robot_velocity_mm_s", "limits", "drive"))
     add("--out", metavar="DIR", help="folder of the files (default suggest-TISSUE)")
     add_replace_option(parser)
 
@@ -60,7 +59,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         answer = answer_request(request, options.out, options.replace, steps)
     result = answer.to_dict()
     if not answer.outcome.verdict.acceptable:
-        text = f"no acceptable pad: the best one found is {result['verdict']['level'].replace('_', ' ')}"
+        text = "no acceptable pad: the verdict on the best one found is red"
         text += "" if options.cad is not None else "; no mould was made of it (--cad makes it anyway)"
         raise NoAnswerError("no_acceptable_pad", text, result, "verdict")
     return result

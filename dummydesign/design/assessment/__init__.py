@@ -1,1 +1,1 @@
-"""What a design is worth: pour tolerance, verification, warnings, centring, safety."""
+"""What a design is worth: pour tolerance, verification, warnings, centring."""

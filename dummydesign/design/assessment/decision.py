@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.levels import LEVELS, level_name
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.design.protocol import NAGOYA_PROTOCOL
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.scoring.verdict import LEVELS
 from dummydesign.design.search.shape_search import ShapedDesign, candidate_of, none_usable
 from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, with_parameters
 from dummydesign.geometry.pad_shape import PadShape
@@ -46,7 +46,7 @@ def explain(chosen: ShapedDesign, others: Sequence[ShapedDesign], space: SearchS
         return Choice(f"no pad is usable: its largest reading is {beyond:.3f} times its limit, {far}", name, BEYOND)
     share, other_share = (100.0 * design.outlook.after_puck for design in (chosen, other))
     if mine < its:
-        words = f"it is better by its level: {name} comes next and is {LEVELS[its].replace('_', ' ')}"
+        words = f"it is better by its level: {name} comes next and is '{level_name(LEVELS[its])}'"
         return Choice(words, name, LEVEL)
     if not other.outlook.ties(chosen.outlook):
         words = f"more of its castings are usable once a puck is pressed: {share:.0f} %, {name} {other_share:.0f} %"
@@ -166,4 +166,8 @@ def compare_kinds(
                 design.outlook.after_puck,
             )
         )
-    return rows + [ShapeComparison(kind, reason=reason) for kind, reason in missing.items()]
+    return rows + [
+        ShapeComparison(kind, reason=reason)
+        for kind, reason in missing.items()
+        if kind not in {row.kind for row in rows}
+    ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import (
     CLASSES,
     OUTCOMES,
-    USABLE,
+    WITH_CORRECTION,
     Readings,
     Verdict,
     classes,
@@ -183,20 +183,32 @@ def verdict_of_design(cast: PadCastings, beyond: float = 1.0) -> Verdict:
         known=cast.resin_known,
         limits=space.targets.limits,
         beyond=beyond,
+        measure="the cast pad" if space.resin.measured else "one puck of the batch",
+        after_puck=None if space.resin.measured else cast.after_puck,
     )
 
 
 @dataclass(frozen=True)
 class Share(Serialised):
-    """Exclusive shares of one set of castings, which sum to 1, at a ratio or, batch by batch, between two."""
+    """Exclusive shares of one set of castings, which sum to 1, at a ratio or, batch by batch, between two.
+
+    ``usable`` are those that stand for the subjects and those that need a correction together.
+    """
+
+    also: ClassVar[tuple[str, ...]] = ("usable",)
 
     ratio: float | tuple[float, float]
     stands_for: float
-    usable: float
+    with_correction: float
     reads_low: float
     over: float
     out_of_reach: float
     standard_error: float
+
+    @property
+    def usable(self) -> float:
+        """Share that the screen calls usable."""
+        return self.stands_for + self.with_correction
 
 
 @dataclass(frozen=True)
@@ -269,7 +281,7 @@ def window_kPa(cast: PadCastings) -> tuple[float, float] | None:
     targets = space.targets
     read = readings_along(slabs, targets, targets.protocol.steady_grid_N, space.sampling.coarse)
     # on the safe side no casting has the second of the two classes
-    good = classes(deviations(ranges_of(targets), read), targets.limits) <= CLASSES.index(USABLE)
+    good = classes(deviations(ranges_of(targets), read), targets.limits) <= CLASSES.index(WITH_CORRECTION)
     usable = 1e3 * young[good]
     return (float(usable[0]), float(usable[-1])) if len(usable) else None
 

@@ -13,7 +13,7 @@ from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, MODULUS, RELA
 from dummydesign.design.scoring.verdict import (
     CLASSES,
     STANDS_FOR,
-    USABLE,
+    WITH_CORRECTION,
     Readings,
     classes,
     deviations,
@@ -21,6 +21,7 @@ from dummydesign.design.scoring.verdict import (
 )
 from dummydesign.design.scoring.windows import readings_along
 from dummydesign.mold.pour.plan import WITNESS_MM
+from dummydesign.mold.puck.protocol import BATCH, command, trace_names
 
 # Castings, the first of an answer's, that are judged for every tissue that is drawn.
 POURS = 120
@@ -36,23 +37,20 @@ NAMES = {
     TISSUE: "the tissue",
 }
 CROWN = "weighing, thickness and the crown's height"
-# How what is no resin is measured, and what to type then.
+# How what is no resin is measured.
 HOW = {
     MAKING: (
-        "weigh a larger batch or use a finer balance, and gauge the thickness of the cast pad",
-        "dummydesign suggest ... --balance 0.01 --thickness-tolerance 0.1",
+        "weigh a larger batch or use a finer balance (--balance), and gauge the thickness of the cast pad "
+        "(--thickness-tolerance)"
     ),
-    FORCE_LAW: ("cast the pad, press it by a campaign and calibrate", "dummydesign loop CAMPAIGN_DIR"),
-    TISSUE: (
-        "press the people themselves, or use published traces of them",
-        "dummydesign tissues add NAME TRACE.csv...",
-    ),
+    FORCE_LAW: "cast the pad, press it by a campaign and calibrate",
+    TISSUE: "press the people themselves, or use published traces of them",
 }
 
 
 def batch_name(resin: str) -> str:
     """Name to give a batch that is measured of a resin: not the resin's own."""
-    return "my-batch" if resin != "my-batch" else "my-batch-2"
+    return BATCH if resin != BATCH else f"{BATCH}-2"
 
 
 @dataclass(frozen=True)
@@ -87,15 +85,16 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
 
     known = {group: judged(few.readings((group,))) for group in (MODULUS, RELAXATION, MAKING, FORCE_LAW)}
     both = judged(few.readings(RESIN))
-    means = STANDS_FOR if ranges.strict or (both == 0).mean() > 0.5 else USABLE
-    worst = CLASSES.index(means)
+    means = STANDS_FOR if ranges.strict or (both == 0).mean() > 0.5 else "usable"
+    worst = CLASSES.index(STANDS_FOR if means == STANDS_FOR else WITH_CORRECTION)
     fit = judged(few.readings()) <= worst
     now = float((judged(cast.readings()) <= worst).mean())
 
     listed = {group: share_if_known(kinds <= worst, fit, now) for group, kinds in known.items()}
-    gains = {group: of_group - now for group, of_group in listed.items()}
+    batch_known = cast.space.resin.measured
+    gains = {group: of_group - now for group, of_group in listed.items() if not (batch_known and group in RESIN)}
     listed["modulus+relaxation"] = resin = share_if_known(both <= worst, fit, now)
-    if resin - now >= GAIN and max(gains.values()) < GAIN:
+    if not batch_known and resin - now >= GAIN and max(gains.values()) < GAIN:
         gains[max(sorted(RESIN), key=lambda group: gains[group])] = resin - now  # only both together help
     over_tissues = _over_tissues(few, fit, now, worst)
     listed[TISSUE] = now
@@ -105,7 +104,7 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
     shares = now, means, listed, over_tissues
     if gains[group] < GAIN or len(targets.tissue.subjects) < 2:
         return MeasureFirst(None, *shares, "", "", "")
-    words = "are usable" if means == USABLE else "need no correction"
+    words = "need no correction" if means == STANDS_FOR else "are usable"
     if group == TISSUE:
         text = f"measure people: for other people that the data allow {100 * (over_tissues or 0.0):.0f} % of castings"
         return MeasureFirst(group, *shares, *_how(group, cast), f"{text} {words}")
@@ -149,14 +148,10 @@ def _how(group: str, cast: PadCastings) -> tuple[str, str]:
             f"cast a puck ({diameter:g} mm diameter, {height:g} mm high) at ratio {ratio:g}; press it: ramp, then 10 s "
             "hold; this measures modulus and relaxation with one puck in two minutes"
         )
-        command = (
-            f"dummydesign resins add-compression puck.csv --diameter {diameter:g} --height {height:g} "
-            f"--ratio {ratio:g} --name {batch_name(resin)} --resin {resin}"
-        )
-        return protocol, command
-    protocol, command = HOW[group]
+        size = f"{diameter:g}", f"{height:g}"
+        return protocol, command(trace_names("x".join(size)), *size, ratio, resin, batch_name(resin))
     crowned = group == MAKING and cast.tolerances.crown is not None
-    return f"{protocol}, at its tip and beside the crown" if crowned else protocol, command
+    return HOW[group] + (", at its tip and beside the crown" if crowned else ""), ""
 
 
 Pair = tuple[float, float]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +20,10 @@ NORMAL_WEIGHTS = np.exp(-0.5 * NORMAL_NODES**2) / np.exp(-0.5 * NORMAL_NODES**2)
 SLACK, SURE = 0.005, 2.0
 # A share below this is that of no ratio.
 LEAST = 0.01
-# What a misfit of 1 counts against a share: it decides between ratios that are usable alike, and nothing else.
-BESIDE = 1e-3
+# What the share of a level is sought above it: castings are drawn, and one may turn out otherwise.
+ABOVE = 0.01
+# The share that stands for the subjects from which the better level is sought: where fewer can, none will be green.
+HALF = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,16 +102,16 @@ def outlook_of(
 ) -> Outlook:
     """Work out the outlook of one pad from the windows of its batches and that of the resin's centre."""
     ratio, count = batches.ratio, len(batches)
-    # on the safe side more than the share that is needed only reads higher
-    most = limits.share + 0.01 if strict else 1.0
-    good = _Chance(windows.usable[0], windows.log_young[0], scatter)
-    of_stands = _Chance(windows.stands[0], windows.log_young[0], scatter)
+    good, of_stands = (_Chance(one[0], windows.log_young[0], scatter) for one in (windows.usable, windows.stands))
+    best = partial(_best, enough=limits.share, strict=strict)
     misfit = match.misfit(centre.log_young[0])
-    each = good(batches.log_young)
+    each, each_stands = good(batches.log_young), of_stands(batches.log_young)
     shares = each.mean(axis=0)
-    first = _best(shares, misfit, most, SLACK)
-    known = _Chance(central.usable[0], central.log_young[0], scatter)(centre.log_young)[0]
-    best_known = _best(known, misfit, most, SLACK)
+    first = int(best(shares, each_stands.mean(axis=0), misfit))
+    known, known_stands = (
+        _Chance(one[0], central.log_young[0], scatter)(centre.log_young)[0] for one in (central.usable, central.stands)
+    )
+    best_known = int(best(known, known_stands, misfit))
     beyond = np.interp(
         centre.log_young[0], central.log_young[0], central.beyond_usable[0, 0], left=np.inf, right=np.inf
     )
@@ -118,14 +121,17 @@ def outlook_of(
     if not shares[first] > LEAST:
         first = best_known
     mean, spread = _after_puck(batches, first, scatter)
-    expected = sum(w * good(mean + spread * z) for z, w in zip(NORMAL_NODES, NORMAL_WEIGHTS))
-    chosen = np.argmax(np.minimum(expected, most) - BESIDE * match.misfit(mean), axis=1)
+    usable, stands = (
+        np.sum([w * chance(mean + spread * z) for z, w in zip(NORMAL_NODES, NORMAL_WEIGHTS)], axis=0)
+        for chance in (good, of_stands)
+    )
+    chosen = best(usable, stands, match.misfit(mean))
     rows = np.arange(count)
     after = each[rows, chosen]
     return Outlook(
         float(ratio[first]),
         float(shares[first]),
-        float(of_stands(batches.log_young[:, [first]]).mean()),
+        float(each_stands[:, first].mean()),
         float(ratio[best_known]),
         float(known[best_known]),
         float(after.mean()),
@@ -172,11 +178,18 @@ def _look(table: NDArray, grid: NDArray, at: NDArray) -> NDArray:
     return np.where((place < 0.0) | (place > len(grid) - 1), 0.0, value)
 
 
-def _best(shares: NDArray, misfit: NDArray, most: float, slack: float) -> int:
-    """The ratio of the largest share; of those that are as large within a slack that of the least misfit."""
-    held = np.minimum(shares, most)
-    able = np.nonzero(held >= held.max() - slack)[0]
-    return int(able[np.argmin(misfit[able])])
+def _best(usable: NDArray, stands: NDArray, misfit: NDArray, enough: float, strict: bool) -> NDArray:
+    """Index along the last axis of the ratio of the largest usable share.
+
+    Of those that are as large within a slack it is one of which most stand for the subjects, up to what the level
+    needs, where half of them can; of these that of the least misfit.
+    """
+    # on the safe side more than the share that is needed only reads higher
+    held = np.minimum(usable, enough + ABOVE) if strict else usable
+    able = held >= held.max(axis=-1, keepdims=True) - SLACK
+    sought = np.where(able, np.clip(stands, HALF, enough + ABOVE), 0.0)
+    able = sought >= sought.max(axis=-1, keepdims=True) - SLACK
+    return np.asarray(np.argmin(np.where(able, misfit, np.inf), axis=-1))
 
 
 def _after_puck(batches: Batches, first: int, scatter: Scatter) -> tuple[NDArray, NDArray]:

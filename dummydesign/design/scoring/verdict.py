@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.levels import LEVELS, LIGHTS, level_name
 from dummydesign.core.serialise import Serialised, percent_below_limit
 from dummydesign.design.scoring.score import Evaluation
 from dummydesign.design.scoring.settings import VerdictLimits, verdict_limits
@@ -19,8 +20,8 @@ from dummydesign.design.scoring.targets import Targets
 TOLERANCE, ENERGY_TOLERANCE = 0.01, 0.02
 PEAK, STEADY, ENERGY = "peak", "steady", "energy"
 # Exclusive classes of castings, in the order of their numbers.
-CLASSES = ("stands_for", "usable", "reads_low", "over", "out_of_reach")
-STANDS_FOR, USABLE, READS_LOW, OVER, OUT_OF_REACH = CLASSES
+CLASSES = ("stands_for", "with_correction", "reads_low", "over", "out_of_reach")
+STANDS_FOR, WITH_CORRECTION, READS_LOW, OVER, OUT_OF_REACH = CLASSES
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,16 +141,6 @@ def _largest(ratios: dict[str, NDArray]) -> NDArray:
     return np.where(np.isfinite(every).any(axis=-1), np.nanmax(np.nan_to_num(every, nan=-np.inf), axis=-1), np.nan)
 
 
-LEVEL_WORDS = {
-    "stands_for": "Stands for the subjects",
-    "usable_with_correction": "Usable with a correction",
-    "not_settled": "Measure one puck first",
-    "not_representative": "Not representative",
-}
-LEVELS = tuple(LEVEL_WORDS)
-# Words of a pad that is cast already and whose readings leave its level open.
-OPEN = "Not settled"
-LIGHTS = dict(zip(LEVELS, ("green", "amber", "amber", "red")))
 QUANTITIES = {PEAK: "the peak", ENERGY: "the energy"}
 OUTCOMES = {OUT_OF_REACH: "too soft to reach a force", READS_LOW: "too low", OVER: "too high"}
 TIMES = 3.0  # a reading further above the subjects is stated in times, not in per cent
@@ -227,7 +218,7 @@ class Verdict(Serialised):
     @property
     def usable_share(self) -> float | None:
         """Share of the castings that may be used, as they are or with a correction."""
-        return None if self.castings is None else self.castings[STANDS_FOR] + self.castings[USABLE]
+        return None if self.castings is None else good_share(self.castings, strict=False)
 
 
 def shares_of(differences: Deviations, limits: VerdictLimits) -> dict[str, float]:
@@ -238,7 +229,7 @@ def shares_of(differences: Deviations, limits: VerdictLimits) -> dict[str, float
 
 def good_share(shares: dict[str, float], strict: bool) -> float:
     """Share of pads that may be used: as they are or with a correction, on the safe side as they are alone."""
-    return shares[STANDS_FOR] if strict else shares[STANDS_FOR] + shares[USABLE]
+    return shares[STANDS_FOR] if strict else shares[STANDS_FOR] + shares[WITH_CORRECTION]
 
 
 def level_of(
@@ -272,12 +263,15 @@ def verdict(
     known: Readings | None = None,
     limits: VerdictLimits | None = None,
     beyond: float = 1.0,
+    measure: str = "",
+    after_puck: Readings | None = None,
 ) -> Verdict:
     """Judge one pad against the subjects of a tissue.
 
     ``spread`` are the readings of its castings as poured, ``known`` those with the resin measured; without them the pad
     itself counts, as for one that is cast. ``beyond`` is the largest force of the test over the hardest press of
-    people.
+    people. ``measure`` is what settles a level that is open, ``after_puck`` the castings once a puck is measured;
+    both are for the sentence alone.
     """
     limits = verdict_limits() if limits is None else limits
     differences, strict = deviations(ranges, readings), ranges.strict
@@ -289,6 +283,7 @@ def verdict(
     short_95, over_95, force_95 = (None, None, None) if spread is None else every.quantiles
     if beyond > 1.0 and not unsettled:
         unsettled = f"the test goes to {beyond:.2g} times the hardest press of the subjects"
+        measure = "people at these forces"
     inside = [float(1.0 - (below[name] | above[name]).mean()) for name in (PEAK, STEADY) if below[name].size]
     stands = ranges.subjects > 1 and (strict or min(inside, default=0.0) >= limits.stands_inside)
     level = level_of(shares, shares_known, limits, strict, stands)
@@ -306,13 +301,14 @@ def verdict(
     correction = ReadingCorrection(factors[0], central, factor_of(after), factors[1], force, factor_of(force_after))
     castings = None if spread is None else shares
     bound = tuple(limits_that_bind)
+    puck = None if after_puck is None else good_share(shares_of(deviations(ranges, after_puck), limits), strict)
+    words_known = None if measured is None or unsettled else shares_known
     parts = [
         _reading_words(differences, readings, level),
-        "" if castings is None or far else _casting_words(castings, level, limits, strict, of, measured is not None),
-        _known_words(shares_known, level, strict) if measured is not None and not unsettled else "",
-        _ending(level, correction, unsettled, castings is not None),
+        "" if castings is None or far else _casting_words(castings, words_known, puck, level, limits, strict, of),
+        _ending(level, correction, unsettled, castings is not None, over.central if spread is None else over_95),
     ]
-    words = OPEN if level == "not_settled" and (measured is None or unsettled) else LEVEL_WORDS[level]
+    words = f"{level_name(level)}: {measure}" if measure and level == "not_settled" else level_name(level)
     reached = np.isfinite(readings.peak_N)
     return Verdict(
         level,
@@ -334,18 +330,6 @@ def verdict(
         bound,
         limits,
     )
-
-
-def _known_words(shares: dict[str, float], level: str, strict: bool) -> str:
-    """What the castings of a measured resin do, where those as poured are too few."""
-    if level not in ("not_settled", "not_representative"):
-        return ""
-    good = good_share(shares, strict)
-    words = f"{100.0 * good:.0f} % of an average batch"
-    if level == "not_representative" and good < 1.0:
-        name = max(OUTCOMES, key=lambda outcome: shares[outcome])
-        words += f" (most are {OUTCOMES[name]})" if shares[name] > 0.0 else ""
-    return words
 
 
 def outside(differences: Deviations, pad: int = 0) -> tuple[dict[str, NDArray], dict[str, NDArray]]:
@@ -459,26 +443,38 @@ def _worst_words(differences: Deviations, readings: Readings, ratios: dict[str, 
 
 
 def _casting_words(
-    shares: dict[str, float], level: str, limits: VerdictLimits, strict: bool, of: str, poured: bool
+    shares: dict[str, float],
+    known: dict[str, float] | None,
+    after_puck: float | None,
+    level: str,
+    limits: VerdictLimits,
+    strict: bool,
+    of: str,
 ) -> str:
-    """What becomes of the castings; the classes add up to 100 %."""
-    share = good_share(shares, strict)
-    good = round(100.0 * share)
-    rest = whole_percents([shares[name] for name in OUTCOMES], good)
-    lost = [f"{percent} % {words}" for words, percent in zip(OUTCOMES.values(), rest) if percent > 0]
-    word = "keep the safe side" if strict else "are usable"
-    shown = percent_below_limit(share, limits.share) if level == "not_settled" else f"{good} %"
-    open_level = level in ("not_settled", "not_representative")
-    text = f"{shown} of {of} {word}{' as poured' if poured and open_level else ''}"
-    if level == "not_settled" and poured:
-        # what settles it follows, and says more than what is lost
-        return text
-    if level == "not_settled" and share < limits.share and not strict:
+    """What becomes of the castings: first the share that decides the level; the classes add up to 100 %."""
+    share, word = good_share(shares, strict), "keep the safe side" if strict else "are usable"
+    good, shown = round(100.0 * share), percent_below_limit(share, limits.share)
+    if level == "stands_for":
+        return f"{100.0 * shares[STANDS_FOR]:.0f} % of {of} {word if strict else 'need no correction'}"
+    if level == "not_settled" and known is not None and after_puck is not None:
+        average, after = (100.0 * one for one in (good_share(known, strict), after_puck))
+        return f"{average:.0f} % of {of} of an average batch {word}, {after:.0f} % after one puck, {shown} as poured"
+    text = f"{shown} of {of} {word}"
+    if level == "not_settled" and share < limits.share:
         text += f", {100.0 * limits.share:g} % needed"
-    return f"{text} ({', '.join(lost)})" if lost and level != "stands_for" else text
+    rest = whole_percents([shares[name] for name in OUTCOMES], good)
+    if lost := [f"{percent} % {words}" for words, percent in zip(OUTCOMES.values(), rest) if percent > 0]:
+        text += f" ({', '.join(lost)})"
+    if level != "not_representative" or known is None:
+        return text
+    most = max(OUTCOMES, key=lambda outcome: known[outcome])
+    why = f" (most are {OUTCOMES[most]})" if known[most] > 0.0 else ""
+    return f"{text}; {100.0 * good_share(known, strict):.0f} % of an average batch{why}"
 
 
-def _ending(level: str, correction: ReadingCorrection, unsettled: str, over_castings: bool) -> str:
+def _ending(
+    level: str, correction: ReadingCorrection, unsettled: str, over_castings: bool, over: float | None = None
+) -> str:
     """The correction, or why nothing is settled."""
     if unsettled and level in ("not_settled", "not_representative"):
         return unsettled
@@ -486,13 +482,15 @@ def _ending(level: str, correction: ReadingCorrection, unsettled: str, over_cast
     if level != "usable_with_correction" or every is None:
         return ""
     if every < 1.0 + tolerance_of(PEAK):
-        return "no correction is needed"
-    if force is None:
+        high = 100.0 * ((over or 1.0) - 1.0)
+        words = "multiply readings by 1.00: they are not low"
+        words += f", but up to {high:.0f} % above all subjects" if high >= 1.0 else ""
+    elif force is None:
         words = ""
     elif every - force < 0.005:
         words = f"multiply readings by {every:.2f}"
     elif force < 1.0 + tolerance_of(PEAK):
-        words = f"multiply energies by {every:.2f}, forces need no factor"
+        words = f"multiply energies by {every:.2f}, forces by 1.00"
     else:
         words = f"multiply forces by {force:.2f}, energies by {every:.2f}"
     return f"{words} for 95 % of them" if over_castings else words

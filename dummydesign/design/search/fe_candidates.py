@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.cache import cached
-from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.core.progress import Progress, quiet
 from dummydesign.design.scoring.crowns import Crowns
@@ -167,15 +167,6 @@ def on_elements(design: ShapedDesign, space: SearchSpace) -> ShapedDesign:
     return replace(design, cast=law, outlook=outlook, solved=True)
 
 
-def _solved(design: ShapedDesign, space: SearchSpace) -> ShapedDesign | None:
-    """A pad solved; None where it cannot be, or no longer reaches the middle force."""
-    try:
-        made = on_elements(design, space)
-    except NoAnswerError:
-        return None
-    return made if feasible(made, space) else None
-
-
 def _better(other: ShapedDesign, solved: ShapedDesign, space: SearchSpace) -> bool:
     """Whether a design that only a table knows is better than a solved one by more than solving moves it."""
     limits, strict = space.targets.limits, space.targets.strict
@@ -184,12 +175,13 @@ def _better(other: ShapedDesign, solved: ShapedDesign, space: SearchSpace) -> bo
 
 
 def solve_leading(
-    designs: Sequence[ShapedDesign], space: SearchSpace, progress: Progress = quiet
+    designs: Sequence[ShapedDesign], space: SearchSpace, faults: dict[str, str], progress: Progress = quiet
 ) -> list[ShapedDesign]:
     """Solve the best design; another one only where solving leaves the first behind it.
 
-    Pads that cannot be solved fall away. Fields of caps take minutes in space: they are solved where no round pad was
-    searched, the first of them. Slabs are designed by their table.
+    Pads that cannot be solved, or no longer reach the middle force, fall away, the reason of each kind into ``faults``.
+    Fields of caps take minutes in space: they are solved where no round pad was searched, the first of them. Slabs are
+    designed by their table.
     """
     left = list(designs)
     solved: list[ShapedDesign] = []
@@ -202,11 +194,14 @@ def solve_leading(
             break
         left.remove(first)
         progress(f"finite elements, {first.shape.name} pad")
-        made = _solved(first, space)
-        if made is None:
+        try:
+            solved.append(feasible(on_elements(first, space), space))
+        except (InputError, NoAnswerError) as problem:
+            if isinstance(problem, InputError) and not (left or solved):
+                raise
+            faults.setdefault(first.shape.name, str(problem))
             fallen.append(first)
             continue
-        solved.append(made)
         if left and not _better(rank(left, space)[0], rank(solved, space)[0], space):
             break
     if not solved:

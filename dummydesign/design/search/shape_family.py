@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Protocol, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.core.errors import accepts, unknown_name
 from dummydesign.design.scoring.crowns import Crowns
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import make_shape, part_of, shape_kind, shape_kinds
@@ -54,11 +54,8 @@ class Designs:
         accepted = np.zeros(len(self.thickness_mm), dtype=bool)
         for index, thickness in enumerate(self.thickness_mm.tolist()):
             shape = self.shape(index)
-            try:
-                shape.check(thickness, *pad_mm)
-            except InputError:
-                continue
-            accepted[index] = shape.least_gel_mm(PadGeometry(thickness, *pad_mm)) >= least_film_mm
+            if accepts(shape.check, thickness, *pad_mm):
+                accepted[index] = shape.least_gel_mm(PadGeometry(thickness, *pad_mm)) >= least_film_mm
         return accepted
 
 

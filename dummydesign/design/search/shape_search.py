@@ -16,7 +16,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
+from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, accepts, unknown_name
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.scoring.crowns import crown_scatter
 from dummydesign.design.scoring.outlook import LEAST, Match, Outlook, Scatter, outlook_of, smoothed
@@ -110,26 +110,28 @@ def search_shapes(
 ) -> tuple[list[ShapedDesign], dict[str, str]]:
     """Search every kind of shape that a request names, by its tables: designs, the best first, and why kinds have none.
 
+    A pad that cannot be made is left out; its error stands where no pad is left and one kind was named.
+
     Raises
     ------
-    NoAnswerError
-        When no kind has a pad that reaches the middle force of the test.
+    InputError, NoAnswerError
+        When no kind has a pad that can be made and reaches the middle force of the test.
     """
     kinds = kinds_of(text)
     if text.lower() != AUTO and (reason := refused.get(kinds[0])):
         raise InputError(f"shape = {text}: {reason}", "unsupported", "shape", text)
-    missing = {kind: refused[kind] for kind in kinds if kind in refused}
+    faults: dict[str, DummydesignError] = {}
     sieved: list[_Sieved] = []
     for kind in (kind for kind in kinds if kind not in refused):
         try:
             sieved += _sieve_slabs(slab_law, space) if kind == Slab.name else _sieve_kind(kind, text, space)
-        except NoAnswerError as problem:
-            missing[kind] = str(problem)
-    if not sieved:
-        raise NoAnswerError("no_feasible_design", "; ".join(missing.values()), quantity="pad")
-    designs = rank(_assessed(_leading(sieved, space), space, MANY_BATCHES), space)
-    for kind in {pad.shape.name for pad in sieved} - {design.shape.name for design in designs}:
-        missing[kind] = f"no {kind} pad reaches {space.targets.protocol.needed_N:g} N with {space.resin.name}"
+        except (InputError, NoAnswerError) as problem:
+            faults[kind] = problem
+    designs = rank(_assessed(_leading(sieved, space), space, faults), space) if sieved else []
+    if not designs and len(kinds) == 1 and faults:
+        raise faults[kinds[0]]
+    found, reasons = {design.shape.name for design in designs}, {**refused, **faults}
+    missing = {kind: str(reasons[kind]) for kind in kinds if kind in reasons and kind not in found}
     if not designs:
         raise NoAnswerError("no_feasible_design", "; ".join(missing.values()), quantity="pad")
     return designs, missing
@@ -260,9 +262,9 @@ def _sieve(family: Family, space: SearchSpace) -> list[_Sieved]:
     sieved = []
     for index in kept:
         shape, thickness = designs.shape(index), float(designs.thickness_mm[index])
-        if mixable(shape, float(np.exp(mean[index])), space.resin):
+        match = Match(float(mean[index]), float(spread[index]))
+        if mixable(shape, space.resin, np.array([_matched_ratio(match, space)]))[0]:
             law = FamilyLaw(family, shape, thickness)
-            match = Match(float(mean[index]), float(spread[index]))
             sieved.append(_Sieved(shape, thickness, law, replace(law, cast=True), match))
     if not sieved:
         reason = f"no {family.kind} pad has a base that {space.resin.name} can be mixed for"
@@ -277,7 +279,9 @@ def _alike(one: NDArray, other: NDArray) -> bool:
 def _sieve_fixed(family: Family, shape: PadShape, space: SearchSpace) -> list[_Sieved]:
     """Pads of a shape whose lengths are given: only what lies under it changes."""
     family.check(shape)
-    fitting = [float(thickness) for thickness in space.thickness_mm if _accepts(shape, float(thickness), space.pad_mm)]
+    fitting = [
+        float(thickness) for thickness in space.thickness_mm if accepts(shape.check, float(thickness), *space.pad_mm)
+    ]
     if not fitting:
         shape.check(float(space.thickness_mm[-1]), *space.pad_mm)
     law = FamilyLaw(family, shape, fitting[0], cast=True)
@@ -303,21 +307,20 @@ def _sieve_fixed(family: Family, shape: PadShape, space: SearchSpace) -> list[_S
     ]
 
 
-def mixable(shape: PadShape, young_MPa: float, resin: Resin) -> bool:
-    """Whether the second resin of a layered shape can be mixed where the first has a modulus; others need none."""
+def mixable(shape: PadShape, resin: Resin, ratio: NDArray) -> NDArray:
+    """At which ratios of the first resin of a layered shape the second can be mixed; others need none."""
     layers = shape.layers()
     if layers is None:
-        return True
+        return np.ones(len(ratio), dtype=bool)
     low, high = np.sort(np.asarray(resin.young_MPa(np.array([resin.ratio_min, resin.ratio_max]))))
-    return bool(low <= layers[1] * young_MPa <= high)
+    lower = layers[1] * np.asarray(resin.young_MPa(ratio))
+    return np.asarray((low <= lower) & (lower <= high))
 
 
-def _accepts(shape: PadShape, thickness_mm: float, pad_mm: tuple[float, float]) -> bool:
-    try:
-        shape.check(thickness_mm, *pad_mm)
-    except InputError:
-        return False
-    return True
+def _matched_ratio(match: Match, space: SearchSpace) -> float:
+    """The ratio whose central modulus is nearest to a pad's best."""
+    young = np.log(np.asarray(space.resin.young_MPa(space.ratio)))
+    return float(space.ratio[np.argmin(np.abs(young - match.log_young))])
 
 
 def _curves(pads: Sequence[_Sieved], space: SearchSpace) -> SlabCurves:
@@ -375,31 +378,49 @@ def _centres(matches: Sequence[Match], curves: SlabCurves, space: SearchSpace) -
     return np.where(carries > matched + REACH - MARGIN, carries, matched)
 
 
-def _assessed(pads: Sequence[_Sieved], space: SearchSpace, count: int) -> list[ShapedDesign]:
-    """Pads with their outlook over many batches; those that no ratio carries to the middle force fall away."""
+def _assessed(pads: Sequence[_Sieved], space: SearchSpace, faults: dict[str, DummydesignError]) -> list[ShapedDesign]:
+    """Pads with their outlook over many batches; those that no ratio carries to the middle force fall away.
+
+    So do those that cannot be made; ``faults`` keeps the first one's error of each kind.
+    """
     made = []
     for pad in pads:
-        outlook = outlook_for(pad.cast, pad.shape, pad.thickness_mm, pad.match, space, count)
-        design = ShapedDesign(pad.shape, pad.thickness_mm, pad.law, pad.cast, pad.match, outlook)
-        if feasible(design, space) and mixable(pad.shape, space.resin.young_MPa(outlook.ratio), space.resin):
-            made.append(design)
+        try:
+            outlook = outlook_for(pad.cast, pad.shape, pad.thickness_mm, pad.match, space, MANY_BATCHES)
+            design = ShapedDesign(pad.shape, pad.thickness_mm, pad.law, pad.cast, pad.match, outlook)
+            made.append(feasible(design, space))
+        except (InputError, NoAnswerError) as problem:
+            faults.setdefault(pad.shape.name, problem)
     return made
 
 
-def feasible(design: ShapedDesign, space: SearchSpace) -> bool:
-    """Whether a design reaches the middle force of the test within its depth limit at the ratio to pour."""
+def feasible(design: ShapedDesign, space: SearchSpace) -> ShapedDesign:
+    """The design, which reaches the middle force of the test within its depth limit at the ratio to pour.
+
+    Raises
+    ------
+    NoAnswerError
+        For one that does not.
+    """
     curves = make_curves(design.cast, [design.thickness_mm], space.radius_mm, space.targets.limits.gel_compression)
-    return bool(space.resin.young_MPa(design.outlook.ratio) * curves.area_mm2[0, -1] >= space.targets.protocol.needed_N)
+    needed_N = space.targets.protocol.needed_N
+    if space.resin.young_MPa(design.outlook.ratio) * curves.area_mm2[0, -1] >= needed_N:
+        return design
+    message = f"no {design.shape.name} pad reaches {needed_N:g} N with {space.resin.name}"
+    raise NoAnswerError("no_feasible_design", message, quantity="pad")
 
 
 def outlook_for(
     law: ForceLaw, shape: PadShape, thickness_mm: float, match: Match, space: SearchSpace, count: int
 ) -> Outlook:
-    """Outlook of one pad over the first batches of the castings."""
+    """Outlook of one pad over the first batches of the castings, by the ratios at which it can be mixed."""
+    able = mixable(shape, space.resin, space.ratio)
+    if able.any():  # else the mould says why there is none
+        space = replace(space, ratio=space.ratio[able])
     targets, sampling, gel = space.targets, space.sampling.coarse, space.targets.limits.gel_compression
     batches = Batches.of(space.castings.batches, space.ratio, count)
     centre = Batches.of(space.castings.central, space.ratio, 1)
-    ratio = float(space.ratio[np.argmin(np.abs(centre.log_young[0] - match.log_young))])
+    ratio = _matched_ratio(match, space)
     tolerances = space.tolerances(shape, thickness_mm, ratio)
     nodes = thickness_mm + tolerances.thickness_mm * np.array(TOLERANCE_NODES)
     smallest, largest = law.ratio_range

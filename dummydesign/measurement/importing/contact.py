@@ -175,6 +175,8 @@ LATE_MM, LATE_SHARE = 0.1, 0.03
 """Distance of the contact from the file's own zero that deserves a word although a filter explains it."""
 UNSURE_MM, UNSURE_SHARE = 0.02, 0.01
 """Half-width of the contact's interval above which a zero that rests on it is called uncertain."""
+FORCE_DIGITS = 4
+"""Digits of the tare in N: a tenth of a millinewton is far below any noise. Of the contact they are micrometres."""
 OTHER_SITE = 0.5
 """Share of the deepest press so far beyond which a later contact is another place, not the dent that was left."""
 
@@ -195,7 +197,8 @@ def find_contacts(
     """Choose the zero of position of each press: the reading that is given, the file's own, or contact. [mm]"""
     if log.settings.contact == "none" or given_mm is not None:
         zero = 0.0 if given_mm is None else sign * given_mm
-        log.decide("contact", "the file's own zero" if given_mm is None else f"{zero:.6g} mm", "given by --contact")
+        shown = "the file's own zero" if given_mm is None else f"{given_mm:.10g} mm"
+        log.decide("contact", shown, "given by --contact")
         return [zero] * len(contacts)
     first = _reference(contacts)
     reference, depth = contacts[first], depths[first]
@@ -254,7 +257,7 @@ def _between(contact: ContactEstimate, sign: float) -> str:
 def _zero_by_force(contact: ContactEstimate, depth: float, sign: float, log: ImportLog) -> float:
     """The contact that the force tells, where it tells it closely enough."""
     low, high = interval(contact)
-    zero_mm, wide, text = contact.position_mm, 0.5 * (high - low), _text(contact, sign)
+    zero_mm, wide, text = round(contact.position_mm, 3), 0.5 * (high - low), _text(contact, sign)
     if wide > max(SURE_MM, SURE_SHARE * depth):
         raise log.question(
             f"contact lies between {_between(contact, sign)}, too wide to take its middle",
@@ -331,48 +334,55 @@ def find_tares(
 ) -> list[Baseline]:
     """Choose what is subtracted from the force of each press: the reading that is given, or that at no load.
 
-    ``level_N`` of what is returned counts as the file does, compression positive.
+    ``level_N`` of what is returned counts as the file does, compression positive. Numbers are shown as the file counts,
+    with the digits that are taken: typed, they give the same traces.
     """
     first = contacts[0].baseline
     if log.settings.tare == "none" or given_N is not None:
-        tare = 0.0 if given_N is None else sign * given_N
-        why = "given by --tare" + ("" if given_N is None else " (compression positive)")
-        log.decide("tare", "none" if given_N is None else f"{tare:.6g} N", why)
-        return [_constant(first, tare)] * len(contacts)
+        log.decide("tare", "none" if given_N is None else f"{given_N:.10g} N", "given by --tare")
+        return [_constant(first, 0.0 if given_N is None else sign * given_N)] * len(contacts)
     if first.samples < LEAST_LEAD_IN:
         if abs(rest_N) > max(4.0 * max(first.noise_N, 1e-12), 0.004 * contacts[0].peak_N):
             shown = sign * rest_N
             doubt = f"the force is {shown:.3g} N at the first sample and there is no lead-in before contact"
-            option = f"--tare {shown:.4g} where it is an offset (first: of each file), --tare none where it presses"
+            option = (
+                f"--tare {force_text(shown)} where it is an offset (first: of each file), --tare none where it presses"
+            )
             raise log.question(f"{doubt}: an offset, or already pressed", option)
         log.decide("tare", "none", "there is no lead-in, and the force begins at zero within its noise")
         return [_constant(first, 0.0)] * len(contacts)
     lines = [_line(one, rest_N, log) for one in contacts]
     level = lines[0].level_N
-    text = f"{first.samples} samples before contact, {level:.4g} N with an error of {lines[0].error_N:.2g} N"
+    mean = f"{force_text(sign * level)} N with an error of {lines[0].error_N:.2g} N"
+    text = f"{first.samples} samples before contact, {mean}"
     if any(one.effect_N for one in lines):
-        log.decide("tare", f"{level:.4g} N at contact", _words_of_line(lines[0], text))
+        log.decide("tare", f"a line, {sign * level:.4g} N at contact", _words_of_line(lines[0], text))
         return lines
-    tare = 0.0
-    if abs(level) <= 1.5 * first.error_N or abs(level) < 0.1 * first.noise_N:
-        # nothing of a tared file is changed
-        log.decide("tare", "none", f"the mean of {text} is zero within its noise")
-    else:
-        tare = level
-        log.decide("tare", f"{level:.4g} N", f"the mean of {text}")
+    # nothing of a tared file is changed
+    tared = abs(level) <= 1.5 * first.error_N or abs(level) < 0.1 * first.noise_N
+    tare = 0.0 if tared else round(level, FORCE_DIGITS)
     tares = [tare]
     for one in lines[1:]:
         if one.samples >= LEAST_LEAD_IN and abs(one.level_N - tare) > 3.0 * (one.error_N + first.error_N):
-            tare = one.level_N
+            tare = round(one.level_N, FORCE_DIGITS)
         tares.append(tare)
-    if max(tares) > min(tares):
-        text = ", ".join(f"{tare:.4g}" for tare in tares)
+    wanders = max(tares) > min(tares)
+    one_value = "none" if tared else f"{force_text(sign * tares[0])} N"
+    why = f"the mean of {text}" + (" is zero within its noise" if tared else "")
+    log.decide("tare", "each press by its own lead-in" if wanders else one_value, why)
+    if wanders:
+        text = ", ".join(force_text(sign * tare) for tare in tares)
         log.warn(
             "zero_wanders",
             f"the force at no load changes from press to press ({text} N); each press is tared by "
             "its own lead-in: let the sensor warm up, or zero it before each press",
         )
     return [_constant(one, tare) for one, tare in zip(lines, tares)]
+
+
+def force_text(force_N: float) -> str:
+    """A reading at no load with the digits that are taken. [N]"""
+    return f"{round(force_N, FORCE_DIGITS) + 0.0:.{FORCE_DIGITS}f}"
 
 
 def _constant(baseline: Baseline, level_N: float) -> Baseline:

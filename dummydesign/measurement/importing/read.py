@@ -95,7 +95,7 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog) -> Imported:
     rest, load = signs.force * signs.rest_force_N, signs.force * (columns.force_N - signs.rest_force_N)
     spans = _find_spans(time, x, load, columns.recordings, log)
     _check_magnitudes(time, x, load, spans, columns, log)
-    contacts = [_find_contact(time, x, load, span, rest, tare, log) for span in spans]
+    contacts = [_find_contact(time, x, load, span, rest, log) for span in spans]
     tares = contact_zero.find_tares(contacts, rest, signs.force, log, tare)
     depths = [float(x[s.start : s.stop].max()) - c.position_mm for s, c in zip(spans, contacts)]
     zeros = contact_zero.find_contacts(contacts, depths, float(x[spans[0].start]), signs.displacement, log, zero)
@@ -204,7 +204,7 @@ def _check_magnitudes(
 
 
 def _find_contact(
-    time: NDArray, x: NDArray, load: NDArray, span: Span, rest: float, tare: float | None, log: ImportLog
+    time: NDArray, x: NDArray, load: NDArray, span: Span, rest: float, log: ImportLog
 ) -> contact_zero.ContactEstimate:
     """Contact of one press; where nothing was recorded before it, with the force counted from zero."""
     if float(x[span.onset : span.stop].max() - x[span.start : span.onset + 1].min()) < SHALLOWEST_MM:
@@ -216,8 +216,9 @@ def _find_contact(
             "displacement_mm",
             float(x[span.onset]),
         )
-    contact = contact_zero.find_contact(time, x, load, span, None if tare is None else 0.0)
-    if tare is None and contact.lead_in < contact_zero.LEAST_LEAD_IN:
+    # where there is a lead-in it tells the level, also beside a tare that is given
+    contact = contact_zero.find_contact(time, x, load, span)
+    if contact.lead_in < contact_zero.LEAST_LEAD_IN:
         return contact_zero.find_contact(time, x, load, span, -rest if log.settings.tare == "none" else 0.0)
     return contact
 

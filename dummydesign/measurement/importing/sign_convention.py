@@ -82,7 +82,7 @@ def find_signs(x: NDArray, force: NDArray, tare_N: float | None, log: ImportLog)
         raise log.question(
             f"the force is {rest:.3g} N at the start and near zero later: either the file begins "
             "pressed (then record from before contact), or this is an offset",
-            f"--tare {rest:.4g} where it is an offset",
+            f"--tare {rest:.4f} where it is an offset",
         )
     way = _way(x, sign * (smooth - rest), log)
     written = {1.0: "as written", -1.0: "flipped"}

@@ -247,8 +247,10 @@ def _spread(time: NDArray, lines: NDArray, log: ImportLog) -> NDArray:
         (_line(at, time) for at in (new, np.r_[new[1:] - 1, count - 1])), key=lambda one: float(one[0])
     )
     if share > COARSE and off <= EVEN * slope:
-        log.decide("equal times", f"spread evenly at {1 / slope:.6g} Hz", f"even to {off:.2g} s; {where}")
-        return begin + slope * (rows - at[0])
+        # the rate is taken as it is shown: typed as --rate it gives the same times
+        rate = float(f"{1 / slope:.6g}")
+        log.decide("equal times", f"spread evenly at {rate:g} Hz", f"even to {off:.2g} s; {where}")
+        return begin + (rows - at[0]) / rate
     stamps = time[at]
     if len(new) < LEAST_STAMPS:
         raise _too_coarse(time, lines, log)

@@ -261,7 +261,7 @@ def _resin_numbers(resin: Resin, ratio: float, room_temperature_C: float) -> dic
 
     if not math.isfinite(ratio):
         raise out_of_range("ratio", ratio, resin.ratio_min, resin.ratio_max, resin.ratio_meaning)
-    parts = resin.recipe(ratio, 1.0)
+    parts, modulus = resin.recipe(ratio, 1.0), resin.modulus_kPa(ratio)
     known = set(resin.property_names())
     fallback = {**_RESIN_FALLBACK, "cure_temperature_C": room_temperature_C}
     numbers = {name: resin.property(name, ratio).value if name in known else value for name, value in fallback.items()}
@@ -272,7 +272,8 @@ def _resin_numbers(resin: Resin, ratio: float, room_temperature_C: float) -> dic
         "ratio": float(ratio),
         "ratio_meaning": resin.ratio_meaning,
         "components": tuple((part.name, float(part.mass_g)) for part in parts),
-        "young_kPa": 1e3 * float(resin.young_MPa(ratio)),
+        "young_kPa": float(modulus.value),
+        "expected_kPa": (modulus.low, modulus.high),
         "hardness": expected_hardness(resin, ratio).text,
         **numbers,
         "ratio_component": next((liquid.name for liquid in resin.liquids if liquid.parts is None), ""),

@@ -298,6 +298,8 @@ class Pour:
     specifications of earlier versions, and no part of the mould. Parts are by weight or by volume (``ratio_by``), to
     those of the others or in 100 of the mix (``ratio_per``).
     ``assumed`` names what the resin's file does not state, ``chemistry`` what it is where that is known.
+    ``expected_kPa`` are the moduli between which 95 % of the batches come out, ``usable_kPa`` those with which the
+    answer that the mould belongs to calls the pad usable; empty without an answer.
     """
 
     resin: str
@@ -330,6 +332,8 @@ class Pour:
     component_densities_g_per_cm3: tuple[float, ...] = ()
     assumed: tuple[str, ...] = ()
     chemistry: str = ""
+    expected_kPa: tuple[float, ...] = ()
+    usable_kPa: tuple[float, ...] = ()
 
     def mark(self, *names: str) -> str:
         """Return `` (assumed)`` where the resin's file states none of these numbers, else nothing."""
@@ -351,7 +355,7 @@ class Pour:
     @property
     def as_hashed(self) -> Pour:
         """Return the pour without what makes no other mould."""
-        return replace(self, ratio_component="", assumed=(), chemistry="")
+        return replace(self, ratio_component="", assumed=(), chemistry="", expected_kPa=(), usable_kPa=())
 
     @property
     def has_isocyanate(self) -> bool:
@@ -375,6 +379,8 @@ USUAL_POUR = {
     "component_densities_g_per_cm3": (),
     "assumed": (),
     "chemistry": "",
+    "expected_kPa": (),
+    "usable_kPa": (),
 }
 """Fields of a pour that are left out of a specification when they are as usual."""
 
@@ -394,7 +400,10 @@ class BaseLayer:
 
 @dataclass(frozen=True)
 class Acceptance:
-    """How far a cast pad may be off: mean thickness, its spread over five places, mass, modulus of the witness."""
+    """How far a cast pad may be off: mean thickness, its spread over five places, mass.
+
+    ``modulus_percent`` limits nothing: presets of earlier versions hold it, and so does the hash of their moulds.
+    """
 
     thickness_percent: float = 3.0
     spread_percent: float = 5.0

@@ -171,6 +171,7 @@ def spread_mm(spec: MouldSpec) -> float:
 
 
 WRONG_MODULUS = "wrong ratio, moist or old resin: cast again, or design again with resins add-compression"
+NO_WINDOW = "no limit: a mould alone does not say which moduli are usable; ask suggest --mould with this batch's resin"
 BUBBLES = "reject; degas longer or at a lower pressure"
 
 
@@ -182,6 +183,9 @@ def acceptance_rows(spec: MouldSpec, plan: PourPlan) -> list[tuple[str, ...]]:
     def costs(percent: float) -> str:
         return "not known" if slope is None else f"{abs(slope) * percent:.0f} % of force at a given depth"
 
+    usable, expected = (
+        " to ".join(f"{one:.3g}" for one in pair) for pair in (spec.pour.usable_kPa, spec.pour.expected_kPa)
+    )
     crown = crown_limits(spec.pad, limits.thickness_percent)
     within, at_limit = f"within {h * limits.thickness_percent / 100:.2f} mm", costs(limits.thickness_percent)
     spread, heights = "deviation from nominal, largest minus smallest", list[tuple[str, ...]]()
@@ -235,10 +239,10 @@ def acceptance_rows(spec: MouldSpec, plan: PourPlan) -> list[tuple[str, ...]]:
                 (
                     "modulus of the witness",
                     f"{spec.pour.young_kPa:.1f} kPa",
-                    f"within {limits.modulus_percent:g} %",
-                    f"{limits.modulus_percent:.0f} % of force",
+                    f"{usable} kPa" if usable else f"no limit here; 95 % of batches: {expected} kPa",
+                    "1 % of force a per cent" + ("; outside the pad is not usable" if usable else ""),
                     BLANK,
-                    WRONG_MODULUS,
+                    WRONG_MODULUS if usable else NO_WINDOW,
                 )
             ]
         ),

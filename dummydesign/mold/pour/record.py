@@ -15,6 +15,7 @@ from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.acceptance import (
     BUBBLES,
+    NO_WINDOW,
     WRONG_MODULUS,
     GaugePoint,
     force_change_percent,
@@ -79,6 +80,13 @@ class LimitCheck:
     missed: bool
     force_percent: float | None
     advice: str
+
+
+def allowed_words(low: float | None, high: float | None) -> str:
+    """The limits of a check."""
+    if high is None:
+        return "no limit"
+    return f"at most {high:.4g}" if low is None else f"{low:.4g} to {high:.4g}"
 
 
 def read_spec(folder: str | Path) -> MouldSpec:
@@ -328,16 +336,11 @@ def judge(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | 
     ]
     if measured.young_kPa is not None:
         change = 100 * (measured.young_kPa / spec.pour.young_kPa - 1) if spec.base is None else None
+        low, high = spec.pour.usable_kPa or (None, None)
+        missed = low is not None and high is not None and not low <= measured.young_kPa <= high
+        advice = NO_WINDOW if low is None else WRONG_MODULUS
         checks.append(
-            _around(
-                "modulus of the witness",
-                measured.young_kPa,
-                "kPa",
-                spec.pour.young_kPa,
-                limits.modulus_percent,
-                change,
-                WRONG_MODULUS,
-            )
+            LimitCheck("modulus of the witness", measured.young_kPa, "kPa", low, high, missed, change, advice)
         )
     if measured.level_deg is not None:
         half_mm = formula.tilt_error_mm(max(pad.length_mm, pad.width_mm), measured.level_deg) / 2
@@ -420,5 +423,4 @@ def _mass(measured: Measured, spec: MouldSpec, mean: float) -> LimitCheck:
 
 
 def _words(one: LimitCheck) -> str:
-    allowed = f"{one.low:.4g} to {one.high:.4g}" if one.low is not None else f"at most {one.high:.4g}"
-    return f"{one.what} {one.value:.4g} {one.unit}".rstrip() + f" (allowed {allowed})"
+    return f"{one.what} {one.value:.4g} {one.unit}".rstrip() + f" (allowed {allowed_words(one.low, one.high)})"

@@ -12,13 +12,17 @@ PLATE_SHARE = 1.5
 """Least width of the plates over the puck's diameter: it bulges by a fifth at a compression of 30 %."""
 
 
+BATCH = "my-batch"
+"""Name that is proposed for a batch that is measured."""
+
+
 def trace_names(tag: str, number: int = 1, count: int = 1) -> tuple[str, ...]:
     """Files of the two presses of a puck."""
     puck = f"puck{tag}" if count == 1 else f"puck{tag}-{number}"
     return tuple(f"{puck}-v{speed:g}.csv" for speed in SPEEDS_MM_S)
 
 
-def command(names: Sequence[str], diameter: str, height: str, ratio: float, resin: str, name: str = "my-batch") -> str:
+def command(names: Sequence[str], diameter: str, height: str, ratio: float, resin: str, name: str = BATCH) -> str:
     """What is typed when the presses are saved."""
     return (
         f"dummydesign resins add-compression {' '.join(names)} --diameter {diameter} --height {height} "

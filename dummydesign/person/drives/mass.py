@@ -9,13 +9,11 @@ from numpy.typing import NDArray
 
 from dummydesign.person.drive_diagnostics import TraceSigns
 from dummydesign.person.drives.drive import FASTER, MASS, MASSES, RobotDrive
-from dummydesign.person.integrate import TOLERANCE, PersonResponse, run_robot
+from dummydesign.person.free_mass import stop_mass
+from dummydesign.person.integrate import TOLERANCE, PersonResponse
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
-from dummydesign.person.ringing import RobotArm
 
-LONGEST_S, AFTER_STOP = 60.0, 1.0
-CURVE_STEPS = 400
 SENSOR_SHARE, SURE = 0.01, 3.0
 """Relative standard deviation of the energy by the calibration of a force sensor and by smoothing, and multiple of the
 errors from which on two speeds differ."""
@@ -73,29 +71,9 @@ class Mass(RobotDrive):
 
     def respond(self, press: Press, people: People, keep: bool = True) -> PersonResponse:
         """Integrate until every body has stopped; with curves, as long again for the rebound."""
-        mass, speed = self.values[0], press.contact_mm_s * np.ones(len(people))
-        scale = people.depth_taking(float(0.5e-3 * mass * np.max(speed) ** 2))
-        rise = 4.0 * float(np.max(scale / speed))
-
-        def longest(time: float) -> float:
-            return rise / CURVE_STEPS
-
-        given = speed, scale, longest
-        looser = TOLERANCE * (1.0 if keep else FASTER)
-        run = run_robot(
-            people, RobotArm(0.0, mass), _nothing, LONGEST_S, *given, until_stop=True, keep=False, tolerance=looser
-        )
-        if not keep:
-            return run
-        end = (1.0 + AFTER_STOP) * float(np.max(run.stop_s))
-        curve = run_robot(people, RobotArm(0.0, mass), _nothing, end, *given)
-        names = ("time_s", "depth_curve_mm", "force_curve_N")
-        return replace(run, **{name: getattr(curve, name) for name in names})
+        speed = press.contact_mm_s * np.ones(len(people))
+        return stop_mass(people, self.values[0], speed, keep, TOLERANCE * (1.0 if keep else FASTER))
 
     def on_pad(self, press: Press) -> dict[str, NDArray | None]:
         """The pad's numbers; a body that bounces has no steady force."""
         return {**super().on_pad(press), "steady_N": None}
-
-
-def _nothing(time: float) -> tuple[float, float]:
-    return 0.0, 0.0

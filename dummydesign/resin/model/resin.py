@@ -253,6 +253,11 @@ class Resin:
     ratio_per: str = "others"
     chemistry: str = ""
 
+    @property
+    def measured(self) -> bool:
+        """Whether this batch was measured: by a puck, or by the pads of a calibration."""
+        return self.joint_relaxation is not None or any(point.puck is not None for point in self.points)
+
     def check_ratio(self, ratio: ArrayLike) -> None:
         """Refuse ratios outside the range the law is meant for (InputError)."""
         values = np.atleast_1d(np.asarray(ratio, float))

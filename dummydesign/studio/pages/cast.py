@@ -184,6 +184,7 @@ class PressComparison:
             return
         widgets.facts(
             [
+                ("holds" if answer["holds"] else "does not hold", "the calibration, on these presses"),
                 (f"{answer['rmse_N']:.3g} N", "error of the calibrated model (rms)"),
                 (f"{answer['base_rmse_N']:.3g} N", "error of the plain model (rms)"),
             ]
@@ -365,6 +366,8 @@ def _records(root: Path, folder: str) -> None:
 
 def show_record(answer: Mapping[str, Any]) -> None:
     """The verdict of a record: each limit, and what it does to the force."""
+    from dummydesign.mold.pour.record import allowed_words
+
     light, text = "green", "Accepted: the pad keeps all limits."
     if not answer["accepted"]:
         light, text = "red", f"Not accepted. It misses {', '.join(answer['missed'])}."
@@ -373,9 +376,10 @@ def show_record(answer: Mapping[str, Any]) -> None:
     show_verdict({"light": light, "text": text + more})
     rows = []
     for one in answer["limits"]:
-        allowed = f"at most {one['high']:.4g}" if one["low"] is None else f"{one['low']:.4g} to {one['high']:.4g}"
-        advice = ("missed", one["advice"]) if one["missed"] else ("kept", "")
-        rows.append([one["what"], one["value"], one["unit"], allowed, *advice])
+        allowed, unlimited = allowed_words(one["low"], one["high"]), one["high"] is None
+        state = "missed" if one["missed"] else "" if unlimited else "kept"
+        advice = one["advice"] if one["missed"] or unlimited else ""
+        rows.append([one["what"], one["value"], one["unit"], allowed, state, advice])
     widgets.table(["what", "value", "", "allowed", "", "what to do"], rows, words=True)
 
 
@@ -415,7 +419,7 @@ class PeopleOfPad:
             needs="presses",
         )
         with widgets.fold("Limits of your own: force and pressure with their source", "own-limits"):
-            DropList(self._keep_limits, self._find_limits, "A TOML file as 'suggest --limits' takes it.", "limits")
+            DropList(self._keep_limits, self._find_limits, "A TOML file as 'on-person --limits' takes it.", "limits")
         self.drive.on_value_change(self._new_drive)
         widgets.on_change(self.work.renew, self.limits, *self.numbers.values())
         self._new_drive()
@@ -461,7 +465,7 @@ class PeopleOfPad:
 
     def _keep_limits(self, name: str, content: bytes) -> str:
         """Keep a file of limits that can be read, and choose it."""
-        from dummydesign.design.safety import read_limits
+        from dummydesign.person.limits import read_limits
 
         if Path(file_transfer.plain_name(name)).suffix.lower() != ".toml":
             raise InputError("choose a file that ends in .toml", "unknown_name", "file_ending", name, ".toml")

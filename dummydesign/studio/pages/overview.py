@@ -9,7 +9,7 @@ from pathlib import Path
 
 from nicegui import ui
 
-from dummydesign.design.scoring.verdict import LEVELS, LIGHTS
+from dummydesign.core.levels import LEVELS, LIGHTS, level_name
 from dummydesign.project.folder import Project, make_example, make_project
 from dummydesign.project.status import STANDARD_RESIN, ProjectStatus, pads_of, status_of
 from dummydesign.studio import figures, jobs, project_index, select_options, widgets
@@ -131,7 +131,7 @@ def _strip(status: ProjectStatus, next_path: str, following: State) -> str:
     words = {
         "/measured": (bool(imports), read or ("tissue of the library" if own else "")),
         "/tissue": (bool(own), own),
-        "/design": (verdict not in ("", LEVELS[-1]), verdict.replace("_", " ")),
+        "/design": (verdict not in ("", LEVELS[-1]), level_name(verdict)),
         "/mould": (bool(moulds), f"{len(moulds)} made" if moulds else ""),
         "/cast": (
             bool(compared),

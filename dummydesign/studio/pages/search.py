@@ -13,6 +13,7 @@ from typing import Any
 from nicegui import run, ui
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.levels import level_name
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.punch import read_punch
@@ -134,7 +135,7 @@ class Search:
         designed = state_of_answer(self.state(), answer, _folder(job))
         pad = f"{best['shape'].partition(':')[0]}, {best['thickness_mm']:g} mm"
         if light == "red":
-            widgets.tell_problem(f"The best pad found ({pad}) is not representative: do not cast it.")
+            widgets.tell_problem(f"The best pad found ({pad}) is red: do not cast it.")
         with ui.element("div").classes("links"):
             kind = "go more" if light == "red" else "go"
             html(page_link("/mould", f"Make the mould: {pad}", designed, "mould", kind=kind))
@@ -207,7 +208,7 @@ class DesignList:
                 html("<p>none yet</p>")
             for one in reversed(designs):
                 opened = self.state().changed(**design_state(root, one.folder), missing=())
-                verdict = str((one.summary or {}).get("verdict", "")).replace("_", " ")
+                verdict = level_name((one.summary or {}).get("verdict", ""))
                 link = page_link("/design", opened.design.partition("/")[2], opened)
                 words = f"<span>{link}: {escape(opened.label)}: <b>{escape(verdict)}</b></span>"
                 thing(words, root, one.folder, "design", self.moved).props('data-test="design"')

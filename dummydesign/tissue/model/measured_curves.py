@@ -222,19 +222,6 @@ class MeasuredPerson(MeasuredParameters):
         mean = np.sum(rows, axis=0)
         return force_N * mean[: len(SHARES)], force_N * mean[len(SHARES) :]
 
-    def rise_at(self, velocity_mm_s: float) -> tuple[NDArray, NDArray] | None:
-        """Depth and force of the rise at a speed, to the deepest press there; None for one that was not pressed."""
-        pairs = [(self._by_speed[speed][-1], share) for speed, share in self._speeds(velocity_mm_s)]
-        if not pairs:
-            return None
-        depths = [float(np.mean([press.depth_mm for press in group])) for group, _ in pairs]
-        x = SHARES * min(depths)
-        forces = [
-            share * np.interp(x, SHARES * depth, np.mean([press.rise_N for press in group], axis=0))
-            for (group, share), depth in zip(pairs, depths)
-        ]
-        return x, np.sum(forces, axis=0)
-
     def _speeds(self, velocity_mm_s: float) -> list[tuple[float, float]]:
         """Speeds that stand for a speed, with their shares: itself, or its two neighbours; none outside them."""
         known = np.array(self.velocities_mm_s)

@@ -59,7 +59,7 @@ def test_the_folder_of_a_design_keeps_its_answer(made):
     root, answers = made
     for name, answer in answers.items():
         kept = json.loads((root / name / "suggest.json").read_text())
-        assert kept.pop("schema") == "dummydesign.suggest/1" and kept.pop("version") == dummydesign.__version__
+        assert kept.pop("schema") == "dummydesign.suggest/2" and kept.pop("version") == dummydesign.__version__
         curve, files = kept.pop("steady_curve"), kept.pop("files")
         assert len(curve["depth_mm"]) == len(curve["force_N"]) > 20
         assert all((root / name / file).is_file() for file in files.values())
@@ -82,7 +82,7 @@ def test_each_design_has_the_numbers_of_its_answer(designs, capsys):
         assert one["ratio"] == best["ratio"] and one["young_kPa"]["high"] == best["young_kPa"]["high"]
         assert one["shortfall"]["q95"] == answer["verdict"]["shortfall"]["q95"]
         assert one["correction"]["factor"] == answer["verdict"]["correction"]["factor"]
-        usable = answer["castings"]["stands_for"] + answer["castings"]["usable"]
+        usable = answer["castings"]["stands_for"] + answer["castings"]["with_correction"]
         assert one["castings"]["usable_fraction"] == pytest.approx(usable)
         assert one["batch"]["total_g"] == best["batch"]["total_g"]
         peaks = [row["peak_force_N"] for row in best["conditions"]]
@@ -196,7 +196,7 @@ def _old(folder):
 
 
 def _damaged(folder):
-    Path(folder, "suggest.json").write_text('{"schema": "dummydesign.suggest/1"}')
+    Path(folder, "suggest.json").write_text('{"schema": "dummydesign.suggest/2"}')
 
 
 def _cut(folder):

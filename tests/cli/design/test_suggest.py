@@ -20,7 +20,7 @@ def fits(status, found):
 )
 def test_every_tissue_gets_a_design_with_all_that_the_contract_names(tissue, capsys):
     status, found = answer(capsys, "suggest", "--tissue", tissue, *QUICK)
-    assert fits(status, found) and found["schema"] == "dummydesign.suggest/1"
+    assert fits(status, found) and found["schema"] == "dummydesign.suggest/2"
     best = found["recommendation"]
     assert 3 <= best["thickness_mm"] <= 30 and 14 <= best["ratio"] <= 20
     assert best["ratio_meaning"] == "isocyanate parts per 100 polyol by weight"
@@ -115,7 +115,6 @@ def test_without_cad_the_recipe_stands_and_the_missing_step_is_named(capsys, mon
         (),
         ("--resin", "ecoflex-00-30"),
         ("--force", "1,2,3,5,8,10,12,15", "--velocity", "10,100,250"),
-        ("--robot-mass", "2", "--robot-velocity", "100"),
         ("--aim", "safe-side"),
         ("--shape", "auto"),
     ],
@@ -153,14 +152,13 @@ def test_castings_are_counted_and_add_up(capsys):
     _, found = answer(capsys, "suggest", "--tissue", "palm", *QUICK, "--castings", "1500")
     drawn = found["castings"]
     assert drawn["n"] == 1500 == found["inputs"]["castings"] == found["sensitivity"]["pours"]
-    names = ("stands_for", "usable", "reads_low", "over", "out_of_reach")
+    names = ("stands_for", "with_correction", "reads_low", "over", "out_of_reach")
     assert sum(drawn[name] for name in names) == pytest.approx(1.0, abs=1e-12)
     assert found["verdict"]["castings"] == {name: drawn[name] for name in names}
     first = found["measure_first"]
-    now = drawn["stands_for"] + (drawn["usable"] if first["acceptable_means"] == "usable" else 0.0)
-    assert first["acceptable_now"] == pytest.approx(now, abs=1e-12)
-    poured = found["shares"]["as_poured"]
-    assert poured["stands_for"] + poured["usable"] == pytest.approx(drawn["stands_for"] + drawn["usable"], abs=1e-12)
+    assert drawn["usable"] == pytest.approx(drawn["stands_for"] + drawn["with_correction"], abs=1e-12)
+    assert first["acceptable_now"] == pytest.approx(drawn[first["acceptable_means"]], abs=1e-12)
+    assert found["shares"]["as_poured"]["usable"] == pytest.approx(drawn["usable"], abs=1e-12)
 
 
 @pytest.mark.slow
@@ -196,8 +194,6 @@ def test_a_limits_file_of_ones_own_decides_and_a_damaged_one_is_refused(capsys, 
         (["--tissue", "palm", "--thickness-tolerance", "nan"], "thickness tolerance in mm = nan"),
         (["--tissue", "palm", "--castings", "0"], "castings = 0 is outside 1200 to 100000"),
         (["--tissue", "palm", "--castings", "many"], "castings = many is not a whole number"),
-        (["--tissue", "palm", "--robot-velocity", "250"], "needs the robot's mass"),
-        (["--tissue", "palm", "--robot-mass", "4", "--robot-velocity", "0.25"], "looks like m/s: give 250"),
         (["--tissue", "palm", "--out", "/dev/null/x"], "cannot be written"),
         ([], "--tissue"),
     ],
@@ -219,8 +215,6 @@ def test_the_folder_is_made_when_the_question_is_accepted_and_not_before(capsys,
     for bad in (
         ["suggest", "--tissue", "plam"],
         ["suggest", "--tissue", "palm", "--aim", "best"],
-        ["suggest", "--tissue", "palm", "--limits", "none.toml"],
-        ["suggest", "--tissue", "palm", "--robot-mass", "-1"],
         ["suggest", "--tissue", "palm", "--calibration", "x.toml"],
         ["whatif", "--thickness", "5", "--tissue", "plam"],
         ["whatif", "--thickness", "5", "--tissue", "palm", "--aim", "best"],
@@ -240,47 +234,6 @@ def test_report_and_csv_are_written_where_the_answer_says(capsys, tmp_path):
     assert {path.name for path in (tmp_path / "suggest-forefinger").iterdir()} == {
         path.split("/")[1] for path in found["files"].values()
     }
-
-
-@pytest.mark.slow
-def test_the_safety_view_holds_energy_pressure_mass_and_limits(capsys, tmp_path):
-    limits = tmp_path / "limits.toml"
-    number = 'value = {0}\nlow = {0}\nhigh = {0}\nkind = "assumed"\nsource = "made for this test"\n'
-    limits.write_text(
-        'name = "<b>mine</b>"\n'
-        + "".join(
-            f"[{name}]\n{number.format(value)}"
-            for name, value in (("force_N", 12.0), ("pressure_N_per_cm2", 9.0), ("transient_factor", 2.0))
-        )
-    )
-    asked = ["--robot-mass", "2", "--robot-velocity", "100", "--limits", str(limits)]
-    _, found = answer(capsys, "suggest", "--tissue", "palm", *asked, *QUICK)
-    safety = found["safety"]
-    assert len(safety["presses"]) == 6
-    for row, condition in zip(safety["presses"], found["recommendation"]["conditions"]):
-        assert row["pad_pressure_N_per_cm2"] == pytest.approx(condition["peak_force_N"] / 1.96)
-        assert 0 < row["pad_energy_mJ"] < condition["peak_force_N"] * condition["depth_mm"]
-    # 2 kg at 100 mm/s carry 10 mJ
-    stopped = [row for row in safety["impact"] if row["energy_mJ"] is not None]
-    assert len(stopped) > 1 and all(row["energy_mJ"] == pytest.approx(10.0, rel=5e-3) for row in stopped)
-    held = [r for r in safety["limits"] if r["body"] == "pad" and r["case"] == "15 N, 10 mm/s"]
-    assert {(r["criterion"], r["contact"]): r["limit"] for r in held} == {
-        ("force_N", "quasi-static"): 12.0,
-        ("force_N", "transient"): 24.0,
-        ("mean_pressure_N_per_cm2", "quasi-static"): 9.0,
-        ("mean_pressure_N_per_cm2", "transient"): 18.0,
-    }
-    assert all(row["within"] == (row["value"] <= row["limit"]) for row in safety["limits"] if row["value"])
-    assert any(row["within"] is False for row in safety["limits"])
-    text = (tmp_path / "suggest-palm" / "report.html").read_text()
-    assert "&lt;b&gt;mine" in text and "<b>mine" not in text
-
-
-def test_a_limit_without_its_source_is_refused(capsys, tmp_path):
-    limits = tmp_path / "limits.toml"
-    limits.write_text('[force_N]\nvalue = 1.0\nlow = 1.0\nhigh = 1.0\nkind = "assumed"\n')
-    assert run(["suggest", "--tissue", "palm", "--limits", str(limits), *QUICK]) == 2
-    assert "force_N' lacks source" in capsys.readouterr().err
 
 
 @pytest.mark.slow
@@ -307,6 +260,5 @@ def test_a_finer_balance_and_a_truer_thickness_leave_more_castings_inside(capsys
         more = ["--balance", balance, "--thickness-tolerance", thickness]
         _, found = answer(capsys, "suggest", "--tissue", "palm", *more, *QUICK[2:])
         assert found["sensitivity"]["tolerances"]["weighing_g"] == float(balance)
-        known = found["shares"]["resin_known"]
-        shares.append(known["stands_for"] + known["usable"])
+        shares.append(found["shares"]["resin_known"]["usable"])
     assert shares[0] > shares[1] + 0.05

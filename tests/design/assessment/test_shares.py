@@ -45,17 +45,14 @@ def shares(cast):
     return shares_of_pad(cast)
 
 
-def good(share):
-    return share.stands_for + share.usable
-
-
 def test_shares_are_exclusive_and_sum_to_one(cast, shares):
     count = cast.castings.n
     for share in (shares.as_poured, shares.resin_known, shares.after_puck):
         values = [getattr(share, name) for name in CLASSES]
+        assert share.usable == share.stands_for + share.with_correction == share.to_dict()["usable"]
         assert sum(values) == pytest.approx(1.0, abs=1e-12) and min(values) >= 0.0
         np.testing.assert_allclose(np.array(values) * count, np.rint(np.array(values) * count), atol=1e-6)
-        assert share.standard_error == pytest.approx(np.sqrt(good(share) * (1.0 - good(share)) / count))
+        assert share.standard_error == pytest.approx(np.sqrt(share.usable * (1.0 - share.usable) / count))
 
 
 def test_the_windows_foresee_what_the_castings_do_within_three_points(cast, shares):
@@ -65,15 +62,15 @@ def test_the_windows_foresee_what_the_castings_do_within_three_points(cast, shar
         (outlook.known, shares.resin_known),
         (outlook.after_puck, shares.after_puck),
     ):
-        assert foreseen == pytest.approx(good(share), abs=0.03)
+        assert foreseen == pytest.approx(share.usable, abs=0.03)
     assert outlook.stands == pytest.approx(shares.as_poured.stands_for, abs=0.03)
 
 
 def test_knowing_more_never_costs_usable_castings(shares):
-    assert good(shares.as_poured) < good(shares.after_puck) <= good(shares.resin_known) + 0.02
+    assert shares.as_poured.usable < shares.after_puck.usable <= shares.resin_known.usable + 0.02
     low, high = shares.after_puck.ratio
     assert low <= shares.as_poured.ratio <= high and low < high
-    assert 0.0 <= shares.after_puck.no_ratio <= 1.0 - good(shares.after_puck) + 0.03
+    assert 0.0 <= shares.after_puck.no_ratio <= 1.0 - shares.after_puck.usable + 0.03
     assert (shares.after_puck.no_ratio_reason is None) == (shares.after_puck.no_ratio == 0.0)
 
 
@@ -135,9 +132,9 @@ def settled(problem, castings=None, limits=None):
     found = shares_of_pad(cast_pad(problem, chosen))
     return {
         "pad": (str(chosen.shape), chosen.thickness_mm),
-        "as_poured": good(found.as_poured),
-        "resin_known": good(found.resin_known),
-        "after_puck": good(found.after_puck),
+        "as_poured": found.as_poured.usable,
+        "resin_known": found.resin_known.usable,
+        "after_puck": found.after_puck.usable,
     }
 
 

@@ -68,7 +68,7 @@ def test_the_relaxation_is_named_where_only_the_relaxation_is_uncertain(palm):
 def test_the_making_is_named_where_only_weighing_and_thickness_are_uncertain(palm):
     found = measure_first(of_resin(palm, True, True, Tolerances(60.0, 1.0, 1.5)))
     assert found.group == MAKING and found.acceptable_if_known[MAKING] > found.acceptable_now + GAIN
-    assert found.ratios is None and "--balance" in found.command
+    assert found.ratios is None and "--balance" in found.protocol and not found.command
 
 
 def test_the_force_law_is_named_where_only_its_error_is_large(palm):

@@ -134,9 +134,9 @@ def of_pads(short, over, reached=None):
     [
         (0.9, 0.9, "stands_for"),
         (1.01, 1.10, "stands_for"),
-        (1.0101, 1.0, "usable"),
-        (1.0, 1.1001, "usable"),
-        (1.20, 1.25, "usable"),
+        (1.0101, 1.0, "with_correction"),
+        (1.0, 1.1001, "with_correction"),
+        (1.20, 1.25, "with_correction"),
         (1.2001, 1.0, "reads_low"),
         (1.0, 1.2501, "over"),
         (1.2001, 1.2499, "reads_low"),

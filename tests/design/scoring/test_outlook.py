@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from dummydesign.design.scoring.outlook import SLACK, Match, Scatter, outlook_of
+from dummydesign.design.scoring.outlook import ABOVE, SLACK, Match, Scatter, outlook_of
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.windows import Batches, Windows
 
@@ -61,12 +61,15 @@ def outlook(
     high=HIGH,
     ratio=RATIO,
     limits=LIMITS,
+    inside=0.105 / HALF,
     **more,
 ):
     drawn = batches(spread, ratio, **more)
+    if strict:  # there a casting stands for the subjects or is not usable
+        inside = 1.0
     return outlook_of(
-        windows(COUNT, low, high),
-        windows(1, low, high),
+        windows(COUNT, low, high, inside),
+        windows(1, low, high, inside),
         drawn,
         centre(ratio),
         match,
@@ -171,13 +174,41 @@ def test_of_ratios_that_are_usable_alike_the_one_nearest_to_the_aim_is_poured():
     """A window far wider than the scatter holds many ratios; the aim is off its middle."""
     low, high = MIDDLE - 1.5, MIDDLE + 1.5
     for aim in (-0.7, 0.4, 0.9):
-        found = outlook(0.1, 0.05, low=low, high=high, match=Match(MIDDLE + aim, 0.1))
+        found = outlook(0.1, 0.05, low=low, high=high, match=Match(MIDDLE + aim, 0.1), inside=1.0)
         assert log_young(found.ratio) == pytest.approx(MIDDLE + aim, abs=SLOPE * 0.05)
         assert found.known_ratio == pytest.approx(found.ratio, abs=0.051)
         # every batch is brought to the aim, so what is left of the misfit is what no modulus mends
         assert found.misfit == pytest.approx(0.1, abs=0.02)
     beyond = outlook(0.1, 0.05, low=low, high=high, match=Match(MIDDLE + 3.0, 0.1))
     assert beyond.as_poured > 1.0 - 2.0 * SLACK and log_young(beyond.ratio) < high
+
+
+@pytest.mark.parametrize("number", range(12))
+def test_of_ratios_that_are_usable_alike_the_one_of_the_better_level_is_poured(number):
+    """Drawn windows, aims and batches: no usable share falls for it, and of those that stand alike the aim decides."""
+    rng = np.random.default_rng([6021, number])
+    spread, making, half = rng.uniform(0.02, 0.06), rng.uniform(0.02, 0.06), rng.uniform(0.5, 0.9)
+    inner = rng.uniform(1.5, 4.0) * np.hypot(spread, making)
+    aim = MIDDLE + rng.choice([-1.0, 1.0]) * rng.uniform(0.2, 0.6)
+    found = outlook(
+        spread, making, low=MIDDLE - half, high=MIDDLE + half, match=Match(aim, 0.05), inside=inner / half, puck=0.02
+    )
+
+    def share(ratio, width):
+        away, total = np.asarray(log_young(ratio)) - MIDDLE, np.hypot(spread, making)
+        return norm.cdf((width - away) / total) - norm.cdf((-width - away) / total)
+
+    usable, stands = share(RATIO, half), share(RATIO, inner)
+    assert found.as_poured > usable.max() - SLACK - 2e-3
+    enough = min(stands.max(), LIMITS.share + ABOVE)
+    assert found.stands > enough - SLACK - 3e-3
+    # no nearer ratio stands as well
+    nearer = np.abs(log_young(RATIO) - aim) < abs(log_young(found.ratio) - aim) - 1e-9
+    assert not (nearer & (usable > usable.max() - 0.5 * SLACK) & (stands > enough - 0.5 * SLACK)).any()
+    if stands.max() > LIMITS.share + 0.005:
+        assert found.level(LIMITS, False) == 0
+    # the same rule holds for the batch whose puck was pressed
+    assert np.mean(np.abs(log_young(found.ratios) - MIDDLE) > inner) < 0.2
 
 
 def test_on_the_safe_side_more_castings_than_are_needed_only_read_higher():

@@ -166,7 +166,7 @@ def test_on_the_safe_side_a_casting_that_falls_short_is_not_corrected(low, level
     kept = Readings(1.05 * band.peak_high_N, band.energy_high_mJ, band.stiff_mm)
     short = Readings(kept.peak_N * np.array([0.93, 1, 1, 1, 1, 1]), kept.energy_mJ, kept.depth_mm)
     found = strictly(band, kept, spread=stacked([short] * low + [kept] * (200 - low)))
-    assert found.level == level and found.castings["usable"] == found.castings["over"] == 0.0
+    assert found.level == level and found.castings["with_correction"] == found.castings["over"] == 0.0
     assert found.castings["reads_low"] == pytest.approx(low / 200)
 
 
@@ -174,3 +174,18 @@ def test_one_subject_is_not_green_on_the_safe_side_either():
     band = ranges(1, 1.0)
     same = Readings(1.005 * band.peak_high_N, band.energy_high_mJ, band.stiff_mm)
     assert strictly(band, same).light == "amber"
+
+
+def test_the_sentence_of_a_level_that_is_open_has_the_share_that_decides():
+    counts = (100, 20, 80, 0, 0), (196, 0, 4, 0, 0), (150, 30, 20, 0, 0)
+    poured, known, after = (stacked(cast(one)) for one in counts)
+    found = verdict(ranges(), pad(), poured, known=known, measure="one puck of the batch", after_puck=after)
+    assert found.level == "not_settled" and "one puck of the batch" in found.text
+    assert all(share in found.text for share in ("98 %", "90 %", "60 %"))
+
+
+@pytest.mark.parametrize("over", [1.11, 1.2, 1.24])
+def test_a_pad_that_only_reads_high_has_a_factor_of_one_and_its_excess_in_one_sentence(over):
+    found = verdict(ranges(), pad(), stacked([away(over=over)] * 200))
+    assert found.level == "usable_with_correction" and found.correction.factor == 1.0
+    assert "no correction" not in found.text and "1.00" in found.text and f"{100 * (over - 1):.0f} %" in found.text

@@ -7,11 +7,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from dummydesign.core.levels import LEVELS
 from dummydesign.design.protocol import RADIUS_MM
 from dummydesign.design.scoring.press_simulation import PadBatch, Sampling, make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.scoring.verdict import LEVELS, Readings, ranges_of, readings_of, verdict
+from dummydesign.design.scoring.verdict import Readings, ranges_of, readings_of, verdict
 from tests.support.judged_pads import pad, ranges
 from tests.support.slab_by_formula import make_tissue
 

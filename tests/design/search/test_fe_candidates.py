@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.design.search import fe_candidates
 from dummydesign.design.search.fe_candidates import (
     BEYOND,
@@ -24,6 +24,7 @@ from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.pad.tables.bumped import edge_left
 from dummydesign.pad.tables.shape import load_shape_table
+from tests.support.refusal import raises_code
 
 
 @dataclass(frozen=True)
@@ -241,13 +242,22 @@ def leading(monkeypatch):
             order.append(design)
             if found[id(design)] is None:
                 raise NoAnswerError("no_convergence", "stopped")
+            if isinstance(found[id(design)], Exception):
+                raise found[id(design)]
             level, after = found[id(design)]
             return replace(law_of_outlook(level, after), shape=design.shape, solved=True)
 
         monkeypatch.setattr(fe_candidates, "on_elements", on_elements)
-        monkeypatch.setattr(fe_candidates, "feasible", lambda design, where: design.outlook.after_puck >= 0.0)
+
+        def feasible(design, where):
+            if design.outlook.after_puck < 0.0:
+                raise NoAnswerError("no_feasible_design", "too soft")
+            return design
+
+        monkeypatch.setattr(fe_candidates, "feasible", feasible)
         monkeypatch.setattr(fe_candidates, "rank", lambda some, where: sorted(some, key=lambda one: one.outlook.number))
-        designs = solve_leading([design for design, _ in rows], space())
+        run.faults = {}
+        designs = solve_leading([design for design, _ in rows], space(), run.faults)
         return designs, [next(n for n, (design, _) in enumerate(rows) if design is one) for one in order]
 
     return run
@@ -280,6 +290,15 @@ def test_a_pad_that_cannot_be_solved_or_no_longer_reaches_its_force_falls_away(l
     rows = (law_of_outlook(2, 0.9), None), (law_of_outlook(2, 0.8), (2, -1.0)), (law_of_outlook(2, 0.7), (2, 0.7))
     designs, order = leading(*rows)
     assert order == [0, 1, 2] and designs[0].outlook.after_puck == 0.7 and designs[0].solved
+    assert leading.faults == {"crowned": "stopped"}
+
+
+def test_a_pad_whose_solve_is_refused_falls_away_where_there_is_another_and_alone_it_is_the_answer(leading):
+    refused = InputError("not this one", "out_of_range", "pad_mm")
+    designs, order = leading((law_of_outlook(2, 0.9, "boned"), refused), (law_of_outlook(2, 0.8), (2, 0.8)))
+    assert order == [0, 1] and designs[0].solved and leading.faults == {"boned": "not this one"}
+    with raises_code("out_of_range", "pad_mm"):
+        leading((law_of_outlook(2, 0.9, "boned"), refused))
 
 
 def test_a_slab_is_designed_by_its_table_and_wins_unsolved(leading):

@@ -8,7 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.design.assessment.decision import MISFIT_N, low_force, misfit
+from dummydesign.design.problem import read_problem
+from dummydesign.design.request import Request
 from dummydesign.design.scoring.outlook import SURE
 from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.targets import make_targets
@@ -21,6 +24,7 @@ from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.pour.plan import least_film_mm
 from dummydesign.resin import load_resin
+from dummydesign.resin.model.resin import save_resin
 from tests.support.cast_pads import space_with
 from tests.support.refusal import raises_code
 from tests.support.slab_by_formula import LayerLaw, make_tissue
@@ -186,6 +190,58 @@ def test_a_kind_that_is_refused_is_missing_with_its_reason_and_alone_an_error(se
     assert {one.shape.name for one in found[0]} == {"slab"} and found[1] == {"crowned": "no glue"}
     with raises_code("unsupported", "shape"):
         search_shapes("crowned", LayerLaw(), thin, {"crowned": "no glue"})
+
+
+def test_a_pad_that_cannot_be_made_is_left_out_with_its_reason_and_its_error_stands_where_it_was_named(setting, capped):
+    """Whatever is wrong with one pad; another of its kind, or another kind, takes its place."""
+    space = replace(setting, thickness_mm=np.array([6.0, 7.0]))
+
+    def refusing(refused):
+        def tolerances(shape, thickness, ratio):
+            if refused(shape, thickness):
+                raise InputError(f"no mould of {thickness:g} mm", "cannot_be_made", "thickness_mm", thickness)
+            return setting.tolerances(shape, thickness, ratio)
+
+        return replace(space, tolerances=tolerances)
+
+    designs, missing = search_shapes("auto", LayerLaw(), refusing(lambda shape, thickness: not shape.plain))
+    assert {one.shape.name for one in designs} == {"slab"}
+    assert list(missing) == ["crowned"] and missing["crowned"].startswith("no mould of")
+    thicker, none = search_shapes("auto", LayerLaw(), refusing(lambda shape, thickness: thickness == 6.0))
+    assert {one.thickness_mm for one in thicker} == {7.0} and none == {}
+    with raises_code("cannot_be_made", "thickness_mm"):
+        search_shapes("crowned", LayerLaw(), refusing(lambda shape, thickness: True))
+    with raises_code("no_feasible_design", "pad"):
+        search_shapes("auto", LayerLaw(), refusing(lambda shape, thickness: True))
+
+
+@pytest.mark.parametrize("number", [3, *(pytest.param(n, marks=pytest.mark.slow) for n in range(24) if n != 3)])
+def test_narrow_ratios_of_a_measured_batch_have_an_answer_of_pads_that_can_be_made(number, tmp_path):
+    """By the tables, of all kinds, tissues in turn; a layered pad's base is to be mixed at every ratio it may have."""
+    rng, resin = np.random.default_rng([20611, number]), load_resin()
+    numbers = dict(resin.numbers)
+    factor = float(np.exp(rng.normal(0.0, 0.15)))
+    young = numbers["young_ref_kPa"]
+    ends = {"value": factor * young.value, "low": 0.95 * factor * young.value, "high": 1.05 * factor * young.value}
+    batch = replace(resin, name="batch", numbers={**numbers, "young_ref_kPa": replace(young, **ends)})
+    low = round(float(rng.uniform(15.2, 15.9)), 1)
+    request = Request.read(
+        tissue=("forefinger", "palm", "thenar")[number % 3],
+        resin=str(save_resin(batch, tmp_path / "batch.toml")),
+        ratio=(low, low + float(rng.choice([0.0, 0.1]))),
+    )
+    problem = read_problem(request)
+    try:
+        designs, missing = search_shapes("auto", problem.slab_law, problem)
+    except NoAnswerError as none:  # a batch too soft or too stiff in its window
+        designs, missing = [], {"none": none.code}
+        assert none.code == "no_feasible_design"
+    for one in designs:
+        for ratio in {one.outlook.ratio, one.outlook.known_ratio, *one.outlook.ratios.tolist()}:
+            mould_spec(
+                one.thickness_mm, resin=problem.resin, ratio=ratio, kind=one.shape.name, parameters=one.shape.parameters
+            )
+    assert {one.shape.name for one in designs}.isdisjoint(missing) and all(missing.values())
 
 
 @dataclass(frozen=True, eq=False)

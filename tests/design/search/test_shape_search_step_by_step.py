@@ -195,7 +195,9 @@ class Soft:
 )
 def test_a_second_resin_is_mixed_within_the_resins_ends(share, ratio, able):
     shape, resin = SimpleNamespace(layers=lambda: (3.0, share)), Soft()
-    assert mixable(shape, float(resin.young_MPa(ratio)), resin) is able and mixable(Slab(), 99.0, resin)
+    ratios = np.array([ratio, 15.0, ratio])
+    assert mixable(shape, resin, ratios).tolist() == [able, share >= 0.3, able]
+    assert mixable(Slab(), resin, ratios).all()
 
 
 def test_the_forces_of_a_test_are_laid_out_from_a_tenth_of_the_lowest():

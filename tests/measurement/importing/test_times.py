@@ -154,6 +154,17 @@ def test_coarse_times_of_even_samples_are_spread_to_a_sample(digit, cut):
     assert off(found)[0] < 1.5 * STEP and np.all(np.diff(found.time_s) > 0)
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_a_rate_that_an_import_shows_gives_the_same_times_when_it_is_typed(seed):
+    draw = np.random.default_rng([seed, 7])
+    even = TIME * float(draw.uniform(0.7, 1.5))
+    coarse = np.floor(even * 10.0) / 10.0 + float(draw.choice([0.0, 12.3]))
+    found, log = read("Zeit [s];Weg [mm];Kraft [N]", coarse, WAY, FORCE)
+    (shown,) = (one.value.split()[-2] for one in log.decisions if one.what == "equal times")
+    typed, _ = read("Zeit [s];Weg [mm];Kraft [N]", coarse, WAY, FORCE, rate=float(shown))
+    np.testing.assert_allclose(typed.time_s - typed.time_s[0], found.time_s - found.time_s[0], atol=1e-9)
+
+
 def test_samples_that_arrive_in_packets_are_spread():
     ends = np.unique(np.r_[np.cumsum(np.random.default_rng(4).integers(2, 8, 400)), len(TIME)])
     ends = ends[ends <= len(TIME)] - 1

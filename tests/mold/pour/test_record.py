@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,11 +11,14 @@ import pytest
 from dummydesign import cli
 from dummydesign.core.manifest import Question
 from dummydesign.core.outputs import new_folder
+from dummydesign.core.user_library import data_folder
 from dummydesign.measurement.pad_record import read_record
 from dummydesign.mold.model.preset import mould_spec
-from dummydesign.mold.pour.acceptance import gauge_points
+from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.acceptance import acceptance_rows, gauge_points
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.record import Measured, judge, record_pad
+from dummydesign.resin import load_resin
 from tests.support.refusal import raises_code
 
 SPEC = mould_spec(10.0, 60.0, 50.0)
@@ -60,6 +64,49 @@ def test_mass_that_the_thickness_explains_is_not_taken_for_air():
     assert "explains" in limit("mass", Measured((10.3,) * 5, 1.03 * MASS)).advice
     assert "air" in limit("mass", Measured(EVEN, 0.9 * MASS)).advice
     assert "outside" in limit("mass", Measured(EVEN, 1.1 * MASS)).advice
+
+
+def answered(low, high):
+    """The mould of an answer whose pad is usable between two moduli."""
+    return replace(SPEC, pour=replace(SPEC.pour, usable_kPa=(low, high)))
+
+
+def test_the_witness_is_judged_by_the_window_of_the_answer_and_by_nothing_without_one():
+    """Drawn windows and batches: accepted is exactly what the answer calls usable."""
+    rng, young = np.random.default_rng(4127), SPEC.pour.young_kPa
+    for _ in range(40):
+        low, high = young * np.exp(rng.uniform((-0.9, -0.3), (0.1, 0.9)))
+        measured = Measured(EVEN, MASS, float(young * np.exp(rng.normal(0.0, 0.4))))
+        assert record_pad(measured, answered(low, high)).accepted is bool(low <= measured.young_kPa <= high)
+        alone = limit("modulus", measured)
+        assert not alone.missed and alone.low is alone.high is None
+        # what it does to the force is the same with and without a limit
+        assert alone.force_percent == limit("modulus", measured, answered(low, high)).force_percent
+
+
+def test_a_window_makes_no_other_mould_and_goes_through_its_file():
+    spec = answered(20.8, 105.2)
+    again = MouldSpec.from_dict(json.loads(spec.canonical()))
+    assert spec.hash == SPEC.hash == again.hash and again.pour.usable_kPa == (20.8, 105.2)
+    rows = {row[0]: row for one in (SPEC, spec) for row in acceptance_rows(one, pour_plan(one))}
+    assert rows["modulus of the witness"][2] == "20.8 to 105 kPa"
+
+
+def test_without_an_answer_the_sheet_states_what_batches_of_the_recipe_come_out_at_and_no_limit():
+    resin = load_resin()
+    for ratio in (14.4, 15.5, 17.0):
+        spec, interval = mould_spec(10.0, 60.0, 50.0, ratio=ratio), resin.modulus_kPa(ratio)
+        (row,) = (row for row in acceptance_rows(spec, pour_plan(spec)) if row[0] == "modulus of the witness")
+        assert spec.pour.expected_kPa == (interval.low, interval.high)
+        assert f"{interval.low:.3g} to {interval.high:.3g} kPa" in row[2] and row[2].startswith("no limit")
+
+
+def test_a_preset_of_an_earlier_version_may_hold_a_fixed_limit_which_limits_nothing(tmp_path):
+    text = (data_folder() / "molds" / "open.toml").read_text(encoding="utf-8").replace('name = "open"', 'name = "mine"')
+    path = tmp_path / "mine.toml"
+    path.write_text(text.replace("[acceptance]", "[acceptance]\nmodulus_percent = 10.0"), encoding="utf-8")
+    spec = mould_spec(10.0, 60.0, 50.0, preset=str(path))
+    assert not limit("modulus", Measured(EVEN, MASS, 1.3 * SPEC.pour.young_kPa), spec).missed
 
 
 def test_level_costs_half_its_wedge_and_a_puck_or_an_untabulated_pad_no_known_force():

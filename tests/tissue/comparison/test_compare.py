@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.cli.entry import run
-from dummydesign.design.scoring.verdict import LIGHTS
+from dummydesign.core.levels import LIGHTS
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue import load_tissue

@@ -9,13 +9,13 @@ import pytest
 from dummydesign.core.errors import InputError
 from dummydesign.design.measured_pad import verdict_of_traces
 from dummydesign.design.protocol import Protocol
-from dummydesign.design.safety import tissue_body
 from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import Ranges, ranges_of, readings_of
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.trace import Trace
+from dummydesign.person.people import People
 from dummydesign.tissue.adding.from_curves import add_curves
 from dummydesign.tissue.comparison import compare_traces
 from dummydesign.tissue.model.people_share import tolerance_factor
@@ -110,7 +110,7 @@ def test_the_verdict_is_what_the_forces_say_directly(people, by_hand):
                     assert judged(widened[0], one) != judged(widened[1], one)
                     near += 1
     assert {how for _, how in seen} >= {"inside", "low", "high"}
-    assert {"stands_for", "usable", "reads_low", "over"} <= {kind for kind, _ in seen}
+    assert {"stands_for", "with_correction", "reads_low", "over"} <= {kind for kind, _ in seen}
     assert near <= 0.03 * count
 
 
@@ -200,7 +200,7 @@ def direct_hold(person, steady, hold):
 
 def test_a_free_mass_needs_a_law(people):
     with raises_code("unsupported", "law"):
-        tissue_body(people.parameter_sets, 250.0)
+        People.of(people.parameter_sets, 250.0)
 
 
 @pytest.mark.parametrize("count", [2, 4, 9])

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 from dummydesign.measurement.importing.contact import FILTER_DELAY_S, find_contact, find_contacts, find_tares, interval
-from dummydesign.measurement.importing.decisions import ImportLog
+from dummydesign.measurement.importing.decisions import ImportLog, QuestionError, Settings
+from dummydesign.measurement.importing.read import import_files
 from dummydesign.measurement.importing.sign_convention import find_presses
 from tests.support.machine_presses import recording
 from tests.support.parted_press import parts_of
@@ -129,3 +132,43 @@ def test_a_zero_that_wanders_from_press_to_press_is_tared_press_by_press():
     found = levels(contacts, signs, notes)
     assert found == pytest.approx([0.3, 0.5], abs=0.04)
     assert [warning["code"] for warning in notes.warnings] == ["zero_wanders"]
+
+
+UNITS = {"N": 1.0, "kN": 1e-3, "lbf": 1.0 / 4.4482216152605}
+
+
+def written(folder, seed):
+    """A file of a press with an offset of force and place, signs and unit that are drawn; without them it is whole."""
+    draw = np.random.default_rng(seed)
+    record = recording(seed, velocity_mm_s=float(draw.choice([2.0, 10.0])), lead_in=bool(draw.random() < 0.8))
+    tare, place = float(draw.choice([0.15, -0.7, -152.3456])), float(draw.choice([0.0, 0.4, -31.123]))
+    signs, unit = draw.choice([-1, 1], 2), str(draw.choice(list(UNITS)))
+    x, force = signs[0] * (record.displacement_mm + place), signs[1] * (record.force_N + tare) * UNITS[unit]
+    rows = (f"{a:.6f},{b:.6f},{c:.9g}" for a, b, c in zip(record.time_s, x, force))
+    path = folder / f"r{seed}.csv"
+    path.write_text("\n".join([f"time (s),displacement (mm),force ({unit})", *rows]) + "\n", encoding="utf-8")
+    return path, record
+
+
+def imported(path, **settings):
+    (one,), _ = import_files([path], Settings(**settings))
+    return one
+
+
+@pytest.mark.parametrize("seed", range(900, 912))
+def test_a_number_that_an_import_shows_gives_the_same_traces_when_it_is_typed(tmp_path, seed):
+    path, record = written(tmp_path, seed)
+    try:
+        first = imported(path)
+    except QuestionError as question:
+        option, number = re.findall(r"--(tare|contact) (-?\d[\d.]*)", str(question))[-1]
+        found = imported(path, **{option: number}).presses[0]
+        begins = {"tare": found.force_N[0] - record.true_force_N[0], "contact": 0.0}[option]
+        assert abs(begins) < 6.0 * record.noise_N
+        return
+    for made in first.decisions:
+        number = re.match(r"-?\d[\d.]*", made.value)
+        if made.what in ("tare", "contact") and number:
+            for one, other in zip(first.presses, imported(path, **{made.what: number[0]}).presses, strict=True):
+                assert np.abs(one.force_N - other.force_N).max() < 1e-9
+                assert np.abs(one.displacement_mm - other.displacement_mm).max() < 1e-9

@@ -170,7 +170,12 @@ def close_loop(
     stopped = f"{budget_s:g} s of processor time" if budget.ran_out else ""
     better = _better_alone(answer.selection, after) if answer.among is None else ()
     labels = doubt_warnings(doubts, presses)
-    warnings = (*_contradicted(designed), *labels, *_warnings(campaign, presses, beyond, stopped, answer, joined), *better)
+    warnings = (
+        *_contradicted(designed),
+        *labels,
+        *_warnings(campaign, presses, beyond, stopped, answer, joined),
+        *better,
+    )
     return LoopResult(
         **{**vars(answer), "after": after},
         campaign=campaign,

@@ -1,8 +1,8 @@
 """The loop on presses that ``predict`` wrote: ``python -m benchmarks.accuracy.loop_closed_world --count 100``.
 
 Nothing is undeclared: a batch is drawn from the intervals of the resin that the campaign names, ``predict`` writes
-every press of the plan, noise is added. Shared with the loop: force law, relaxation and the resin's intervals, all of the
-model; what is tested is that the loop's model is the one that designs. Rows are kept in ``--rows``.
+every press of the plan, noise is added. Shared with the loop: force law, relaxation and the resin's intervals, all of
+the model; what is tested is that the loop's model is the one that designs. Rows are kept in ``--rows``.
 """
 
 from __future__ import annotations
@@ -74,6 +74,7 @@ def run(number: int, seed: int, folder: Path) -> Row:
     prony = ",".join(f"{tau:g}:{beta:.6g}" for tau, beta in zip(resin.tau_s, strengths))
     set_up = SetUp("closed", resin=RESIN, ratio=ratio, shape=shape)
     plan_campaign(folder, set_up, PlanSettings(pads, repeats=2, ages_days=(7.0,), seed=1 + number), power=False)
+    lost: list[str] = []
     made: dict[tuple, NDArray | None] = {}
     for trial in tomllib.loads((folder / "campaign.toml").read_text())["trial"]:
         key = trial["thickness_mm"], trial["velocity_mm_s"], trial["target_force_N"]
@@ -95,6 +96,7 @@ def run(number: int, seed: int, folder: Path) -> Row:
                 print(problem, file=sys.stderr)
                 made[key] = None
         if (press := made[key]) is None:
+            lost.append(trial["file"])
             continue
         rest = np.zeros(REST)
         time = np.concatenate([np.arange(-REST, 0) / RATE_HZ, press["time_s"]])
@@ -103,6 +105,9 @@ def run(number: int, seed: int, folder: Path) -> Row:
         table = np.column_stack([time - time[0], depth, force])
         head = "time_s,displacement_mm,force_N"
         np.savetxt(folder / trial["file"], table, "%.6f", ",", header=head, comments="")
+    head, *trials = (folder / "campaign.toml").read_text().split("[[trial]]")
+    kept = [text for text in trials if not any(name in text for name in lost)]
+    (folder / "campaign.toml").write_text("[[trial]]".join([head, *kept]))
     answer = calibrate(folder).to_dict()
     after, names = answer["after"]["parameters"]["young_kPa"], [one["name"] for one in answer["effects"]]
     held = bool((answer.get("as_designed") or {}).get("held"))

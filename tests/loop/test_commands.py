@@ -26,7 +26,7 @@ def small(campaigns, tmp_path_factory):
 def test_loop_writes_report_and_calibration_and_replay_reads_it(small, tmp_path, capsys):
     assert cli.run(["loop", str(small), "--out", str(tmp_path), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert found["schema"] == "dummydesign.loop/1" and found["verdict"] == "none"
+    assert found["schema"] == "dummydesign.loop/2" and found["verdict"] == "none"
     made = {p.name for p in tmp_path.iterdir()}
     assert {"calibration.json", "report.html", "report.pdf"} <= made
     assert made - {"calibration.json", "report.html", "report.pdf", "manifest.json"} == {"report.csv"}

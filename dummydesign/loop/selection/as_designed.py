@@ -68,8 +68,6 @@ def as_designed(refitted: CampaignFit) -> AsDesigned | None:
     learnt = prior.spread**2 - np.diag(refitted.covariance)[:count]
     distance = np.abs(refitted.vector[:count] - prior.mean) / np.sqrt(np.maximum(learnt, 1e-2 * prior.spread**2))
     values = [problem.base_of(at).to_dict() for at in (prior.mean, refitted.vector)]
-    agreement = [
-        Agreement(name, *(one[name] for one in values), far)
-        for name, far in zip(base_names(prior.arms), distance.tolist())
-    ]
-    return AsDesigned(rms, refitted.sizes.floor_N, lack_of_fit(design).p, tuple(agreement))
+    names = zip(base_names(prior.arms), distance.tolist())
+    agreement = tuple(Agreement(name, *(one[name] for one in values), far) for name, far in names)
+    return AsDesigned(rms, refitted.sizes.floor_N, lack_of_fit(design).p, agreement)

@@ -61,6 +61,13 @@ STUDIES = (
         "square over circle of equal area, in space",
         "7 min of one core",
     ),
+    Study(
+        "tables.square_crown",
+        "--store square-crown-solves.jsonl",
+        (f"{TABLES}square-crowned.json",),
+        "square over circle of equal area on crowns, in space",
+        "14 min of one core",
+    ),
     *SHAPES,
     Study(
         "tables.filleted",

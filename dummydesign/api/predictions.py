@@ -124,8 +124,8 @@ def pad_warnings(made: Pad | Puck, fidelity: str) -> list[dict[str, str]]:
     if made.sides_mm is None or fidelity == "3d":
         return alone
     if not has_square_factor(made):
-        message = "the punch is taken as the circle of equal area; a square is 0 to 3 % stiffer (5 to 20 mm pads), "
-        message += "a rectangle more; --fidelity 3d solves it"
+        message = "the punch is taken as the circle of equal area; its corners are left out; "
+        message += "--fidelity 3d solves them"
         return [{"code": "equal_area_punch", "message": message}, *alone]
     message = "what a square adds to the circle of its area is that of sharp edges; half of it is stated as error"
     return [{"code": "square_with_fillet", "message": message}, *alone] if made.edge_radius_mm else alone

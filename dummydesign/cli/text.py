@@ -79,8 +79,8 @@ def fitted(
     while going and room() < len(table):
         blocks[going.pop(0)] = []
     rows = list(table)
-    if len(rows) > room():
-        kept = max(room() - 1, 2)
+    kept = max(room() - 1, 2)
+    if len(rows) > kept + 1:
         rows = [*rows[:kept], more.format(len(rows) - kept)]
     return [*head, *rows, *(line for block in blocks for line in block)]
 

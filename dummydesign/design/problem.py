@@ -17,6 +17,7 @@ from dummydesign.design.scoring.castings import Castings, Tolerances
 from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.settings import crown_making, puck_error, settings_files
 from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.search.shape_family import under_square
 from dummydesign.design.search.shape_search import kinds_of
 from dummydesign.design.search.slabs import Correct, SearchSpace, thickness_steps
 from dummydesign.design.test_conditions import check_calibrated, check_test, own_slab_law, standard_press, tabulated
@@ -87,7 +88,9 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
     thickness = tabulated(steps if kept is None else np.array([kept.pad.thickness_mm]), request, punch)
     ratios = _ratios(resin, request.ratio)
     targets = make_targets(tissue, request.aim, sampling, request.protocol)
-    calibrated, correct = None, None
+    glued = punch.square and request.face == "bonded"
+    calibrated: Calibrated | None = None
+    correct: Correct | None = under_square if glued else None
     if request.calibration is not None:
         from dummydesign.design.calibrated import CalibratedFamily, with_calibration
 
@@ -95,7 +98,8 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
             check_calibrated(request, punch, thickness)
         calibrated = with_calibration(resin, request.calibration, request.punch, punch.square, request.edge_radius_mm)
         resin, law = calibrated.resin, cast(ForceLaw, calibrated.law)
-        correct = cast(Correct, partial(CalibratedFamily, correction=calibrated.law.correction))
+        inner, correction = correct, calibrated.law.correction
+        correct = cast(Correct, lambda one: CalibratedFamily(one if inner is None else inner(one), correction))
     if law is None:
         law = own_slab_law(request, punch, thickness)
     preset = read_preset(request.preset, request.machine, request.silicone)

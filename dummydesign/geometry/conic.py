@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,25 @@ from dummydesign.geometry.dimensions import SMALLEST_HEIGHT_MM, SMALLEST_TIP_MM
 from dummydesign.geometry.pad_shape import Array, PadBlock, PadShape
 
 GAUSS_POINTS = 40
+
+
+def _curvature(tip: Any, height: Any, foot: Any) -> Array:
+    """The e of a profile; see :class:`Conic`."""
+    return np.asarray((2.0 * tip * height - foot**2) / height**2)
+
+
+def conic_sag(r: Any, tip: Any, height: Any, foot: Any) -> Array:
+    """Drop below the apex at radii of conic caps (broadcast), held at the height from the foot on."""
+    inside = np.minimum(r, foot)
+    root = np.sqrt(np.maximum(1.0 - _curvature(tip, height, foot) * (inside / tip) ** 2, 0.0))
+    # Exactly the height from the foot on: rounding must not leave a bone of -1e-15 mm there.
+    return np.where(r < np.asarray(foot), inside**2 / (tip * (1.0 + root)), height)
+
+
+def conic_radius(drop: Any, tip: Any, height: Any, foot: Any) -> Array:
+    """Radius at which conic caps (broadcast) have fallen so far, at most to their foot."""
+    z = np.minimum(drop, height)
+    return np.sqrt(np.maximum(2.0 * tip * z - _curvature(tip, height, foot) * z**2, 0.0))
 
 
 @dataclass(frozen=True)
@@ -29,14 +49,11 @@ class Conic:
     @property
     def factor(self) -> float:
         """The e of the profile: 1 for a sphere, 0 a paraboloid, below 0 a hyperboloid."""
-        return (2.0 * self.radius_mm * self.height_mm - self.foot_mm**2) / self.height_mm**2
+        return float(_curvature(self.radius_mm, self.height_mm, self.foot_mm))
 
     def sag_mm(self, r_mm: Array) -> Array:
         """Drop below the apex at a radius; held at ``height_mm`` beyond the foot."""
-        r = np.minimum(np.abs(np.asarray(r_mm, dtype=float)), self.foot_mm)
-        root = np.sqrt(np.maximum(1.0 - self.factor * (r / self.radius_mm) ** 2, 0.0))
-        # Exactly the height from the foot on: rounding must not leave a bone of -1e-15 mm there.
-        return np.where(r < self.foot_mm, r**2 / (self.radius_mm * (1.0 + root)), self.height_mm)
+        return conic_sag(np.abs(np.asarray(r_mm, dtype=float)), self.radius_mm, self.height_mm, self.foot_mm)
 
     @property
     def foot_slope_deg(self) -> float:

@@ -16,6 +16,8 @@ STEP_MM = 0.005
 """Resolution of the position that must not disturb a speed. [mm]"""
 SLOWED = 0.1
 """Fraction of the speed of the ramp below which the punch counts as stopped."""
+BEGUN = 0.1
+"""Share of the largest displacement before which a press begins; a rest beyond it is a stage of the press."""
 LEAVE_MM, LEAVE_SHARE = 0.06, 0.01
 """Wander that does not end a plateau: in mm, and over its depth."""
 NEAR_MM, NEAR_SHARE = 0.05, 0.03
@@ -57,8 +59,6 @@ class Plateau:
         Time from which on the ringing is no longer seen; ``slowed_s`` without an overshoot. [s]
     period_s : float
         Of the ringing; four times the time from the depth to the farthest point where it does not ring. [s]
-    creeps : bool
-        Whether it went on deeper by more than the samples near a level may differ.
     """
 
     depth_mm: float
@@ -68,7 +68,6 @@ class Plateau:
     overshoot_mm: float = 0.0
     settled_s: float = 0.0
     period_s: float = 0.0
-    creeps: bool = False
 
 
 def find_plateau(time: NDArray, x: NDArray, start: int, noise: float) -> Plateau:
@@ -111,6 +110,34 @@ def slowing(
     return late + (int(slow) if found else len(time) - late - 1), window
 
 
+def ramp_start(time: NDArray, x: NDArray, noise_mm: float) -> tuple[int, float, float]:
+    """Last sample before the punch presses, when it begins to [s], and where [mm].
+
+    That is where it passes 0 at speed, or where it leaves a rest, at whatever displacement. At rest it goes on at less
+    than a tenth of its speed between a tenth and 60 % of the largest displacement.
+    """
+    top = float(x.max())
+    low, late = (int(np.argmax(x >= share * top)) for share in (BEGUN, 0.6))
+    before = max(low - 1, 0)
+    speed = (x[late] - x[before]) / max(float(time[late] - time[before]), 1e-9)
+    window = max(10.0 * STEP_MM, min(10.0 * noise_mm, 0.2 * top)) / speed
+    earlier = np.maximum(np.arange(low) - 1, 0)
+    back = np.minimum(time[:low] - window, time[earlier])
+    went = x[:low] - np.interp(back, time, x)
+    still = np.flatnonzero(went <= SLOWED * speed * (time[:low] - back))
+    below = np.flatnonzero(x[: low + 1] <= 0.0)
+    start = max(int(still[-1]) if still.size else 0, int(below[-1]) if below.size else 0)
+    level = max(float(np.median(x[(time >= time[start] - window) & (time <= time[start])])), 0.0)
+    after = min(start + 2, len(x) - 1)
+    slope = max(
+        (x[start + 1] - x[start]) / (time[start + 1] - time[start]),
+        (x[after] - x[start + 1]) / max(float(time[after] - time[start + 1]), 1e-12),
+        1e-12,
+    )
+    contact = float(time[start + 1] - (x[start + 1] - level) / slope)
+    return start, min(max(contact, float(time[start])), float(time[start + 1])), level
+
+
 def path_noise(x: NDArray) -> float:
     """Noise of one sample of a path by second differences. [mm]"""
     if len(x) < 5:
@@ -125,8 +152,7 @@ def _leaving(time: NDArray, x: NDArray, top: float, noise: float) -> tuple[int, 
     if x[-1] > RELEASED * top:
         return len(x) - 1, False, 0.0
     back_time, back = -time[::-1], x[::-1]
-    away = np.flatnonzero(back[: int(np.argmax(back >= 0.2 * top)) + 1] <= 0)
-    sample, window = slowing(back_time, back, top, int(away[-1]) if away.size else 0, noise)
+    sample, window = slowing(back_time, back, top, ramp_start(back_time, back, noise)[0], noise)
     return len(x) - 1 - sample, True, window
 
 
@@ -220,11 +246,10 @@ def _with_ringing(
     over = float(offset[farthest])
     least = max(SURE * noise, SEEN_SHARE * depth, min(1.2 * STEP_MM, 0.01 * depth))
     slowed = float(time[first])
-    creeps = depth - float(x[first]) > max(NEAR_MM, NEAR_SHARE * depth)
     if over <= least or float(offset[farthest:].min()) > 0.3 * over:
-        return Plateau(depth, slowed, end_s, True, 0.0, slowed, 0.0, creeps)
+        return Plateau(depth, slowed, end_s, True, 0.0, slowed)
     turns = crossings(own, offset, least)
     period = 2.0 * float(np.median(np.diff(turns[:9]))) if len(turns) > 2 else 4.0 * float(own[farthest] - own[0])
     rests = max(SURE * noise, STILL_SHARE * depth, min(0.6 * STEP_MM, 0.01 * depth))
     settled = float(own[int(np.flatnonzero(np.abs(offset) > rests)[-1])])
-    return Plateau(depth, slowed, end_s, True, over, settled, max(period, 1e-9), creeps)
+    return Plateau(depth, slowed, end_s, True, over, settled, max(period, 1e-9))

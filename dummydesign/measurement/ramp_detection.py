@@ -11,13 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.core.errors import InputError, errors_within
 from dummydesign.core.interpolation import true_runs
 from dummydesign.measurement.motion import LATE, Ramp
-from dummydesign.measurement.plateau import SLOWED, find_plateau, path_noise, slowing
+from dummydesign.measurement.plateau import SLOWED, find_plateau, path_noise, ramp_start, slowing
 
 if TYPE_CHECKING:
     from dummydesign.measurement.trace import Trace
 
 HOLD_FRACTION = 0.1
 """A hold lasts at least this fraction of the time that the ramps alone take."""
+
+BRAKES = 0.25
+"""Time of a constant braking from a tenth of the speed on, over that from half of it to a tenth: 0.1 / 0.4."""
 
 
 @dataclass(frozen=True)
@@ -46,11 +49,13 @@ def ramp_of(trace: Trace, stop: Stop = "slowed") -> Ramp:
 def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike, stop: Stop = "reached") -> Ramp:
     """Find contact, stop, held depth and end of hold in one measured ramp and hold.
 
+    Contact is where the punch passes 0, or where it leaves a rest, which may lie at any displacement near 0.
+
     Depth and end are those of the plateau (:func:`~dummydesign.measurement.plateau.find_plateau`), whatever the
     punch overshot and rang before. Without a plateau the hold ends at the stop. Two rules for the stop:
 
     - ``reached``: where the motion, extrapolated at the speed it has over the last hundredths of a millimetre,
-      reaches that depth. Exact for a clean ramp. A punch that creeps by more than 3 % stops where it slows.
+      reaches that depth. Exact for a clean ramp. A punch that creeps to its depth stops where it slows.
     - ``slowed``: where the speed, over a window that steps of 5 um do not disturb, falls to a tenth of that
       between contact and 60 % of the depth. It does not move when the robot creeps by hundredths of a millimetre
       afterwards. A motion that ends while it presses has its stop there; one that overshoots, where it passes the
@@ -64,15 +69,15 @@ def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike, stop: Stop = "reach
     if x[0] > 0.1 * largest:
         text = f"the motion starts pressed at displacement_mm = {x[0]:g}; it must begin at or before contact"
         raise InputError(text, "not_enough_data", "displacement_mm", float(x[0]))
-    below = np.nonzero(x[: int(np.argmax(x >= 0.2 * largest)) + 1] <= 0)[0]
-    start = int(below[-1]) if below.size else 0
-    contact = _crossing(time, x, start, 0.0) if x[start] < 0 else float(time[start])
-    noise = path_noise(x[start:])
+    noise = path_noise(x)
+    start, contact, level = ramp_start(time, x, noise)
     plateau = find_plateau(time, x, start, noise)
     depth = plateau.depth_mm
     if stop == "reached":
         stopped = _reached(time, x, depth, min(0.02, 0.01 * depth))
-        stopped = min(stopped, plateau.slowed_s) if plateau.overshoot_mm or plateau.creeps else stopped
+        half, window = slowing(time, x, depth, start, noise, 0.5)
+        late = plateau.slowed_s + BRAKES * max(plateau.slowed_s - float(time[half]), 0.0) + window
+        stopped = min(stopped, plateau.slowed_s) if plateau.overshoot_mm or stopped > late else stopped
     else:
         stopped = float(time[slowing(time, x, depth, start, noise)[0]])
         if plateau.overshoot_mm:
@@ -85,7 +90,7 @@ def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike, stop: Stop = "reach
         stopped,
         end,
         depth,
-        depth / max(stopped - contact, 1e-9),
+        (depth - level) / max(stopped - contact, 1e-9),
         plateau.overshoot_mm,
         settled,
         plateau.period_s,

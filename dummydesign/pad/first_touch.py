@@ -264,22 +264,22 @@ def stuck_factor(poisson: float) -> float:
 
 
 def solvable_depths(pad: Pad | Puck, depth_mm: Array, in_space: bool = False) -> Array:
-    """Depths of a grid that can be solved, and one shallow enough to join the law of first touch to. [mm]"""
+    """Depths of a grid that can be solved, and those that the law of first touch is joined to. [mm]"""
     touch = touch_of(pad)
-    least = _least_depth_mm(pad, touch, in_space)
+    least = least_depth_mm(pad, in_space)
+    depth_mm = depth_mm[depth_mm >= least * (1.0 - 1e-9)]
+    if len(depth_mm) < 2:  # a curve has two, however shallow the wanted ones are
+        depth_mm = np.union1d(depth_mm, least * np.array([1.0, FURTHER]))
     if touch is not None and not touch.face_mm:
         shallow = max(least, touch.depth_of(EVEN_CONTACT * pad.thickness_mm))
         if shallow < depth_mm[0]:
             depth_mm = np.r_[shallow, depth_mm]
-    return depth_mm[depth_mm >= least * (1.0 - 1e-9)]
+    return depth_mm
 
 
 def least_depth_mm(pad: Pad | Puck, in_space: bool = False) -> float:
     """Smallest depth that is solved. [mm]"""
-    return _least_depth_mm(pad, touch_of(pad), in_space)
-
-
-def _least_depth_mm(pad: Pad | Puck, touch: HalfSpaceTouch | None, in_space: bool) -> float:
+    touch = touch_of(pad)
     h = pad.thickness_mm
     least = (LEAST_SHARE_IN_SPACE if in_space else LEAST_SHARE) * h
     if isinstance(pad, Puck):

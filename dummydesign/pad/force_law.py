@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 
@@ -274,8 +273,8 @@ def curve_at(law: ForceLaw, thickness_mm: float, young_MPa: float, radius_mm: fl
     )
 
 
-def depth_grid(thickness_mm: float, deepest_mm: float | None, depths_mm: Array | None) -> tuple[Array, float]:
-    """Depths that are solved, the wanted ones among them, and the deepest. [mm]
+def depth_grid(thickness_mm: float, deepest_mm: float | None, depths_mm: Array | None) -> Array:
+    """Depths of a curve, the wanted ones among them. [mm]
 
     Parameters
     ----------
@@ -291,43 +290,34 @@ def depth_grid(thickness_mm: float, deepest_mm: float | None, depths_mm: Array |
     grid = np.linspace(0.0, deepest, CURVE_POINTS + 1)[1:]
     if depths_mm is not None:
         grid = np.union1d(grid[::2], depths_mm[(depths_mm > 0.0) & (depths_mm <= limit)])
-    return grid, deepest
+    return grid
 
 
-def interpolate_curve(solved: PadCurve, end: LowEnd | None) -> ForceCurve:
+def interpolate_curve(solved: PadCurve, end: LowEnd) -> ForceCurve:
     """A curve through solved depths that runs down to first touch by its law.
 
     Parameters
     ----------
     solved : PadCurve
-        What was solved, at depths above 0.
-    end : LowEnd or None
-        The law of first touch, joined at the first solved depth; None where fewer than two depths were reached.
-
-    Raises
-    ------
-    NoAnswerError
-        When fewer than two were reached.
+        What was solved, at two depths above 0 or more.
+    end : LowEnd
+        The law of first touch, joined at the first solved depth.
     """
     depth, force = solved.depth_mm, solved.force_N
-    if len(depth) < 2 or end is None:
-        message = f"the pad could be solved at {len(depth)} depth only: {solved.notes[0]}"
-        raise NoAnswerError("no_convergence", message, quantity="force_N")
-    law, first = end, float(depth[0])
     # F over depth to the power of first touch varies little: with a contact that grows, over the root of the depth.
-    scale = np.sqrt if law.power > GROWING else np.asarray
-    stiffness = monotone_cubic(scale(depth), np.log(force / depth**law.power))
+    scale = np.sqrt if end.power > GROWING else np.asarray
+    stiffness = monotone_cubic(scale(depth), np.log(force / depth**end.power))
     error = solved.error_N / force
 
     def value(at: Array) -> Array:
         at = np.asarray(at, dtype=float)
-        inside = np.clip(at, first, depth[-1])
-        return np.where(at < first, law.force(at), inside**law.power * np.exp(stiffness(scale(inside))))
+        inside = np.clip(at, depth[0], depth[-1])
+        return np.where(at < depth[0], end.force(at), inside**end.power * np.exp(stiffness(scale(inside))))
 
     def error_at(at: Array) -> Array:
-        return np.where(np.asarray(at) < first, law.relative_error(at), np.interp(at, depth, error))
+        return np.where(np.asarray(at) < depth[0], end.relative_error(at), np.interp(at, depth, error))
 
-    return ForceCurve(value, error_at, float(depth[-1]), solved.solver, solved.notes, first_mm=first)
+    return ForceCurve(value, error_at, float(depth[-1]), solved.solver, solved.notes, first_mm=end.first_mm)
 
 
 def scale_curve(curve: ForceCurve, factor: Callable[[Array], tuple[Array, Array]]) -> ForceCurve:

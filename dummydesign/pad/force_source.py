@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.cache import cached
-from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.interface import BASES, Interface
 from dummydesign.pad.force_law import (
@@ -64,14 +64,22 @@ def elastic_curve(
         curve = _by_table(pad)
     else:
         curve = _by_elements(pad, deepest_mm, depths_mm)
-    if not has_square_factor(pad):
-        return curve
-    from dummydesign.pad.tables.square import square_factor
+    return scale_curve(curve, corners_of(pad)) if has_square_factor(pad) else curve
 
-    def factor(depth: Array) -> tuple[Array, Array]:
+
+def corners_of(pad: Pad) -> Callable[[Array], tuple[Array, Array]]:
+    """Factor of a square punch over the circle of its area and its relative error, at depths. [mm]"""
+    from dummydesign.pad.tables.square import DOUBTED_WITH_FILLET, crown_factor, square_factor
+
+    def slab(depth: Array) -> tuple[Array, Array]:
         return square_factor(depth, pad.thickness_mm, pad.radius_mm, pad.base, bool(pad.edge_radius_mm))
 
-    return scale_curve(curve, factor)
+    def crown(depth: Array) -> tuple[Array, Array]:
+        value, error = crown_factor(depth, pad.thickness_mm, pad.radius_mm, dict(pad.geometry.parameters))
+        usual = pad.base == "bonded" and not pad.edge_radius_mm and pad.condition == "bonded" and _plain_law(pad)
+        return value, error if usual else error + DOUBTED_WITH_FILLET * np.abs(value - 1.0)
+
+    return crown if pad.geometry.crowned else slab
 
 
 def _unsupported(name: str, value: str | float, fidelity: str) -> InputError:
@@ -89,6 +97,8 @@ def has_square_factor(pad: Pad) -> bool:
     """Whether the punch is a square whose factor over the circle of its area is tabulated."""
     if pad.sides_mm is None or pad.sides_mm[0] != pad.sides_mm[1]:
         return False
+    if pad.geometry.crowned:
+        return pad.geometry.axisymmetric and pad.profile_mm is None
     return _tabulated(replace(pad, edge_radius_mm=0.0))
 
 
@@ -131,7 +141,11 @@ def _in_space(pad: Pad, deepest_mm: float | None, depths_mm: Array | None) -> Fo
 
 def _in_table(pad: Pad) -> bool:
     plain = pad.profile_mm is None and pad.geometry == SLAB
-    return plain and pad.condition == "bonded" and pad.poisson == 0.5 and pad.shape == Yeoh(1.0)
+    return plain and pad.condition == "bonded" and _plain_law(pad)
+
+
+def _plain_law(pad: Pad) -> bool:
+    return pad.poisson == 0.5 and pad.shape == Yeoh(1.0)
 
 
 def _by_table(pad: Pad) -> ForceCurve:
@@ -168,7 +182,7 @@ def _shape_law(pad: Pad) -> TabulatedShapeLaw:
 def _by_elements(pad: Pad | Puck, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
     from dummydesign.pad.first_touch import solvable_depths
 
-    grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
+    grid = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
     return _through(pad, solve_points(pad, solvable_depths(pad, grid)))
 
 
@@ -176,8 +190,10 @@ def _through(pad: Pad | Puck, solved: PadCurve) -> ForceCurve:
     from dummydesign.pad.first_touch import low_end
 
     depth, force = solved.depth_mm, solved.force_N
-    end = low_end(pad, depth, force, solved.error_N / force) if len(depth) > 1 else None
-    return interpolate_curve(solved, end)
+    if len(depth) < 2:
+        message = f"the pad could be solved at {len(depth)} depth only: {solved.notes[0]}"
+        raise NoAnswerError("no_convergence", message, quantity="force_N")
+    return interpolate_curve(solved, low_end(pad, depth, force, solved.error_N / force))
 
 
 def solve_points(pad: Pad | Puck, depth_mm: Array, cells: int | None = None, independent: bool = False) -> PadCurve:
@@ -227,7 +243,7 @@ def _shape_in_space(pad: Pad, deepest_mm: float | None, depths_mm: Array | None)
     from dummydesign.pad.first_touch import solvable_depths
     from dummydesign.pad.spatial.shaped_pad import solve_shaped_block
 
-    grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
+    grid = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
     grid = solvable_depths(pad, grid[1::2] if depths_mm is None else grid, in_space=True)
 
     def solve(own: Pad) -> PadCurve:

@@ -15,6 +15,7 @@ from tests.support.refusal import raises_code
 READERS = {
     "slab-bonded.json": (slab.load_table, "studies.tables.slab"),
     "square-bonded.json": (square.load_square, "studies.tables.square"),
+    "square-crowned.json": (square.load_crown, "studies.tables.square_crown"),
     "crowned-bonded.json": (lambda: shape.load_shape_table("crowned"), "studies.tables.shapes crowned"),
     "filleted-bonded.json": (lambda: filleted.load_filleted("bonded", 0.1), "studies.tables.filleted"),
     "puck-50x30.json": (puck.load_puck_table, puck.COMMAND),
@@ -25,6 +26,7 @@ READERS = {
 CACHED = (
     slab.load_table,
     square.load_square,
+    square.load_crown,
     filleted.load_filleted,
     shape.load_shape_table,
     puck.load_puck_table,

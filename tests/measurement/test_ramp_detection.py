@@ -25,10 +25,57 @@ def test_a_clean_ramp_has_the_same_landmarks_by_either_rule(stop):
     assert (found.depth_mm, found.velocity_mm_s) == pytest.approx((5.0, 10.0), rel=0.01)
 
 
-def test_creep_after_the_stop_moves_the_reached_depth_but_not_the_slowing():
-    time, x = ramp(0.08)
-    assert find_ramp(time, x, "slowed").stop_time_s == pytest.approx(0.7, abs=0.01)
-    assert find_ramp(time, x, "reached").stop_time_s > 0.75
+@pytest.mark.parametrize("creep_mm", [0.0, 0.08, 0.2])
+@pytest.mark.parametrize("stop", ["reached", "slowed"])
+def test_creep_after_the_stop_moves_it_by_neither_rule(stop, creep_mm):
+    assert find_ramp(*ramp(creep_mm), stop).stop_time_s == pytest.approx(0.7, abs=0.02)
+
+
+def drawn_press(draw, most_noise_mm):
+    """A rest at an offset, an approach or none, a constant speed and braking, hold with creep; stop at 0 s."""
+    speed, braking = 250.0 ** draw.uniform(), 1e3 * 30.0 ** draw.uniform()
+    depth, noise, rate = draw.uniform(1.0, 7.0), draw.uniform(0.0, most_noise_mm), 200.0 * 50.0 ** draw.uniform()
+    level = draw.uniform(-0.05, 0.05) if draw.random() < 0.6 else -draw.uniform(1.0, 20.0)
+
+    def back(x):
+        way, brake = depth - x, 0.5 * speed**2 / braking
+        return np.sqrt(2.0 * way / braking) if way < brake else speed / braking + (way - brake) / speed
+
+    time = np.arange(-back(level) - draw.uniform(0.02, 1.0) + draw.uniform() / rate, 4.0, 1.0 / rate)
+    left = np.maximum(-time, 0.0)
+    left = np.where(left < speed / braking, 0.5 * braking * left**2, speed * (left - 0.5 * speed / braking))
+    creep = draw.uniform(0.0, 0.02) * depth * (1.0 - np.exp(-np.maximum(time, 0.0) / 0.5))
+    x = np.maximum(depth - left, level) + creep + noise * draw.standard_normal(len(time))
+    return time, x, speed, braking, depth, noise, rate, -back(max(level, 0.0))
+
+
+@pytest.mark.parametrize("stop", ["reached", "slowed"])
+@pytest.mark.parametrize("most_noise_mm", [0.0, 0.005])
+@pytest.mark.parametrize("seed", range(30))
+def test_contact_stop_and_depth_are_those_drawn_whatever_the_rest_before(seed, most_noise_mm, stop):
+    """Contact to a sample and the noise; the stop within what a mean over a window w lets see of a braking a.
+
+    The mean falls to a tenth of v at most sqrt(0.2 v w / a) or 0.1 v / a + w / 2 before the stop. The window is of the
+    mean speed of the ramp, which is half of v or more. Noise may end a window of slowness early: not held to here.
+    """
+    time, x, speed, braking, depth, noise, rate, contact = drawn_press(np.random.default_rng([seed, 58]), most_noise_mm)
+    found, step = find_ramp(time, x, stop), 1.0 / rate
+    window = max(3.0 * step, 10.0 * max(0.005, noise) / (0.5 * speed))
+    assert found.contact_time_s == pytest.approx(contact, abs=step + (0.02 + 5.0 * noise) / speed)
+    tenth = 0.1 * speed / braking
+    early = max(np.sqrt(2.0 * tenth * window), tenth + 0.5 * window) + step
+    assert found.stop_time_s <= window + tenth + step
+    assert noise or found.stop_time_s >= -early
+    assert found.depth_mm == pytest.approx(depth, abs=0.022 * depth + 4.0 * noise)
+
+
+@pytest.mark.parametrize("offset_mm", [-0.05, -0.001, 0.0, 0.001, 0.03])
+def test_a_rest_at_an_offset_is_not_part_of_the_ramp(offset_mm):
+    time = np.arange(0.0, 3.0, 1e-3)
+    x = np.clip(250.0 * (time - 0.2), 0.0, 4.0) + offset_mm
+    found = find_ramp(time, x)
+    assert (found.contact_time_s, found.stop_time_s) == pytest.approx((0.2, 0.216), abs=1e-3)
+    assert found.velocity_mm_s == pytest.approx(250.0, rel=0.08)
 
 
 def test_the_hold_of_a_ramp_is_the_one_hold_that_is_found():

@@ -15,6 +15,7 @@ from dummydesign.pad.first_touch import least_depth_mm, low_end, solvable_depths
 from dummydesign.pad.force_law import PadCurve
 from dummydesign.pad.force_source import elastic_curve
 from dummydesign.pad.pad_under_punch import Pad, Puck
+from dummydesign.pad.predict import predict_static
 
 DEPTH = np.geomspace(1e-6, 0.3, 60)
 HAYES = {0.2: 1.281, 0.4: 1.684, 1.0: 3.619}  # kappa of a flat punch on a bonded layer, nu 0.5, by a / h
@@ -169,6 +170,31 @@ def test_depths_asked_for_are_solved_but_those_whose_contact_is_too_small(monkey
     at = np.geomspace(1e-6, 2.0, 80)
     assert curve.force(at) == pytest.approx(dimitriadis(at, 10.0, 10.0), rel=0.01)
     assert np.all(curve.relative_error(at) < 0.02)
+
+
+def test_shallow_depths_alone_have_the_force_that_they_have_among_deeper_ones(monkeypatch):
+    """Of a tip that is touched at a point; the solver is the closed form of a ball on a layer."""
+    rng, solved = np.random.default_rng(), []
+
+    def solve(own, depth_mm):
+        solved.append(depth_mm)
+        force = own.young_MPa * dimitriadis(depth_mm, own.geometry.radius_mm, own.thickness_mm)
+        return PadCurve(depth_mm, force, 0.002 * force, {"unknowns": 1})
+
+    monkeypatch.setattr(force_source, "solve_points", solve)
+    for _ in range(8):
+        h = rng.uniform(7.0, 25.0)
+        radius = h * np.exp(rng.uniform(np.log(0.2), np.log(0.8)))
+        pad = Pad(h, 0.03, 8.0, geometry=Crowned(radius, rng.uniform(0.05, 0.1) * h))
+        least = least_depth_mm(pad)
+        shallow = np.sort(least * np.exp(rng.uniform(np.log(1e-3), np.log(2.0), 3)))
+        among = predict_static(pad, [*shallow, 0.3 * h], "axisymmetric")
+        for depths in (shallow, shallow[:2], *shallow[:, None]):
+            alone = predict_static(pad, depths, "axisymmetric")
+            own = np.searchsorted(shallow, depths)
+            known = np.log(alone.force_high_N / alone.force_N) + np.log(among.force_high_N / among.force_N)[own]
+            assert np.all(np.abs(np.log(alone.force_N / among.force_N[own])) <= known)
+            assert len(solved[-1]) > 1 and least * (1.0 - 1e-9) <= solved[-1].min() and solved[-1].max() <= 0.6 * h
 
 
 def test_a_ball_solved_shallow_and_run_down_is_the_layer_s():

@@ -101,8 +101,9 @@ def test_a_resting_pad_weighs_its_height_over_its_shear_modulus():
 def test_relative_depths_are_sorted_once_each_and_above_zero():
     assert relative_depths([2.0, 0.0, 1.0, 2.0], 10.0) == pytest.approx([0.1, 0.2])
     for wrong in ([], [0.0], [np.nan], [-0.1, 1.0]):
-        with raises_code("out_of_range", "depth_mm"):
+        with raises_code("out_of_range", "depth_mm") as refused:
             relative_depths(wrong, 10.0)
+        assert isinstance(refused.value.value, float)
 
 
 @pytest.mark.parametrize("deepest", [0.013, 0.02, 0.041, 0.3, 9.0])

@@ -69,13 +69,12 @@ class ElementsLaw(BaseForceLaw):
         return self.table.gel_mm(thickness_mm)
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
-        """Error of the elements over the force; see :class:`dummydesign.pad.force_law.ForceLaw`."""
+        """Error of the elements and of a square's factor; see :class:`dummydesign.pad.force_law.ForceLaw`."""
         depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), np.asarray(thickness_mm, float))
-        error = np.interp(depth, self.depth_mm, self.error)
-        deeper = depth > self.depth_mm[-1]
-        if not deeper.any():
-            return error
-        return np.where(deeper, np.maximum(error, self.table.relative_error(depth, thickness, radius_mm)), error)
+        own = (self.table, self.table.plain)
+        square, circle = (one.relative_error(depth, thickness, radius_mm) for one in own)
+        error = np.interp(depth, self.depth_mm, self.error) + square - circle
+        return np.where(depth > self.depth_mm[-1], np.maximum(error, square), error)
 
 
 def solve_law(design: ShapedDesign, space: SearchSpace) -> ElementsLaw:

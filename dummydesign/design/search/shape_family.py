@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,7 @@ from dummydesign.geometry.shape_registry import make_shape, part_of, shape_kind,
 from dummydesign.mold.model.spec import PadGeometry
 from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.tables.slab import load_table
+from dummydesign.pad.tables.square import crown_factor
 
 if TYPE_CHECKING:
     from dummydesign.pad.tables.shape import ShapeTable
@@ -151,8 +152,11 @@ class FamilyLaw(BaseForceLaw):
 
     @property
     def plain(self) -> FamilyLaw:
-        """The same without what a calibration changed."""
-        return replace(self, family=getattr(self.family, "plain", self.family))
+        """The same without what a calibration changed, under the circle of the punch's area."""
+        family = self.family
+        while (under := getattr(family, "plain", None)) is not None:
+            family = under
+        return replace(self, family=family)
 
     def _designs(self, thickness_mm: NDArray) -> Designs:
         if not self.cast:
@@ -290,6 +294,33 @@ class TableFamily:
     def _raw(self, designs: Designs, radius_mm: float) -> NDArray:
         """Inputs as :func:`dummydesign.pad.tables.shape.ratios` gives them for one shape."""
         return self._shape.numbers(designs.parameters, designs.thickness_mm, np.asarray(radius_mm, float))
+
+
+class SquareFamily:
+    """Crowns under a square punch: the force under the circle of its area times its factor."""
+
+    def __init__(self, plain: Family) -> None:
+        self.plain = plain
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.__dict__["plain"], name)
+
+    def area_mm2(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
+        """Force over modulus; see :class:`Family`. [mm2]"""
+        return self.plain.area_mm2(designs, depth_mm, radius_mm) * self._factor(designs, depth_mm, radius_mm)[0]
+
+    def relative_error(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
+        """Stated error of the table and of the factor; see :class:`Family`."""
+        return self.plain.relative_error(designs, depth_mm, radius_mm) + self._factor(designs, depth_mm, radius_mm)[1]
+
+    def _factor(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> tuple[NDArray, NDArray]:
+        crowns = {name: values[:, None] for name, values in designs.parameters.items()}
+        return crown_factor(depth_mm, designs.thickness_mm[:, None], radius_mm, crowns)
+
+
+def under_square(family: Family) -> Family:
+    """The family under a square punch; only that of crowns knows the corners."""
+    return cast(Family, SquareFamily(family)) if family.kind == "crowned" else family
 
 
 def designable_kinds() -> tuple[str, ...]:

@@ -29,7 +29,7 @@ from dummydesign.design.scoring.press_simulation import (
     steady_depth,
 )
 from dummydesign.design.scoring.settings import verdict_limits, weights_of
-from dummydesign.design.search.shape_family import Designs, load_family
+from dummydesign.design.search.shape_family import Designs, load_family, under_square
 from dummydesign.design.sweep.spec import Key, Study, why_not_cast
 from dummydesign.geometry.punch import punch_sides_mm
 from dummydesign.geometry.shape_registry import read_shape
@@ -202,6 +202,8 @@ def _by_tables(task: Task) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = [{} for _ in pad_of]
     for kind in dict.fromkeys(shape.name for shape in shapes):
         family, own = load_family(kind), []
+        if (sides := punch_sides_mm(task.punch)) is not None and sides[0] == sides[1]:
+            family = under_square(family)
         for n in (n for n, shape in enumerate(shapes) if shape.name == kind and why[n] is None):
             try:
                 family.check(shapes[n])
@@ -241,8 +243,8 @@ def _solved(task: Task) -> list[dict[str, Any]]:
     if refused:
         return empty_rows(task, refused)
     wanted = SOLVED_SHARES * thickness
-    # corners are known of a glued square on a slab; all other punches are the circle of their area
-    sides = punch_sides_mm(task.punch) if task.edge_radius_mm else None
+    # corners are known of a glued square on a slab or a crown; all other punches are the circle of their area
+    sides = punch_sides_mm(task.punch) if task.edge_radius_mm or read_shape(shape).crowned else None
     if sides is not None and sides[0] != sides[1]:
         sides = None
     pad = Pad(

@@ -49,16 +49,14 @@ class SolvedCurve:
     @cached_property
     def _points(self) -> tuple[NDArray, NDArray, NDArray]:
         """Depths that were reached [mm], F / E [mm2], and the relative error stated."""
-        from dummydesign.pad.force_source import has_square_factor, solve_points
-        from dummydesign.pad.tables.square import square_factor
+        from dummydesign.pad.force_source import corners_of, has_square_factor, solve_points
 
         curve = solve_points(self.pad, self.depths_mm, cells=FINE_CELLS)
         if len(curve.depth_mm) < LEAST_DEPTHS:
             raise self._unsolved(reason=f": {curve.notes[0]}" if curve.notes else "")
         area, error = curve.force_N / self.pad.young_MPa, curve.error_N / curve.force_N
         if isinstance(self.pad, Pad) and has_square_factor(self.pad):
-            pad, filleted = self.pad, bool(self.pad.edge_radius_mm)
-            factor, doubt = square_factor(curve.depth_mm, pad.thickness_mm, pad.radius_mm, pad.base, filleted)
+            factor, doubt = corners_of(self.pad)(curve.depth_mm)
             area, error = area * factor, error + doubt
         return curve.depth_mm, area, error
 

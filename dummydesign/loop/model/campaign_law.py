@@ -179,7 +179,7 @@ def _solved(
         own = [trial for trial in trials if trial.thickness_mm in group]
         young = 1.0 if pad.base in BASES or shape == "cylinder" else 1e-3 * material_of(campaign).young_kPa
         made = pad_of(campaign, float(np.mean(group)) if len(group) > 1 else group[0], young, geometry)
-        if isinstance(made, Pad) and not punch.edge_radius_mm:
+        if isinstance(made, Pad) and not punch.edge_radius_mm and not made.geometry.crowned:
             made = replace(made, sides_mm=None)
         what = "puck" if isinstance(made, Puck) else f"{geometry} pad"
         progress(f"force law of the {what} of {made.thickness_mm:g} mm ({number + 1} of {len(groups)})")

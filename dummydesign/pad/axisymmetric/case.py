@@ -250,10 +250,16 @@ def relative_depths(depth_mm: ArrayLike, thickness_mm: float) -> Array:
     depths = np.unique(np.asarray(depth_mm, dtype=float))
     limit = MAX_DEPTH_OVER_THICKNESS * thickness_mm
     depths = depths[depths != 0.0]
-    if not len(depths) or not np.isfinite(depths).all() or depths[0] < 0.0 or depths[-1] > limit * (1.0 + 1e-9):
-        worst = depths[-1] if len(depths) else "nothing"
-        message = f"depth_mm = {worst} is outside the allowed range above 0 to {limit:.4g}"
-        raise InputError(message, "out_of_range", "depth_mm", worst, (0.0, limit))
+    wrong = depths[~((depths > 0.0) & (depths <= limit * (1.0 + 1e-9)))]
+    if len(wrong) or not len(depths):
+        worst = float(wrong[0]) if len(wrong) else 0.0
+        raise InputError(
+            f"depth_mm = {worst:g} is outside the allowed range above 0 to {limit:.4g}",
+            "out_of_range",
+            "depth_mm",
+            worst,
+            (0.0, limit),
+        )
     return depths / thickness_mm
 
 

@@ -467,6 +467,22 @@ def _correction(load: Load, grid: GridFineness, twin: RoundTwin) -> Array:
     return edge * twin.change_on(lines, grid.cells, grid.rim * plane.scale / twin.case.scale)
 
 
+def solve_eighth(pad: Pad, depths: Array, grid: GridFineness) -> tuple[Array, Array, Array]:
+    """Force of a square, round pad under a square punch over that of the circle of its area, and its correction."""
+    load = Load.of(pad, float(depths[0]))
+    twin = _round_twin(load, depths)
+    assert twin is not None
+    x = axis_lines(load, grid, 0)
+    part = space.quarter(x, x, levels(load, grid), folded=True, bend=load.bend)
+    base = np.unique(space.horizontal_faces(part.mesh, np.nonzero(part.lattice[0] == 0)[0], upper=False))
+    strength = SHAPED_PAD_IN_SPACE.contact * load.law.shear_MPa / float(min(load.half_sides) / grid.cells)
+    problem = contact_problem(load, part, base, part.share * strength, grid.rim * load.scale)
+    path = follow(problem, twin.depths, 0.25 * depths[0], 0.08 * load.scale, depths[0] / 256.0)
+    count = len(path.force)
+    correction = _correction(load, grid, twin)[:count]
+    return twin.depths[:count], PARTS * path.force / twin.force[:count] * np.exp(correction), correction
+
+
 HALF_SIDE_MM = 0.5 * PUNCH_SIDE_MM
 # Cells over half a pitch of the table's solves, and of the finer ones that say what cells change.
 COARSE, FINER = 2, 3

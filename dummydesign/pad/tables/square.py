@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,7 @@ from dummydesign.core import user_library as json_table
 from dummydesign.core.errors import InputError
 from dummydesign.core.interpolation import between
 from dummydesign.core.user_library import fill_table
+from dummydesign.geometry.conic import conic_radius, conic_sag
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.punch import punch_sides_mm
 from dummydesign.pad.force_law import ForceLaw, ScaledLaw
@@ -80,6 +83,85 @@ def square_factor(
     value, error = table.factor(depth / thickness, ratio)
     error = np.maximum(error, square_doubt(depth / thickness, ratio))
     return value, error + DOUBTED_WITH_FILLET * np.abs(value - 1.0) if filleted else error
+
+
+@dataclass(frozen=True)
+class CrownTable:
+    """A square punch on a crown over the circle of its area; see :func:`crown_factor`."""
+
+    coefficients: Array
+    error: float
+    foot_error: float
+    provenance: dict[str, Any]
+
+
+@lru_cache(maxsize=1)
+def load_crown() -> CrownTable:
+    """Read the numbers of the factor of crowns."""
+    command = "python -m studies.tables.square_crown"
+    return json_table.read("square-crowned.json", "factor of crowns", command, partial(fill_table, CrownTable))
+
+
+NODES, WEIGHTS = (0.5 * one for one in np.polynomial.legendre.leggauss(6))
+NODES = NODES + 0.5
+# Radii over the circle's at which its area and the square's differ, and how much of each ring the square has more.
+_RINGS = [SIDE_OVER_RADIUS, 1.0, SIDE_OVER_RADIUS * np.sqrt(2.0)]
+RING = np.concatenate([low + (high - low) * NODES for low, high in pairwise(_RINGS)])
+RING_WEIGHT = np.concatenate([(high - low) * WEIGHTS for low, high in pairwise(_RINGS)])
+RING_WEIGHT = RING_WEIGHT * RING * ((RING > 1.0) - 4.0 / np.pi * np.arccos(SIDE_OVER_RADIUS / RING))
+# Share of the depth at which the contact reaches the square's side from which the error begins.
+ERROR_BEGINS = 0.7
+# Feet over the circle's radius about which the solved factors scatter on thin pads, and how far.
+FOOT, FOOT_WIDTH = 0.96, 0.12
+
+
+def crown_factor(
+    depth_mm: ArrayLike,
+    thickness_mm: ArrayLike,
+    radius_mm: ArrayLike,
+    crown: Mapping[str, ArrayLike],
+    table: CrownTable | None = None,
+) -> tuple[Array, Array]:
+    """Static force on a round crown under a square punch over that under the circle of its area, and its error.
+
+    The crown's corners lie deeper than the circle's rim. Pressures go with a power of the overlap e = k d - sag, so
+    that the factor is 1 + A (S - C) / C, with S and C the integrals of e^m over square and circle; k, A and m go with
+    powers of thickness over radius. It is 1 until the contact reaches the square's sides. Where the corners are in
+    contact it has as much of the slab's factor as the overlap there is of that at the tip.
+
+    Parameters
+    ----------
+    depth_mm, thickness_mm, radius_mm : array_like, broadcast
+        Depth, thickness at the tip, radius of the circle. [mm]
+    crown : mapping of str to array_like
+        ``radius`` of the tip, ``height`` and ``foot``, broadcast with the depth. [mm]
+    """
+    table = table or load_crown()
+    given = (depth_mm, thickness_mm, radius_mm, *(crown[name] for name in ("radius", "height", "foot")))
+    depth, h, a, tip, height, foot = (np.asarray(one, float)[..., None] for one in given)
+    log = np.log(h / a)
+    k, m, strength = (np.exp(one + slope * log) for one, slope in table.coefficients.reshape(3, 2))
+    reach = k * np.maximum(depth, 1e-9 * h)
+
+    def overlap(r: Array) -> Array:
+        return np.maximum(reach - conic_sag(r, tip, height, foot), 0.0)
+
+    inner = np.minimum(foot, a)
+    # to the contact's rim on the crown, then over the flat around it
+    rim = np.where(reach < height, np.minimum(conic_radius(reach, tip, height, foot), inner), inner)
+    circle = (overlap(rim * NODES) ** m * rim**2 * NODES) @ WEIGHTS
+    circle += 0.5 * (np.maximum(reach - height, 0.0) ** m * (a**2 - inner**2))[..., 0]
+    more = (overlap(a * RING) ** m * a**2) @ RING_WEIGHT
+    value = 1.0 + strength[..., 0] * more / circle
+    # of pads beyond the slab's table the factor is that of its end
+    ends = load_square().ratio_range
+    of_slab, doubt = load_square().factor((depth / h)[..., 0], np.clip(a / h, *ends)[..., 0])
+    corner = (overlap(np.sqrt(2.0) * SIDE_OVER_RADIUS * a) / reach)[..., 0]
+    value = value * (1.0 + (of_slab - 1.0) * corner)
+    met = (reach / conic_sag(SIDE_OVER_RADIUS * a, tip, height, foot))[..., 0]
+    begun = np.clip((met - ERROR_BEGINS) / (1.0 - ERROR_BEGINS), 0.0, 1.0)
+    near = np.exp(-(((foot / a - FOOT) / FOOT_WIDTH) ** 2)) * np.clip((1.35 - h / a) / 0.35, 0.0, 1.0)
+    return value, begun * (table.error + table.foot_error * near[..., 0]) + doubt * corner
 
 
 def square_law(circle: ForceLaw, base: str, filleted: bool = False) -> ScaledLaw:

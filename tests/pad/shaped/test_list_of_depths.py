@@ -12,6 +12,7 @@ from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.shaped_pad import last_known, solve_shaped_pad
 from dummydesign.pad.axisymmetric.shaped_problem import LEAST_DEPTH, Climb, PathCache, climb, grids, meshed
 from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.predict import predict_static
 from dummydesign.pad.solve.continuation import ForcePath, VisitedState, force_between
 
 pytestmark = pytest.mark.slow
@@ -38,6 +39,17 @@ def test_force_and_stated_error_do_not_know_the_other_depths(shape, more):
         own = curves[0].force_N[-len(at) :], curves[0].error_N[-len(at) :]
         assert curve.force_N[at] == pytest.approx(own[0], rel=1e-9)
         assert curve.error_N[at] == pytest.approx(own[1], rel=1e-9)
+
+
+@pytest.mark.parametrize(("shape", "thickness"), [("crowned:2.6,3.2,7.8", 10.0), ("crowned:2.4,3.5,7.8", 11.0)])
+def test_depths_above_the_first_that_is_solved_have_a_force_of_their_own(shape, thickness):
+    pad = Pad(thickness, 0.03, 7.899, geometry=read_shape(shape))
+    wanted = [0.001, 0.2, 0.44]
+    among = predict_static(pad, [*wanted, 2.0], "axisymmetric")
+    assert np.all(np.diff(among.force_N) > 0.0)
+    for depth, force, high in zip(wanted, among.force_N, among.force_high_N):
+        alone = predict_static(pad, [depth], "axisymmetric")
+        assert np.abs(np.log(alone.force_N / force)) < np.log(alone.force_high_N / alone.force_N) + np.log(high / force)
 
 
 def test_forces_between_the_ends_of_steps_are_those_solved_there():

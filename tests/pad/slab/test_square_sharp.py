@@ -25,6 +25,7 @@ from dummydesign.pad.spatial.square_punch import (
     twin_problem,
 )
 from tests.support.refusal import raises_code
+from tests.support.residuals import added_up, backward_error, out_of_balance, rounding
 
 LAW = Yeoh(1.0)
 
@@ -74,9 +75,11 @@ def test_the_dissection_solves_what_a_sparse_factorisation_solves():
     solid, rng = problem.solid, np.random.default_rng(3)
     tangent = solid.linearise(solid.state(*problem.start()))
     load = rng.standard_normal(solid.mesh.size)
-    reference = Pattern([solid.mesh.dofs], problem.pattern.free, solid.mesh.size).solve([tangent.stiffness], load)
-    found = problem.pattern.solve([tangent.stiffness], load)
-    assert found == pytest.approx(reference, abs=1e-8 * np.abs(reference).max())
+    free, groups = problem.pattern.free, [solid.mesh.dofs]
+    whole = added_up(groups, [tangent.stiffness], solid.mesh.size)
+    for pattern in (problem.pattern, Pattern(groups, free, solid.mesh.size)):
+        answer = pattern.solve([tangent.stiffness], load)
+        assert backward_error(whole, free, answer, load) < rounding(free)
 
 
 def test_the_dissection_also_solves_an_indefinite_matrix():
@@ -86,11 +89,8 @@ def test_the_dissection_also_solves_an_indefinite_matrix():
     matrix = solid.linearise(solid.state(*problem.start())).stiffness
     matrix = matrix - 0.7 * np.eye(81) * np.abs(matrix).max()
     load = np.random.default_rng(4).standard_normal(solid.mesh.size)
-    answer = problem.pattern.solve([matrix], load)
-    local = (matrix @ answer[solid.mesh.dofs][:, :, None])[:, :, 0]
-    product = np.bincount(solid.mesh.dofs.ravel(), local.ravel(), minlength=solid.mesh.size)
-    free = problem.pattern.free
-    assert product[free] == pytest.approx(load[free], abs=1e-9 * np.abs(matrix).max())
+    free, whole = problem.pattern.free, added_up([solid.mesh.dofs], [matrix], solid.mesh.size)
+    assert backward_error(whole, free, problem.pattern.solve([matrix], load), load) < rounding(free)
 
 
 def test_the_dissection_adds_up_an_unknown_that_a_cell_has_twice():
@@ -235,9 +235,11 @@ def test_a_folding_corner_is_left_out_and_not_reported_as_a_ratio():
 
 
 def test_a_rectangle_turned_by_a_right_angle_carries_the_same():
-    one = block_problem(SquareProblem((1.0, 0.5), (6.0, 4.0)), CornerCells(0.3)).stiffness()
-    other = block_problem(SquareProblem((0.5, 1.0), (4.0, 6.0)), CornerCells(0.3)).stiffness()
-    assert one == pytest.approx(other, rel=1e-9)
+    blocks = SquareProblem((1.0, 0.5), (6.0, 4.0)), SquareProblem((0.5, 1.0), (4.0, 6.0))
+    one, other = (block_problem(block, CornerCells(0.3)) for block in blocks)
+    known = out_of_balance(one) + out_of_balance(other)
+    # next to which the 1e-5 that a reported force may change by compressibility is large
+    assert known < 1e-5 and one.stiffness() == pytest.approx(other.stiffness(), rel=known)
 
 
 @pytest.mark.slow

@@ -15,7 +15,6 @@ CALLS = (
     "calibrate",
     "close_loop",
     "compare",
-    "compare_designs",
     "fit",
     "import_traces",
     "load_resin",

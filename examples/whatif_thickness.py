@@ -1,4 +1,4 @@
-"""How the local exponent depends on thickness, glued and sliding, in two processes that can be stopped."""
+"""How the local exponent depends on thickness, glued and sliding, in two processes."""
 
 from concurrent.futures import ProcessPoolExecutor
 
@@ -8,7 +8,7 @@ import dummydesign
 def main():
     with ProcessPoolExecutor(2) as pool:
         found = dummydesign.whatif(
-            "4:24:4", [15.5], base="bonded,sliding", force_N=[2, 5], executor=pool, out="thickness", resume=True
+            "4:24:4", [15.5], base="bonded,sliding", force_N=[2, 5], executor=pool, out="thickness"
         )
     for row in found.rows:
         exponents = ", ".join(

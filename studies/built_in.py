@@ -1,9 +1,9 @@
-"""What `suggest` recommends for the tissues of the library, and what to measure first.
+"""What `suggest` recommends for the tissues of the library.
 
     python -m studies.built_in
 
 designs a pad for the forefinger, the palm and the thenar as ``dummydesign suggest --tissue NAME`` does, and the best
-slab beside it, and writes two tables into ``docs/design.md``. Nothing is drawn with another seed than the command's.
+slab beside it, and writes a table into ``docs/design.md``. Nothing is drawn with another seed than the command's.
 """
 
 from __future__ import annotations
@@ -22,9 +22,7 @@ from studies.marked_page import MarkedPage
 TISSUES = ("forefinger", "palm", "thenar")
 PAGE = Path("docs") / "design.md"
 DESIGNS = MarkedPage(PAGE, "<!-- built-in tissues: begin -->", "<!-- built-in tissues: end -->")
-MEASURE_FIRST = MarkedPage(PAGE, "<!-- measure first: begin -->", "<!-- measure first: end -->")
 SHARES = {"resin_known": "average batch", "after_puck": "after a puck"}
-KNOWN = {"modulus": "modulus known", "relaxation": "relaxation known", "modulus+relaxation": "both known"}
 
 Answers = Sequence[tuple[str, Mapping[str, Any], Mapping[str, Any] | None]]
 """Tissue, answer, and the answer with slabs alone; None where none reaches the presses."""
@@ -39,24 +37,24 @@ def answer_of(tissue: str, **options: Any) -> dict[str, Any] | None:
 
 
 def design_table(answers: Answers) -> str:
-    """One row a tissue: verdict, pad, fractions of castings, factors on energies, and the best slab.
-
-    Fractions of a known resin and after a puck have columns where the answers state them.
-    """
-    shares = [name for name in SHARES if all(name in answer.get("shares", {}) for _, answer, _ in answers)]
+    """One row a tissue: verdict, pad, fractions of castings, factors on energies, and the best slab."""
     head = [
         "tissue",
         "verdict",
         "shape, thickness, ratio",
         "usable as poured",
-        *(SHARES[name] for name in shares),
+        *SHARES.values(),
         "out of reach",
         "factor on energies: central, 95 %, average batch",
         "best slab",
     ]
     rows = []
     for tissue, answer, slab in answers:
-        best, castings, factor = answer["recommendation"], answer["castings"], answer["verdict"]["correction"]
+        best, castings, factor = (
+            answer["recommendation"],
+            answer["shares"]["as_poured"],
+            answer["verdict"]["correction"],
+        )
         factors = (factor[name] for name in ("factor_central", "factor", "factor_after_measuring"))
         shape = str(best["shape"]).partition(":")
         lengths = ",".join(part.partition("=")[2] for part in shape[2].split(",")) if shape[2] else ""
@@ -66,26 +64,13 @@ def design_table(answers: Answers) -> str:
                 level_name(answer["verdict"]["level"]),
                 f"{shape[0]}{f':{lengths}' if lengths else ''}, {best['thickness_mm']:g} mm, {best['ratio']:g}",
                 _percent(castings["usable"]),
-                *(_percent(answer["shares"][name]["usable"]) for name in shares),
+                *(_percent(answer["shares"][name]["usable"]) for name in SHARES),
                 _percent(castings["out_of_reach"]),
                 ", ".join("-" if one is None else f"{one:.2f}" for one in factors),
                 _slab_words(slab),
             ]
         )
     return _table(head, rows)
-
-
-def measure_table(answers: Answers) -> str:
-    """One row a tissue: fraction of acceptable castings now, and with a part of the resin known; the best part bold."""
-    rows = []
-    for tissue, answer, _ in answers:
-        first = answer["measure_first"]
-        known = {name: first["acceptable_if_known"][name] for name in KNOWN}
-        cells = [
-            f"**{_percent(share)}**" if name == first["group"] else _percent(share) for name, share in known.items()
-        ]
-        rows.append([tissue, f"`{first['acceptable_means']}`", _percent(first["acceptable_now"]), *cells])
-    return _table(["tissue", "acceptable means", "now", *KNOWN.values()], rows)
 
 
 def _percent(share: float) -> str:
@@ -113,11 +98,10 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def main() -> None:
-    """Design for each tissue and write the tables."""
+    """Design for each tissue and write the table."""
     argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     repository = Path.cwd()
-    for page in (DESIGNS, MEASURE_FIRST):
-        page.read(repository)
+    DESIGNS.read(repository)
     answers = []
     for tissue in TISSUES:
         answer = answer_of(tissue)
@@ -125,7 +109,6 @@ def main() -> None:
             raise SystemExit(f"no pad reaches the presses of {tissue}")
         answers.append((tissue, answer, answer_of(tissue, shape="slab")))
     DESIGNS.write(repository, design_table(answers))
-    MEASURE_FIRST.write(repository, measure_table(answers))
 
 
 if __name__ == "__main__":

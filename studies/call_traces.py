@@ -121,9 +121,6 @@ WAYS = (("a design", design), ("a campaign", campaign), ("a slider", slider))
 QUESTION = {
     "hold": ("11.37", 11.37),
     "deceleration": ("31234.5", 31234.5),
-    "balance": ("0.1237", 0.1237),
-    "thickness-tolerance": ("0.2137", 0.2137),
-    "castings": ("1234", 1234),
     "pad": ("151x121", (151.0, 121.0)),
     "force": ("5.1,9.9,15.2", (5.1, 9.9, 15.2)),
     "velocity": ("11,240", (11.0, 240.0)),
@@ -174,7 +171,7 @@ class Forms:
     def form_of(self, value: Any) -> Hashable:
         """The form that a value is; None for one that is none."""
         if isinstance(value, str):
-            return "JSON" if value[:1] == "{" and all(typed in value for typed in ("11.37", "0.2137")) else None
+            return "JSON" if value[:1] == "{" and all(typed in value for typed in ("11.37", "31234.5")) else None
         if id(value) not in self.known or isinstance(value, dict):
             self.known[id(value)] = value, None  # it may hold itself
             self.known[id(value)] = value, self._told(value)

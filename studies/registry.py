@@ -45,7 +45,7 @@ SHAPES = tuple(
         (f"{TABLES}{kind}-bonded.json",),
         f"response table of {kind} pads",
     )
-    for kind, count, fresh in (("crowned", 494, 40), ("layered", 80, 40), ("boned", 80, 40), ("bumped", 60, 20))
+    for kind, count, fresh in (("crowned", 494, 40), ("layered", 80, 40), ("boned", 80, 40))
 )
 STUDIES = (
     Study(
@@ -151,7 +151,7 @@ STUDIES = (
         "what each shape reaches for each tissue",
         "6 min",
     ),
-    Study("built_in", "", ("docs/design.md",), "recommended pads of the built-in tissues, and what to measure first"),
+    Study("built_in", "", ("docs/design.md",), "recommended pads of the built-in tissues"),
     Study("shape_figure", "", ("docs/images/shapes.png",), "cross-sections of the best pads of a forefinger", "2 s"),
     Study(
         "real_data",
@@ -189,6 +189,12 @@ STUDIES = (
     Study("call_traces", "", ("docs/architecture.md",), "ways of design, campaign and slider", "1 min"),
     Study("errors", "", ("docs/errors.md",), "list of error codes", "1 s"),
     Study("front_picture", "", ("docs/images/pad-and-force.png",), "picture of the README", "1 min"),
+    Study(
+        "on_person_figures",
+        "",
+        tuple(f"docs/images/on-person-{drive}.svg" for drive in ("position", "steady", "force", "mass", "spring")),
+        "one press on people under each drive",
+    ),
     Study("loop_figure", "", ("docs/images/loop.svg",), "the loop on one simulated campaign", "30 s"),
     Study("architecture", "", ("docs/images/architecture.svg",), "picture of the rooms", "1 s"),
 )
@@ -255,7 +261,6 @@ DATA_FILES = (
     DataFile("pad-checks.csv", "", f"{BY_HAND} of comparisons; its last column names the test or command of each"),
     DataFile("pad-getfem.csv", "python -m benchmarks.accuracy.pad_getfem --python PATH", f"{COPIED}; GetFEM is needed"),
     DataFile("pad-limits.csv", "", f"{BY_HAND} of where solved curves ended and the errors that they stated"),
-    DataFile("pad-rejected.csv", "", f"{BY_HAND} of methods that left the sources; cannot be measured again"),
     DataFile("pad-three-fillets.csv", "", f"{BY_HAND} of counts of one comparison; no command repeats it"),
     DataFile("pad-time.csv", "python -m benchmarks.speed.pad", f"{COPIED}; on one machine"),
     DataFile("people-share.csv", "python -m benchmarks.accuracy.people_share FILE.csv", WRITTEN),

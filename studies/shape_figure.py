@@ -32,7 +32,8 @@ def main() -> None:
     x = np.linspace(-HALF_MM, HALF_MM, 641)
     highest = max(float(row["thickness_mm"]) for row in designs) + GAP_MM + PUNCH_MM + 0.5
     figure, axes = plt.subplots(2, 3, figsize=(7.4, 4.4), layout="constrained", sharex=True, sharey=True)
-    axes.flat[-1].set_axis_off()
+    for panel in axes.flat[len(designs) :]:
+        panel.set_axis_off()
     for panel, row in zip(axes.flat, designs):
         shape, thickness = read_shape(row["shape"]), float(row["thickness_mm"])
         top, bone = thickness - shape.drop_mm(x, 0.0 * x), shape.bone_mm(x, 0.0 * x)

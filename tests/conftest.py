@@ -49,3 +49,21 @@ def one_thread() -> Iterator[None]:
 
     with threadpool_limits(1, "blas"):
         yield
+
+
+@pytest.fixture
+def own_folder(tmp_path, monkeypatch):
+    """A user's folder, and a function that writes a changed file of the package into it."""
+    home = tmp_path / "home"
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(home))
+
+    def write(name, old="", new=""):
+        from dummydesign.core.user_library import data_folder
+
+        text = (data_folder() / name).read_text()
+        assert old in text
+        (home / name).parent.mkdir(parents=True, exist_ok=True)
+        (home / name).write_text(text.replace(old, new, 1))
+        return home / name
+
+    return write

@@ -63,6 +63,12 @@ PALM_OPTIONS = [
 ]
 
 
+# a crown that is not red, so that its mould is made
+USABLE = {"shape": "crowned:21.2,2,9.4", "thickness_mm": (4.5, 4.5), "ratio": (15.3, 15.5)}
+USABLE_OPTIONS = ["suggest", "--tissue", "forefinger", "--shape", USABLE["shape"], "--thickness", "4.5:4.5"]
+USABLE_OPTIONS += ["--ratio", "15.3:15.5", "--no-verify"]
+
+
 @pytest.mark.slow
 def test_suggest_is_the_answer_of_the_command(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -83,10 +89,8 @@ def test_suggest_is_the_answer_of_the_command(capsys, tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_suggest_weighs_what_the_solids_hold_as_the_command_does(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    answer = dummydesign.suggest("palm", **PALM, verify=False, cad=True, out="a")
-    mine, red = plain(answer), not answer.outcome.verdict.acceptable
-    theirs = printed(capsys, *PALM_OPTIONS, "--cad", "--out", "a", status=int(red))
-    assert not red or theirs.pop("error")["code"] == "no_acceptable_pad"
+    mine = plain(dummydesign.suggest("forefinger", **USABLE, verify=False, out="a"))
+    theirs = printed(capsys, *USABLE_OPTIONS, "--out", "a")
     for found in (mine, theirs):
         assert found["mold"].pop("seconds") > 0 and found["mold"].pop("memory_MB") > 0
     assert mine == theirs
@@ -101,16 +105,11 @@ def test_without_cad_both_name_the_same_next_command_and_keep_the_recipe(capsys,
     monkeypatch.setattr("dummydesign.mold.client.make_mold", broken)
     monkeypatch.chdir(tmp_path)
     with pytest.raises(NoAnswerError, match="dummydesign mold --thickness") as caught:
-        dummydesign.suggest("palm", **PALM, verify=False, cad=True, out="a")
-    theirs = printed(capsys, *PALM_OPTIONS, "--cad", "--out", "a", status=1)
+        dummydesign.suggest("forefinger", **USABLE, verify=False, out="a")
+    theirs = printed(capsys, *USABLE_OPTIONS, "--out", "a", status=1)
     error = theirs.pop("error")
     assert error == caught.value.to_dict()
     assert json.loads(json.dumps(caught.value.result)) == theirs
-
-
-def test_a_mould_needs_a_folder():
-    with raises_code("missing", "out"):
-        dummydesign.suggest("palm", cad=True, verify=False)
 
 
 def test_whatif_is_the_answer_of_the_command_with_its_warnings(capsys, tmp_path, monkeypatch):
@@ -136,7 +135,6 @@ COMMAND_OF = {
     "import_traces": ["import", "a.csv"],
     "fit": ["fit", "a.csv"],
     "compare": ["compare", "a.csv", "--tissue", "palm"],
-    "compare_designs": ["compare-designs", "a", "b"],
     "on_person": ["on-person", "a.csv", "--tissue", "palm"],
     "calibrate": ["loop", "campaign"],
     "close_loop": ["loop", "campaign"],
@@ -296,10 +294,7 @@ def test_answers_of_designs_are_typed_and_show_the_screen_of_the_command():
     assert one.verdict.level == plain_values["verdict"]["level"]
     assert one.design.thickness_mm == plain_values["recommendation"]["thickness_mm"] == 16.0
     assert one.shares.after_puck.usable == plain_values["shares"]["after_puck"]["usable"]
-    with pytest.warns(DeprecationWarning, match="verdict|level"):
-        assert one.verdict["level"] == one.verdict.level
-    with pytest.warns(DeprecationWarning, match="best"):
-        assert one.outcome.recommended is one.design
+    assert one.outcome.best is one.design
     shown = one._repr_html_()
     assert shown.startswith("<pre>") and escape(plain_values["verdict"]["text"][:20]) in shown
 

@@ -7,9 +7,9 @@ import importlib
 import pytest
 
 NAMES = {
-    "dummydesign": "__version__ calibrate close_loop compare compare_designs fit import_traces load_resin load_tissue "
+    "dummydesign": "__version__ calibrate close_loop compare fit import_traces load_resin load_tissue "
     "make_mould on_person predict record_pad replay suggest whatif",
-    "dummydesign.api": "Answer Fitted Predicted Result Rows calibrate close_loop compare compare_designs fit "
+    "dummydesign.api": "Answer Fitted Predicted Result Rows calibrate close_loop compare fit "
     "import_traces load_resin load_tissue make_mould on_person predict record_pad replay suggest whatif",
     "dummydesign.cli": "main run",
     "dummydesign.core.errors": "DummydesignError InputError NoAnswerError",
@@ -32,12 +32,3 @@ def test_public_names_are_there(module):
 def test_the_front_door_has_these_names_and_no_others():
     for module in ("dummydesign", "dummydesign.api", "dummydesign.loop"):
         assert sorted(importlib.import_module(module).__all__) == sorted(NAMES[module].split())
-
-
-def test_the_earlier_name_of_an_outcome_answers_with_a_warning():
-    from dummydesign.api.answers import Result
-
-    answer = Result("objects", {})
-    with pytest.warns(DeprecationWarning, match="outcome"):
-        earlier = getattr(answer, "found")  # noqa: B009  not to be renamed
-    assert earlier == answer.outcome == "objects"

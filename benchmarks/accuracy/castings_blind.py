@@ -65,7 +65,7 @@ GEOMETRIES = (
 )
 """Tissue, shape and thickness of what is pressed; the first three are what ``suggest`` recommends. [mm]"""
 KNOWLEDGE = ("as stated", "modulus known", "measured", "measured, made well")
-MADE_WELL: dict[str, Any] = {"weighing_g": 0.01, "thickness_tolerance_mm": 0.05}
+MADE_WELL: dict[str, Any] = {"weighing_g": 0.01, "thickness_mm": 0.05}
 AROUND, TRIED = 9, 28
 """Steps of the ratio to either side that are judged, and depths at which a pad is pressed."""
 CLASSES = ("stands_for", "with_correction", "reads_low", "over", "out_of_reach")
@@ -301,7 +301,9 @@ def classes_of(lowest: NDArray, highest: NDArray, reached: NDArray, limits) -> N
 def designs_of(tissue: str, shape: str, thickness: float, knowledge: str, verify: bool) -> list[tuple]:
     """What ``suggest`` says of a shape, and designs of it: that, and the middle ratio of every level near it."""
     made: dict[str, Any] = MADE_WELL if knowledge == KNOWLEDGE[-1] else {}
-    inputs = read_problem(Request(tissue, shape=shape, thickness_mm=(thickness, thickness), verify=verify, **made))
+    inputs = read_problem(Request(tissue, shape=shape, thickness_mm=(thickness, thickness), verify=verify))
+    as_asked = inputs.tolerances
+    inputs = replace(inputs, tolerances=lambda *pad: replace(as_asked(*pad), **made))
     resin = known_resin(inputs.resin, knowledge)
     castings = Castings(resin, inputs.castings.n)
     inputs = space = replace(inputs, resin=resin, ratio=resin.ratios(), castings=castings)
@@ -330,7 +332,8 @@ def run_one(design_: tuple, case: tuple, pads: int, seed: int) -> dict:
     number, (tissue, shape, thickness), knowledge = case
     answer, ratio, judged, recommended = design_
     rng = np.random.default_rng([seed, number, round(100 * ratio)])
-    making = answer.castings.tolerances.pour_g, answer.request.weighing_g, answer.request.thickness_tolerance_mm
+    errors = answer.castings.tolerances
+    making = errors.pour_g, errors.weighing_g, errors.thickness_mm
     row = {
         "number": number,
         "seed": seed,

@@ -30,7 +30,7 @@ before doubts about labels and before the limit of 40 s. The present one was run
 `tests/support/independent_generator.py` has laws of its own: force curves by GetFEM, two times for every arm, other
 exponents and orders, another plan. Single effects have sizes over two decades, pairs and threes one to three times the
 usual size. {count} campaigns: `python -m benchmarks.accuracy.loop_independent_generator --seed 1500000 --campaigns
-{count} --rows FILE` ([all commands](../benchmarks/results/README.md)).
+{count} --rows FILE` ([all commands](../benchmarks/README.md)).
 
 {rates}
 - Sizes are compared for effects whose law is the same in both: {same}.

@@ -40,7 +40,7 @@ def drawn(rng: Generator) -> dict[str, Any]:
     """Arguments of a specification."""
     thickness = float(rng.integers(6, 61)) / 2
     length, width = (float(side) for side in rng.integers(30, 201, 2))
-    kind = str(rng.choice(["slab", "crowned", "bumped", "layered", "boned", "puck"]))
+    kind = str(rng.choice(["slab", "crowned", "layered", "boned", "puck"]))
     preset = str(rng.choice(["open", "lidded", "printed"]))
     asked = {
         "thickness_mm": thickness,
@@ -55,8 +55,6 @@ def drawn(rng: Generator) -> dict[str, Any]:
         asked["shape"] = f"{kind}:{rng.uniform(4, 25):.1f},{part:.1f}"
     if kind == "layered":
         asked["shape"] = f"layered:{part:.1f},{rng.uniform(0.3, 3):.2f}"
-    if kind == "bumped":
-        asked["shape"] = f"bumped:{rng.uniform(4, 8):.1f},{rng.uniform(3, 8):.1f},{rng.uniform(0.5, 1.5):.1f}"
     if kind in ("slab", "puck", "crowned") and preset != "lidded":
         asked["count"] = int(rng.choice([1, 1, 1, 2, 4]))
     return asked

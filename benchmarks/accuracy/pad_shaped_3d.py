@@ -1,10 +1,10 @@
-"""Shaped pads in space: a punch that lands beside the apex, square over round, and lattices of caps.
+"""Shaped pads in space: a punch that lands beside the apex, and square over round.
 
-    python -m benchmarks.accuracy.pad_shaped_3d offset|square|bumped [--cells N] [--only K]
+    python -m benchmarks.accuracy.pad_shaped_3d offset|square [--cells N] [--only K]
 
 Forces are F / E in mm2 under the 14 x 14 mm punch with a bead of 0.1 of the smaller of half side and thickness
 at its edge; what touches sticks. ``offset`` prints each force over the centred one, ``square`` that over the round
-punch of equal area on an axisymmetric grid with the same bead, ``bumped`` F / E with its local exponent.
+punch of equal area on an axisymmetric grid with the same bead.
 Work is counted in unknowns and Newton iterations; minutes per curve.
 """
 
@@ -15,7 +15,6 @@ import argparse
 import numpy as np
 
 from dummydesign.geometry.pad_shape import PadShape
-from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.shaped_problem import solve_path
@@ -27,13 +26,6 @@ SIDE_MM = 7.0
 RADIUS_MM = 14.0 / np.sqrt(np.pi)
 CROWNS = ((Crowned(10.0, 2.0), 5.0), (Crowned(3.0, 8.0, 8.0), 15.0))
 OFFSETS_MM = (1.0, 2.0, 3.0)
-BUMPS = (
-    (Bumped(5.0, 3.0, 1.2, 0.3), 5.0),
-    (Bumped(5.0, 3.0, 1.2, 0.3), 10.0),
-    (Bumped(5.0, 3.0, 1.2, 0.3), 15.0),
-    (Bumped(5.0, 3.0, 1.2, 0.2), 10.0),
-    (Bumped(5.0, 3.0, 1.2, 0.4), 10.0),
-)
 
 
 def force(shape: PadShape, thickness_mm: float, offset_mm: float, cells: int) -> np.ndarray:
@@ -68,13 +60,12 @@ def show(name: str, values: np.ndarray) -> None:
 def main() -> None:
     """Run one study."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("study", choices=("offset", "square", "bumped"))
+    parser.add_argument("study", choices=("offset", "square"))
     parser.add_argument("--cells", type=int, default=5)
     parser.add_argument("--only", type=int, help="number of the pad in the list")
     options = parser.parse_args()
-    pads = BUMPS if options.study == "bumped" else CROWNS
     show("d/h", SHARES)
-    for number, (shape, h) in enumerate(pads):
+    for number, (shape, h) in enumerate(CROWNS):
         if options.only not in (None, number):
             continue
         centred = force(shape, h, 0.0, options.cells)
@@ -85,11 +76,9 @@ def main() -> None:
                 press = Case(RADIUS_MM / h, extent, shape=shape, thickness_mm=h, first=SHARES[0])
                 path = solve_path(press, SHARES, cells, 0.1)
                 show(f"square over round ({cells} cells)", centred[: len(path.force)] / (path.force * h**2 / 3.0))
-        elif options.study == "offset":
+        else:
             for offset in OFFSETS_MM:
                 show(f"{offset:g} mm off / centred", force(shape, h, offset, options.cells) / centred)
-        else:
-            show("local exponent", np.gradient(np.log(centred), np.log(SHARES)))
 
 
 if __name__ == "__main__":

@@ -7,6 +7,11 @@ drawn) or bonded ones. The elastic force is solved by finite elements; relaxatio
 noise of 0.01 to 0.05 N is added. The plates are declared as they are; of every fifth pair also left open and declared
 wrongly.
 
+``--friction 100`` presses that many pucks slowly without a hold instead, each with its own friction from the prior of
+lubricated plates (and as many with friction exactly 0 and 0.1), and reads them as lubricated. Elastic forces are solved
+by finite elements at five frictions for each of a few drawn laws and interpolated here; the prior, the scatter of 2 %
+between pucks and the solver are the product's, its friction table and its elastic law are not.
+
 It counts how often 95 % intervals of the resin that results hold the batch's modulus and the sum of its strengths
 between 10 ms and 10 s, and how wide they are.
 """
@@ -18,7 +23,7 @@ import math
 import os
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -28,17 +33,22 @@ from scipy.interpolate import PchipInterpolator
 from scipy.signal import lfilter
 
 from benchmarks.rows import scratch, write_csv
+from dummydesign.core.quantity import value_at
 from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import HyperelasticLaw, Ogden, Yeoh
 from dummydesign.pad.pad_under_punch import Puck
+from dummydesign.pad.tables.puck import table_for
 from dummydesign.resin import load_resin
-from dummydesign.resin.puck_test.add_compression import Compressed, add_compression
+from dummydesign.resin.model.resin import PUCK_SCATTER
+from dummydesign.resin.puck_test.add_compression import Compressed, add_compression, steps
+from dummydesign.resin.puck_test.loading_fit import LoadingCurve, fit_pucks
 from dummydesign.resin.puck_test.plates import LUBRICATED, read_plates
 
 DIAMETER_MM, HEIGHT_MM = 50.0, 30.0
 SHARE, HOLD_S, RATE_HZ = 0.3, 10.0, 1000.0
 SPEEDS_MM_S = (10.0, 50.0)
 COUNTED_S = (0.01, 10.0)
+AT = np.r_[0.002, 0.01, 0.03, np.arange(0.06, SHARE + 0.035, 0.03)]
 POOL = 12
 """Elastic curves that are solved for each kind of plates."""
 
@@ -95,20 +105,55 @@ def _curves(
     plates: str, rng: np.random.Generator, law_of: Callable[[np.random.Generator], HyperelasticLaw], count: int
 ) -> tuple[PchipInterpolator, ...]:
     made: list[PchipInterpolator] = []
-    at = np.r_[0.002, 0.01, 0.03, np.arange(0.06, SHARE + 0.035, 0.03)]
     while len(made) < count:
         friction = plates
         if plates == LUBRICATED:
             declared = read_plates(LUBRICATED).friction
             assert declared is not None
-            low, value, high = (math.log(one) for one in (declared.low, declared.value, declared.high))
-            z = rng.standard_normal()
-            friction = f"friction:{math.exp(value + z * (value - low if z < 0 else high - value) / 1.96):.4f}"
+            mu = float(value_at(replace(declared, kind="inferred"), rng.standard_normal()))
+            friction = f"friction:{mu:.4f}"
         puck = Puck(HEIGHT_MM, 1e-3, DIAMETER_MM, plates=friction, law=law_of(rng))
-        solved = solve_puck(puck, HEIGHT_MM * at)
-        if len(solved.depth_mm) == len(at):
+        solved = solve_puck(puck, HEIGHT_MM * AT)
+        if len(solved.depth_mm) == len(AT):
             made.append(PchipInterpolator(np.r_[0.0, solved.depth_mm], np.r_[0.0, solved.force_N]))
     return tuple(made)
+
+
+FRICTIONS = (0.0, 0.025, 0.06, 0.12, 0.25)
+LAWS = 6
+
+
+@cache
+def over_friction(law: HyperelasticLaw) -> PchipInterpolator:
+    """Ln of the force of a puck of 1 kPa at :data:`AT` over the friction of its plates, by finite elements."""
+    forces = []
+    for friction in FRICTIONS:
+        plates = f"friction:{friction}" if friction else "frictionless"
+        forces.append(solve_puck(Puck(HEIGHT_MM, 1e-3, DIAMETER_MM, plates=plates, law=law), HEIGHT_MM * AT).force_N)
+    return PchipInterpolator(FRICTIONS, np.log(forces), extrapolate=True)
+
+
+def slow_pucks(count: int, seed: int, friction: float | None = None) -> NDArray:
+    """Modulus of read over true of drawn pucks between lubricated plates, and whether its interval holds it, (n, 2)."""
+    rng = np.random.default_rng(seed)
+    laws: list[HyperelasticLaw] = [Ogden([1.0], [2.0]), *(drawn_law(rng) for _ in range(LAWS - 1))]
+    plates, rows = read_plates(LUBRICATED), []
+    assert plates.friction is not None
+    for _ in range(count):
+        away, mu = rng.standard_normal(2), friction
+        if mu is None:
+            mu = float(value_at(replace(plates.friction, kind="inferred"), away[0]))
+        curve = PchipInterpolator(np.r_[0.0, AT], np.r_[0.0, np.exp(over_friction(laws[rng.integers(LAWS)])(mu))])
+        x = np.linspace(-0.2, SHARE * HEIGHT_MM, 4000)
+        scale = 30.0 * math.exp(PUCK_SCATTER * away[1])
+        force = scale * curve(np.maximum(x - rng.uniform(-0.1, 0.3), 0.0) / HEIGHT_MM)
+        noisy = force + rng.uniform(0.01, 0.05) * rng.standard_normal(len(x))
+        size = DIAMETER_MM + 0.1 * rng.standard_normal(), HEIGHT_MM + 0.05 * rng.standard_normal()
+        window = 0.03 * size[1], SHARE * HEIGHT_MM
+        press = LoadingCurve("press", "puck", *steps(x, noisy, window))
+        young = fit_pucks([press], *size, table_for(*size), window, plates).known.young_kPa
+        rows.append((young.value / 30.0, young.low <= 30.0 <= young.high))
+    return np.array(rows)
 
 
 def drawn_batch(rng: np.random.Generator, plates: str, seed: int) -> Batch:
@@ -246,7 +291,20 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=int(time.time()))
     parser.add_argument("--csv", type=Path)
+    parser.add_argument("--friction", type=int, default=0, metavar="N", help="N slow pucks with friction by the prior")
     options = parser.parse_args()
+    if options.friction:
+        print(
+            f"friction | median error, % | error of half, % | intervals that hold the modulus, %; seed {options.seed}"
+        )
+        for mu in (None, 0.0, 0.1):
+            ratio, holds = slow_pucks(options.friction, options.seed, mu).T
+            off = 100.0 * (ratio - 1.0)
+            name = "by the prior" if mu is None else f"{mu:g}"
+            print(
+                f"{name} | {np.median(off):+.1f} | {np.median(np.abs(off)):.1f} | {100 * holds.mean():.0f}", flush=True
+            )
+        return
     rows = []
     for row in study(options.batches, options.seed, first=options.first):
         rows.append(row)

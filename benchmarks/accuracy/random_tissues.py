@@ -36,7 +36,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 RED = LEVELS[-1]
 SITES = ("forefinger", "palm", "thenar")
-KINDS = ("slab", "bumped", "crowned", "layered", "boned")
+KINDS = ("slab", "crowned", "layered", "boned")
 SHARES = ("as_poured", "resin_known", "after_puck")
 
 

@@ -40,7 +40,6 @@ STEPS = ("the verdict", "curve of the large plot", "curves of all plots")
 PADS = {
     "slab": "slab",
     "crowned": "crowned:20,2,9",
-    "bumped": "bumped:5.5,3.2,1.36,0.48",
     "layered": "layered:4,1.5",
     "boned": "boned:20.57,2.2,9.3",
 }

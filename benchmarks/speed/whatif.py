@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dummydesign.design.sweep.rows import RowsFile, settings_of
+from dummydesign.design.sweep.rows import settings_of, write_rows
 from dummydesign.design.sweep.run import open_executor, targets_of, tasks_of, whatif
 from dummydesign.design.sweep.spec import Study, parse_shapes
 from dummydesign.report.whatif import write_whatif
@@ -63,7 +63,7 @@ def main() -> None:
         home = Path(folder)
 
         def filed() -> None:
-            whatif(THOUSAND, file=RowsFile(home, THOUSAND, settings_of(THOUSAND, resin, None), False))
+            write_rows(home, THOUSAND, settings_of(THOUSAND, resin, None), whatif(THOUSAND)["rows"])
 
         print(f"the same with its file: {fastest(repeats, filed):.3f} s")
         report = fastest(repeats, lambda: write_whatif(home, THOUSAND, rows, resin, None, []))

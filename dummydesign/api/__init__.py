@@ -21,7 +21,6 @@ _MODULES = {
     "Rows": "api.answers",
     "calibrate": "api.campaigns",
     "replay": "api.campaigns",
-    "compare_designs": "api.designs",
     "suggest": "api.designs",
     "make_mould": "api.moulds",
     "record_pad": "api.moulds",

@@ -9,14 +9,13 @@ from dataclasses import dataclass, field
 from html import escape
 from os import fspath
 from typing import TYPE_CHECKING, Any
-from warnings import warn
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import FilePath
 from dummydesign.core.manifest import Question
-from dummydesign.core.serialise import Serialised, parameter_rows, with_texts
+from dummydesign.core.serialise import Serialised, parameter_rows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
     from dummydesign.core.outputs import Output
     from dummydesign.design.assessment.decision import Choice
     from dummydesign.design.assessment.pad_castings import Shares
-    from dummydesign.design.assessment.value_of_information import MeasureFirst
     from dummydesign.design.scoring.verdict import Verdict
     from dummydesign.design.search.slabs import DesignCandidate
     from dummydesign.design.suggestion import Suggestion
@@ -68,7 +66,7 @@ class Values:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the answer of the command with ``--json``, without its ``schema`` and ``version``."""
-        return deepcopy(with_texts(self.values()))
+        return deepcopy(dict(self.values()))
 
     def to_frame(self) -> Any:
         """Return the answer's table as a DataFrame (needs pandas): its columns of equal length, or its records.
@@ -205,7 +203,7 @@ def _flat(row: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-IGNORED_INPUTS = ("out", "workers", "scheduler", "resume", "replace", "save_profile")
+IGNORED_INPUTS = ("out", "workers", "scheduler", "replace", "save_profile")
 """Inputs that an answer does not depend on."""
 
 
@@ -278,12 +276,6 @@ class Result(Values):
                 typed = getattr(outcome, name, None)
                 setattr(self, name, typed if isinstance(typed, Serialised) else _attribute(value))
 
-    @property
-    def found(self) -> Any:
-        """The earlier name of ``outcome``, kept for one release."""
-        warn("'found' of an answer is now 'outcome'", DeprecationWarning, stacklevel=2)
-        return self.outcome
-
     def values(self) -> Mapping[str, Any]:
         """The whole answer, not copied."""
         return self.result
@@ -324,7 +316,6 @@ class Answer(Result):
     verdict: Verdict
     shares: Shares
     choice: Choice
-    measure_first: MeasureFirst
     call = "suggest"
 
     @property
@@ -368,10 +359,7 @@ class Fitted(Result):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Rows(Values):
-    """What ``whatif`` found: one row a design, in the study's order.
-
-    ``inputs`` are all values used, ``resumed_rows`` the number of rows that were there before.
-    """
+    """What ``whatif`` found: one row a design, in the study's order; ``inputs`` are all values used."""
 
     study: Study
     rows: tuple[dict[str, Any], ...]
@@ -379,7 +367,6 @@ class Rows(Values):
     inputs: dict[str, Any] = field(default_factory=dict)
     warnings: tuple[dict[str, str], ...] = ()
     sources: tuple[str, ...] = ()
-    resumed_rows: int = 0
     files: dict[str, str] = field(default_factory=dict)
     call: str = field(default="whatif", init=False)
 
@@ -391,7 +378,6 @@ class Rows(Values):
             "sources": list(self.sources),
             "rows": self.records(),
             "seconds": self.seconds,
-            "resumed_rows": self.resumed_rows,
             "files": dict(self.files),
         }
 

@@ -77,18 +77,24 @@ def plan_campaign(
     if set_up.shapes:
         summary["shapes"] = "; ".join(f"{thickness:g} mm: {shape}" for thickness, shape in set_up.shapes)
     with new_folder(folder, question("campaign new", inputs), replace=replace) as output:
-        expected, summary["expected"], notes, material = _expected(plan, by_shape)
+        asked = plan
+        plan, expected, summary["expected"], notes, material = _expected(plan, by_shape)
+        slower = [one["message"] for one in notes if one["code"] == "speed_not_reached"]
+        summary |= dict.fromkeys(["speed"][: len(slower)], "".join(slower))
         # shaped pads last: the power of a plan with one is not computed
         seen, warnings = _power(plan, by_shape[-1][0], design.seed) if power else (None, [])
         trials = [_trial(row, set_up) for row in plan]
-        output.path(FILE).write_text(campaign_toml(set_up, trials, comments), encoding="utf-8")
+        output.path(FILE).write_text(campaign_toml(set_up, trials, (*comments, *slower)), encoding="utf-8")
         _copy_profile(set_up, output.work)
         page = sheet_html(set_up.name, plan, summary, design.seed, expected, units)
         output.path("sheet.html").write_text(page, encoding="utf-8")
         result = output.answer(
             {
                 "inputs": {**inputs, "folder": str(output.folder)},
-                "trials": [row | (expected[i].to_dict() if expected else {}) for i, row in enumerate(trials)],
+                "trials": [
+                    row | {"asked_velocity_mm_s": before.velocity_mm_s} | (expected[i].to_dict() if expected else {})
+                    for i, (row, before) in enumerate(zip(trials, asked))
+                ],
                 "expected": material,
                 "power": seen,
                 "files": {"campaign": str(output.path(FILE)), "sheet": str(output.path("sheet.html"))},
@@ -100,12 +106,14 @@ def plan_campaign(
 
 def _expected(
     plan: tuple[Planned, ...], by_shape: Sequence[tuple[Campaign, tuple[float, ...]]]
-) -> tuple[tuple[Expected, ...], str, list[dict[str, str]], dict[str, Any] | None]:
-    """Depth or force of each press, what the sheet says of it, warnings, and the material; nothing without a law."""
+) -> tuple[tuple[Planned, ...], tuple[Expected, ...], str, list[dict[str, str]], dict[str, Any] | None]:
+    """The plan at speeds that are reached; depth or force of each press, what the sheet says of it, warnings, and the
+    material: nothing without a law."""
     from dummydesign.core.errors import NoAnswerError
     from dummydesign.core.progress import write_progress
     from dummydesign.loop.model.material import material_of
-    from dummydesign.loop.planning import expected_presses
+    from dummydesign.loop.planning import expected_presses, reached_speeds
+    from dummydesign.measurement.motion import DECELERATION_MM_S2
 
     what = "force" if plan[0].by_depth else "depth"
     try:
@@ -119,7 +127,7 @@ def _expected(
         expected = tuple(of_press[row.sequence] for row in plan)
     except (InputError, NoAnswerError) as problem:
         message = f"no {what} beside the {'depth' if plan[0].by_depth else 'force'} of each press: {problem}"
-        return (), message, [{"code": "no_expected", "message": message}], None
+        return plan, (), message, [{"code": "no_expected", "message": message}], None
     known = material.high_kPa > material.low_kPa
     interval = f" (95 %: {material.low_kPa:.3g} to {material.high_kPa:.3g} kPa)" if known else " (interval not known)"
     arms = "with the resin's relaxation" if material.prony else "without relaxation"
@@ -133,7 +141,14 @@ def _expected(
             listed = f"{len(files)} presses ({files[0]}{', ...' if len(files) > 1 else ''})"
             message = f"{listed}: the punch {verb} deeper than 0.6 of the pad's thickness, or than the model reaches; "
             notes.append({"code": code, "message": message + "take a smaller force or a thicker pad"})
-    return expected, words, notes, material.to_dict()
+    reached = reached_speeds(plan, expected)
+    if slower := [(row, one) for row, one in zip(plan, reached) if row != one]:
+        row, one = min(slower, key=lambda pair: pair[1].velocity_mm_s)
+        which = f"{row.file}: {one.velocity_mm_s:g} mm/s, not {row.velocity_mm_s:g}"
+        message = f"{len(slower)} press{'es are' if len(slower) > 1 else ' is'} planned slower than asked ({which}): "
+        message += f"braking with {DECELERATION_MM_S2 / 1e3:g} m/s2 from contact on, a robot touches no faster"
+        notes.append({"code": "speed_not_reached", "message": message})
+    return reached, expected, words, notes, material.to_dict()
 
 
 def _check_set_up(campaign: Campaign, pads_mm: Iterable[float]) -> None:

@@ -1,19 +1,17 @@
-"""The calls that design a pad, compare designs and sweep over them: `suggest`, `compare_designs`, `whatif`."""
+"""The calls that design a pad and sweep over designs: `suggest`, `whatif`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace as replace_fields
-from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dummydesign.api.answers import Answer, Result, Rows, answer_folder, question
+from dummydesign.api.answers import Answer, Rows, answer_folder, question
 from dummydesign.core.blas_threads import one_blas_thread
-from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.files import FilePath
-from dummydesign.core.serialise import with_texts
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -42,7 +40,7 @@ def suggest(
     calibration: FilePath | None = None,
     effects: Iterable[FilePath] = (),
     verify: bool = True,
-    cad: bool | None = None,
+    cad: bool = True,
     punch: str = "square:14",
     force_N: Numbers = (5.0, 10.0, 15.0),
     velocity_mm_s: Numbers = (10.0, 250.0),
@@ -53,12 +51,7 @@ def suggest(
     edge_radius_mm: float | str = 0.0,
     condition: str | None = None,
     preset: str = "open",
-    machine: str | None = None,
-    silicone: str | None = None,
     sites: tuple[int, int] | str | None = None,
-    balance_g: float | str = 0.1,
-    thickness_tolerance_mm: float | str = 0.2,
-    castings: int | str = 1200,
     out: FilePath | None = None,
     replace: bool = False,
     progress: Callable[[str], None] | None = None,
@@ -83,9 +76,9 @@ def suggest(
         Files with effects of your own that the calibration names.
     verify : bool
         Solve the recommended pad by finite elements.
-    cad : bool, optional
-        Make the mould into ``out``; the recipe is then that of the solids' volumes. By default wherever there is
-        an ``out`` and the verdict is not red (``answer.outcome.verdict.acceptable``).
+    cad : bool
+        Make the mould into ``out``, unless the verdict is red (``answer.outcome.verdict.acceptable``); the recipe is
+        then that of the solids' volumes.
     punch : str
         ``square:14``, ``rectangle:20x10``, ``round:16``, ``ball:20`` or ``profile:FILE.csv``, sizes in mm.
     force_N, velocity_mm_s : numbers or text
@@ -101,14 +94,10 @@ def suggest(
     condition : str, optional
         How the punch holds the pad's face: ``bonded``, ``frictionless`` or ``friction:MU``, solved for slabs; glued
         by default, without friction under a ball or a profile.
-    preset, machine, silicone : str
-        Mould preset, machines and silicone, names or files; without the last two those of the preset.
+    preset : str
+        Mould preset, name or file.
     sites : (along, across) or "NxM", optional
         Crowns on one pad, far enough apart to be independent.
-    balance_g, thickness_tolerance_mm : float
-        Errors of weighing and of the cast thickness, even within plus and minus these. [g, mm]
-    castings : int
-        How many castings are drawn for every share and factor, 1200 to 100,000.
     out : path, optional
         Folder of the mould and the report, which are not made without it; the next free number when it holds the
         answer to another question.
@@ -164,12 +153,7 @@ def suggest(
             edge_radius_mm=edge_radius_mm,
             condition=condition,
             preset=preset,
-            machine=machine,
-            silicone=silicone,
             sites=sites,
-            balance_g=balance_g,
-            thickness_tolerance_mm=thickness_tolerance_mm,
-            castings=castings,
         ),
         out,
         replace,
@@ -201,8 +185,6 @@ def answer_request(
     InputError, NoAnswerError
         As :func:`suggest`.
     """
-    if request.cad and out is None:
-        raise InputError("cad = True needs out, the folder for the files of the mould", "missing", "out")
     folder = None if out is None else Path(out)
     if folder is None:
         request = replace_fields(request, cad=False)
@@ -219,9 +201,9 @@ def _effects(request: Request) -> AbstractContextManager[None]:
     return own_effects(request.effects)
 
 
-def _child(output: Output | None, cad: bool | None) -> AbstractContextManager[CadChild | None]:
+def _child(output: Output | None, cad: bool) -> AbstractContextManager[CadChild | None]:
     """The CAD child, loading the kernel beside the search; none where no mould may be made."""
-    if output is None or cad is False:
+    if output is None or not cad:
         return nullcontext()
     from dummydesign.mold.client import child_ahead
 
@@ -246,7 +228,7 @@ def _answer(request: Request, folder: Path | None, replace: bool, progress: Call
         suggestion = design(wanted, progress)
         if output is None:
             return Answer(suggestion, suggestion.to_dict(inputs))
-        cad = suggestion.verdict.acceptable if request.cad is None else request.cad
+        cad = request.cad and suggestion.verdict.acceptable
         inputs = {**inputs, "cad": cad, "out": str(output.folder)}
         progress("mould and report" if cad else "report")
         drawn: list[tuple[Any, PressPictures]] = []
@@ -267,13 +249,24 @@ def _answer(request: Request, folder: Path | None, replace: bool, progress: Call
             "tissue": inputs["tissue"],
             "young_kPa": best["young_kPa"]["value"],
             "verdict": result["verdict"]["level"],
+            **_share_and_correction(result),
             "text": result["verdict"]["text"],
             "next": result["next"][0],
             **({"mould": True} if mould else {}),
         }
     if missing is not None:
-        raise NoAnswerError(missing.code, output.settled(str(missing)), with_texts(result), missing.quantity)
+        raise NoAnswerError(missing.code, output.settled(str(missing)), result, missing.quantity)
     return Answer(suggestion, result)
+
+
+def _share_and_correction(result: dict[str, Any]) -> dict[str, float]:
+    """The share of castings that decides and its factor: with the batch measured, else after one puck."""
+    decides, factor = result["shares"]["after_puck"], result["shares"]["after_puck"]["factor"]
+    if result["batch_measured"]:
+        decides, factor = result["shares"]["as_poured"], result["verdict"]["correction"]["factor"]
+    usable = {"usable_fraction": decides["usable"]}
+    helps = factor is not None and result["verdict"]["light"] != "red"
+    return usable | {"correction_factor": factor} if helps else usable
 
 
 def _mould(suggestion: Suggestion, output: Output) -> tuple[dict[str, Any] | None, NoAnswerError | None]:
@@ -318,45 +311,6 @@ def _write_answer(output: Output, result: dict[str, Any], curves: Any) -> Path:
     return write_text(output.path(ANSWER), json_text("suggest", kept) + "\n")
 
 
-def compare_designs(folders: Iterable[FilePath], *, out: FilePath | None = None, replace: bool = False) -> Result:
-    """Compare the designs of several folders of ``suggest``; see :mod:`dummydesign.design.comparison`.
-
-    Parameters
-    ----------
-    folders : iterable of path
-        Two or more folders that ``suggest`` wrote.
-    out : path, optional
-        Folder of the report, which is not written without it; the next free number when it holds another answer.
-    replace : bool
-        Take the place of the other answer instead.
-
-    Returns
-    -------
-    Result
-        The same as ``dummydesign compare-designs --json`` prints for the same question.
-
-    Raises
-    ------
-    InputError
-        For fewer than two folders, and for one that holds no design.
-    """
-    from dummydesign.design.comparison import ANSWER
-    from dummydesign.design.comparison import compare_designs as compare
-
-    names = [fspath(folder) for folder in folders]
-    comparison = compare(names)
-    inputs = {"folders": names, "out": None if out is None else fspath(out)}
-    result = {"inputs": inputs, **comparison.to_dict(), "files": {}}
-    asked = question("compare-designs", inputs, files=[f"{name}/{ANSWER}" for name in names])
-    with answer_folder(out, asked, replace) as output:
-        if output is not None:
-            from dummydesign.report.compare_designs import write_designs_report
-
-            result |= {"inputs": {**inputs, "out": str(output.folder)}}
-            result = output.answer({**result, "files": write_designs_report(output.work, comparison)})
-    return Result(comparison, result, "compare-designs")
-
-
 Values = float | str | Iterable[float]
 """One number, numbers, or text as on the command line: ``"3:30:0.5"`` (end included) or ``"5,15"``."""
 
@@ -382,7 +336,6 @@ def whatif(
     scheduler: str | None = None,
     executor: Executor | None = None,
     out: FilePath | None = None,
-    resume: bool = False,
     replace: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Rows:
@@ -415,8 +368,6 @@ def whatif(
         Runs the tasks side by side, from any library with this interface, instead of ``workers`` or ``scheduler``.
     out : path, optional
         Folder of ``rows.csv`` and the report; the next free number when it holds the answer to another question.
-    resume : bool
-        Keep the rows that are in ``out``.
     replace : bool
         Take the place of the other answer instead.
     progress : callable, optional
@@ -432,7 +383,7 @@ def whatif(
     InputError
         For names, ranges or a number of designs that are not allowed.
     NoAnswerError
-        When a worker was lost; what was done is in ``out``.
+        When a worker was lost; nothing is written then.
 
     Examples
     --------
@@ -472,7 +423,6 @@ def whatif(
         **study.to_dict(),
         "workers": workers if executor is None else None,
         "scheduler": scheduler,
-        "resume": resume,
         "out": None if folder is None else str(folder),
     }
     opened = open_executor(workers, scheduler) if executor is None else nullcontext(executor)
@@ -495,24 +445,19 @@ def _work_out(
     targets = targets_of(study)  # a tissue that has no such press is refused before there is a folder
     sites = None if targets is None else targets.tissue
     sources = (*resin.references, *(() if sites is None else sites.sources))
-    if folder is None:
-        with opened as executor:
-            swept = work_out(study, executor=executor, progress=progress, targets=targets)
-        return Rows(study, tuple(swept["rows"]), swept["seconds"], inputs, tuple(swept["warnings"]), sources)
-    from dummydesign.core.outputs import growing_folder
     from dummydesign.design.scoring.settings import settings_files
-    from dummydesign.design.sweep.rows import RowsFile, settings_of
-    from dummydesign.report.whatif import write_whatif
+    from dummydesign.design.sweep.rows import settings_of, write_rows
 
-    settings = settings_of(study, resin, sites)
     asked = question("whatif", inputs, tissue=study.tissue, resin=study.resin, named=settings_files())
-    with opened as executor, growing_folder(folder, asked, replace=replace, go_on=inputs["resume"]) as output:
-        file = RowsFile(output.work, study, settings, inputs["resume"])
-        kept = len(file.rows)
-        swept = work_out(study, executor=executor, file=file, progress=progress, targets=targets)
-        rows = swept["rows"]
-        page = write_whatif(output.work, study, rows, resin, sites, swept["warnings"])
-    answered = output.answer({"warnings": swept["warnings"], "files": {"rows": str(file.path), **page}})
-    inputs = {**inputs, "out": str(output.folder)}
+    with opened as executor, answer_folder(folder, asked, replace) as output:
+        swept = work_out(study, executor=executor, progress=progress, targets=targets)
+        answered = {"inputs": inputs, "warnings": swept["warnings"], "files": {}}
+        if output is not None:
+            from dummydesign.report.whatif import write_whatif
+
+            rows = write_rows(output.work, study, settings_of(study, resin, sites), swept["rows"])
+            page = write_whatif(output.work, study, swept["rows"], resin, sites, swept["warnings"])
+            answered = output.answer(answered | {"files": {"rows": str(rows), **page}})
+            answered["inputs"] = {**inputs, "out": str(output.folder)}
     warnings = tuple(answered["warnings"])
-    return Rows(study, tuple(rows), swept["seconds"], inputs, warnings, sources, kept, answered["files"])
+    return Rows(study, tuple(swept["rows"]), swept["seconds"], answered["inputs"], warnings, sources, answered["files"])

@@ -6,21 +6,19 @@ import dataclasses
 from collections.abc import Iterable, Mapping
 from os import fspath
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result, question
 from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
 from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import LENGTH, WIDTH, read_number
-from dummydesign.core.serialise import with_texts
 
 if TYPE_CHECKING:
-    from dummydesign.mold.model.spec import MouldSpec, Placing
+    from dummydesign.mold.model.spec import MouldSpec
 
 
 def make_mould(
-    thickness_mm: float | str | Iterable[float] | None = None,
+    thickness_mm: float | str | None = None,
     *,
     length_mm: float | str = 150.0,
     width_mm: float | str = 120.0,
@@ -29,26 +27,21 @@ def make_mould(
     resin: str | None = None,
     ratio: float = 15.0,
     count: int = 1,
-    castings: int = 1,
     base_ratio: float | None = None,
     face_sheet_mm: float | None = None,
-    bone: FilePath | None = None,
-    bone_height_mm: float | None = None,
-    bone_scale: float = 1.0,
-    bone_turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    bone_at_mm: tuple[float, float] = (0.0, 0.0),
     out: FilePath | None = None,
     replace: bool = False,
     puck: str | None = None,
     paper: str = "A4",
+    machine: str | None = None,
+    silicone: str | None = None,
 ) -> Result:
     """Make the silicone mould of a pad: STEP files, printable master and frame, pour sheet, all checked.
 
     Parameters
     ----------
-    thickness_mm : float, str or iterable of float
-        Thickness of the pad, needed but for pucks; several, also as text such as ``"5,15"``, make one job with a folder
-        each. [mm]
+    thickness_mm : float or str
+        Thickness of the pad, needed but for pucks. [mm]
     length_mm, width_mm : float
         Size of the pad. [mm]
     shape : str
@@ -61,20 +54,8 @@ def make_mould(
         Mixing ratio, and that of a layered pad's base (by default from its modulus ratio).
     count : int
         Cavities side by side in one mould, as many as the machines hold.
-    castings : int
-        Castings of each mould, for the list of what is needed; more than one make a job too.
     face_sheet_mm : float, optional
         Thickness of a sheet of glass let into the master as the tested face; the preset's by default, 0 for none. [mm]
-    bone : path, optional
-        STL or STEP of a bone (millimetres) that hangs in the gel; the model uses the closest dome.
-    bone_height_mm : float, optional
-        How far it reaches into the gel from the free face; needed with a bone. [mm]
-    bone_scale : float
-        Its scale factor of the file.
-    bone_turn_deg : (float, float, float)
-        Turns about x, y and z, in this order, after which its lowest point is the tip towards the tested face. [deg]
-    bone_at_mm : (float, float)
-        Where the tip lies from the pad's middle. [mm]
     out : path, optional
         Folder of the files, ``mould_tMM`` by default; the next free number when it holds another answer.
     replace : bool
@@ -84,6 +65,8 @@ def make_mould(
         they are cast in, one pour sheet with the protocol of the test. Takes a preset of printed moulds. [mm]
     paper : str
         Of pour sheet and drawings: ``A4`` or ``A3``.
+    machine, silicone : str, optional
+        Machines that the mould must fit, and its silicone, names or files; those of the preset by default.
 
     Returns
     -------
@@ -106,10 +89,9 @@ def make_mould(
     >>> {check["verdict"] for check in made.to_dict()["checks"]}  # doctest: +SKIP
     {'pass'}
     """
-    from dummydesign.mold.batch import read_thicknesses
     from dummydesign.mold.files.drawing_sheet import PAPERS
     from dummydesign.mold.model.preset import mould_spec
-    from dummydesign.mold.model.spec import read_kind
+    from dummydesign.mold.model.spec import read_kind, read_thickness
 
     if paper not in PAPERS:
         raise unknown_name("paper", paper, PAPERS)
@@ -122,14 +104,10 @@ def make_mould(
             "width": str(width_mm) not in ("120", "120.0"),
             "shape": shape != "slab",
             "count": count != 1,
-            "castings": castings != 1,
             "base_ratio": base_ratio is not None,
             "face_sheet": face_sheet_mm is not None,
-            "bone": bone is not None,
-            "bone_height": bone_height_mm is not None,
-            "bone_scale": bone_scale != 1,
-            "bone_turn": any(bone_turn_deg),
-            "bone_at": any(bone_at_mm),
+            "machine": machine is not None,
+            "silicone": silicone is not None,
         }
         if given := [f"--{name.replace('_', '-')}" for name, is_given in pads_only.items() if is_given]:
             message = f"--puck {puck} makes rings of pucks, no pad; leave {', '.join(given)} out"
@@ -139,7 +117,7 @@ def make_mould(
         message = "--thickness is missing: the thickness of the pad in mm, 3 to 30"
         raise InputError(message, "missing", "thickness")
     kind, parameters = read_kind(shape)
-    wanted = read_thicknesses(thickness_mm)
+    thickness_mm = read_thickness(thickness_mm)
     length_mm, width_mm = read_number(length_mm, LENGTH), read_number(width_mm, WIDTH)
 
     settings: dict[str, Any] = {
@@ -148,67 +126,15 @@ def make_mould(
         "ratio": ratio,
         "base_ratio": base_ratio,
         "face_sheet_mm": face_sheet_mm,
+        "machines": machine,
+        "silicone": silicone,
     }
-    if bone is not None:
-        if len(wanted) != 1 or castings != 1 or count != 1:
-            message = "a bone from a file goes into one mould: one thickness, count 1, castings 1"
-            raise InputError(message, "conflict", "bone")
-        placing = _placing(shape, bone_height_mm, bone_scale, bone_turn_deg, bone_at_mm)
-        with TemporaryDirectory(prefix="dummydesign-bone-") as work:
-            solid = Path(work) / "bone.brep"
-            spec = _boned(Path(bone), placing, wanted[0], length_mm, width_mm, settings, solid)
-            return _make_one(spec, resin, preset, out, replace, paper, solid)
-    if bone_height_mm is not None:
-        raise InputError("bone_height_mm belongs to a bone from a file (bone)", "not_applicable", "bone_height_mm")
-    specs = [
-        mould_spec(one, length_mm, width_mm, kind=kind, parameters=parameters, count=count, **settings)
-        for one in wanted
-    ]
-    if len(specs) != 1 or castings != 1:
-        return _make_job(specs, castings, resin, preset, out, replace, paper)
-    return _make_one(specs[0], resin, preset, out, replace, paper)
-
-
-def _placing(
-    shape: str, height_mm: float | None, scale: float, turn_deg: tuple[float, float, float], at_mm: tuple[float, float]
-) -> Placing:
-    from dummydesign.mold.model.spec import Placing
-
-    if shape not in ("slab", "boned"):
-        message = f"shape {shape} takes no bone from a file; leave the shape out, the bone makes it"
-        raise InputError(message, "conflict", "shape", shape)
-    if height_mm is None:
-        message = "bone_height_mm is missing: how far the bone reaches into the gel from the free face"
-        raise InputError(message, "missing", "bone_height_mm")
-    return Placing(float(height_mm), scale, (turn_deg[0], turn_deg[1], turn_deg[2]), at_mm[0], at_mm[1])
-
-
-def _boned(
-    bone: Path,
-    placing: Placing,
-    thickness_mm: float,
-    length_mm: float,
-    width_mm: float,
-    settings: dict[str, Any],
-    solid: Path,
-) -> MouldSpec:
-    """The specification of a pad with a placed bone; what the pad itself cannot be is refused before CAD is loaded."""
-    from dummydesign.mold.client import insert_bone
-    from dummydesign.mold.model.preset import mould_spec
-
-    mould_spec(thickness_mm, length_mm, width_mm, **settings)
-    insert, dome = insert_bone(bone, placing, thickness_mm, length_mm, width_mm, solid)
-    return mould_spec(thickness_mm, length_mm, width_mm, kind="boned", parameters=dome, insert=insert, **settings)
+    spec = mould_spec(thickness_mm, length_mm, width_mm, kind=kind, parameters=parameters, count=count, **settings)
+    return _make_one(spec, resin, preset, out, replace, paper)
 
 
 def _make_one(
-    spec: MouldSpec,
-    resin: str | None,
-    preset: str,
-    out: FilePath | None,
-    replace: bool,
-    paper: str,
-    bone_file: Path | None = None,
+    spec: MouldSpec, resin: str | None, preset: str, out: FilePath | None, replace: bool, paper: str
 ) -> Result:
     from dummydesign.core.outputs import new_folder
     from dummydesign.mold.client import make_mold
@@ -228,8 +154,6 @@ def _make_one(
     }
     if spec.base is not None:
         inputs |= {"base_ratio": spec.base.pour.ratio, "modulus_ratio_of_base": spec.base.modulus_ratio}
-    if spec.insert is not None:
-        inputs |= {"bone": spec.insert.file, "bone_off_dome_mm": spec.insert.off_dome_mm}
     if spec.count > 1:
         inputs["count"] = spec.count
     if spec.box.face_sheet_mm:
@@ -238,11 +162,11 @@ def _make_one(
     with new_folder(folder, asked, replace=replace) as output:
         head = {"inputs": {**inputs, "out": str(output.folder)}, "sources": list(spec.sources)}
         try:
-            made = make_mold(spec, output.work, bone_file=bone_file, paper=paper)
+            made = make_mold(spec, output.work, paper=paper)
             mould = dataclasses.replace(made, files=output.settled(made.files))
         except NoAnswerError as reason:
             result = output.settled({**head, **reason.result})
-            raise NoAnswerError(reason.code, output.settled(str(reason)), with_texts(result), reason.quantity) from None
+            raise NoAnswerError(reason.code, output.settled(str(reason)), result, reason.quantity) from None
         output.extra["hash"] = spec.hash
         output.extra["summary"] = {name: inputs[name] for name in ("shape", "thickness_mm", "ratio", "resin", "preset")}
         result = output.answer({**head, **mould.to_dict(), "spec": spec.to_dict()})
@@ -280,30 +204,11 @@ def _make_pucks(
             rings_made = dataclasses.replace(made, files=output.settled(made.files))
         except NoAnswerError as reason:
             result = output.settled({**head, **reason.result})
-            raise NoAnswerError(reason.code, output.settled(str(reason)), with_texts(result), reason.quantity) from None
+            raise NoAnswerError(reason.code, output.settled(str(reason)), result, reason.quantity) from None
         output.extra["hash"] = spec.hash
         output.extra["summary"] = {name: inputs[name] for name in ("ratio", "resin", "preset")}
         result = output.answer({**head, **rings_made.to_dict(), "spec": spec.to_dict()})
     return Result(rings_made, result, "make_mould")
-
-
-def _make_job(
-    specs: list[MouldSpec],
-    castings: int,
-    resin: str | None,
-    preset: str,
-    out: FilePath | None,
-    replace: bool,
-    paper: str,
-) -> Result:
-    from dummydesign.mold.batch import folder_name, job_inputs, make_job
-
-    inputs = {**job_inputs(specs, castings), "paper": paper}
-    name = folder_name(inputs["thickness_mm"], castings, specs[0].pad.prefix, specs[0].count)
-    folder = Path(out) if out else Path(name)
-    asked = question("mold", {**inputs, "specifications": [spec.hash for spec in specs]}, resin=resin, preset=preset)
-    result = make_job(specs, castings, folder, asked, replace, paper)
-    return Result(result["moulds"], result, "make_mould")
 
 
 def record_pad(

@@ -16,6 +16,7 @@ from dummydesign.core.parsing import check_units, parts_of, read_allowed, read_n
 
 if TYPE_CHECKING:
     from dummydesign.measurement.motion import Motion
+    from dummydesign.pad.material.hyperelastic import Ogden
     from dummydesign.pad.material.relaxation import PronyTerm
     from dummydesign.pad.pad_under_punch import Pad, Puck
     from dummydesign.pad.predict import MotionPrediction, StaticPrediction
@@ -37,7 +38,7 @@ def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float],
     if not 0.0 < inputs["poisson"] <= 0.5:
         message = f"Poisson's ratio = {inputs['poisson']:g} is outside the allowed range 0 (excluded) to 0.5"
         raise InputError(message, "out_of_range", "poisson", inputs["poisson"], (0.0, 0.5))
-    young, sources, prony = _material(inputs)
+    young, sources, prony, own_law = _material(inputs)
     size_text, punch = inputs["pad"], inputs["punch"]
     kind, _, size = size_text.partition(":")
     sides = numbers("pad", size.replace("x", ","))
@@ -48,7 +49,7 @@ def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float],
     if cylinder != plate:
         message = f"pad '{size_text}' and punch '{punch}': plates press cylinders only"
         raise InputError(message, "conflict", "punch", punch)
-    law, geometry = read_law(inputs["law"]), read_shape(inputs["shape"])
+    law, geometry = own_law or read_law(inputs["law"]), read_shape(inputs["shape"])
     if cylinder:
         if geometry != SLAB:
             message = f"shape {geometry} is pressed by a flat punch, not by a profile or plates"
@@ -80,8 +81,8 @@ def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float],
     return made, young, sources
 
 
-def _material(inputs: dict[str, Any]) -> tuple[dict[str, float], list[str], tuple[PronyTerm, ...]]:
-    """Modulus with interval, sources and relaxation, given or from a resin."""
+def _material(inputs: dict[str, Any]) -> tuple[dict[str, float], list[str], tuple[PronyTerm, ...], Ogden | None]:
+    """Modulus with interval, sources and relaxation, given or from a resin, and its elastic law where it has one."""
     prony = _prony(inputs["prony"])
     either = "give either --young KPA or --resin NAME with --ratio R"
     if (inputs["young_kPa"] is None) == (inputs["resin"] is None):
@@ -91,7 +92,8 @@ def _material(inputs: dict[str, Any]) -> tuple[dict[str, float], list[str], tupl
         message = f"ratio = {inputs['ratio']:g} has no effect on a given modulus: {either}"
         raise InputError(message, "conflict", "ratio", inputs["ratio"])
     if inputs["young_kPa"] is not None:
-        return dict.fromkeys(("value", "low", "high"), inputs["young_kPa"]), [], prony
+        return dict.fromkeys(("value", "low", "high"), inputs["young_kPa"]), [], prony, None
+    from dummydesign.pad.tables.elastic_law import ogden_law
     from dummydesign.resin import load_resin
 
     if inputs["ratio"] is None:
@@ -100,7 +102,9 @@ def _material(inputs: dict[str, Any]) -> tuple[dict[str, float], list[str], tupl
     modulus = resin.modulus_kPa(inputs["ratio"])
     prony = prony if inputs["prony"] is not None else resin.prony(inputs["ratio"])
     young = {"value": modulus.value, "low": modulus.low, "high": modulus.high}
-    return young, [modulus.source, *resin.references], prony
+    alpha = resin.ogden_alpha if inputs["law"] == "neo-hookean" else None
+    sources = [modulus.source, *([] if alpha is None else [f"elastic law: {alpha.source}"]), *resin.references]
+    return young, sources, prony, None if alpha is None else ogden_law(alpha.value)
 
 
 def relaxation_warnings(made: Pad | Puck, moves: bool) -> list[dict[str, str]]:

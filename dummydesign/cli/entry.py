@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 @cache
-def table_of(name: str) -> dict[str, dict[str, Any]]:
+def table_of(name: str) -> dict[str, Any]:
     """Read a table of this folder: ``help`` (choices by option or command and option, examples) or ``gone``."""
     return tomllib.loads((Path(__file__).parent / f"{name}.toml").read_text(encoding="utf-8"))
 
@@ -88,7 +88,6 @@ def finish(parser: argparse.ArgumentParser, command: str) -> None:
 
 COMMANDS = (
     "suggest",
-    "compare-designs",
     "predict",
     "whatif",
     "import",
@@ -255,6 +254,8 @@ def _run(arguments: list[str]) -> int:
     name, as_json = arguments[0], "--json" in arguments
     try:
         if name not in COMMANDS:
+            if isinstance(instead := table_of("gone").get(name), str):
+                raise InputError(f"command '{name}' is gone: {instead}", "unknown_name", "command", name)
             raise unknown_name("command", name, COMMANDS)
         module = module_of(name)
         project = project_here(arguments)

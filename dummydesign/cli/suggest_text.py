@@ -32,7 +32,8 @@ def details(result: dict[str, Any]) -> str:
         *verdict_lines(result["verdict"]),
         *tissue_lines(result),
         *_calibration(result),
-        *text.first_lines(result),
+        f"why this pad: {result['choice']['text']}",
+        "",
         f"{result['inputs']['tissue']}, aim {result['inputs']['aim']}",
         "",
         f"  pad        {_pad_details(result)}",
@@ -171,20 +172,15 @@ def _more_details(result: dict[str, Any]) -> list[str]:
 
 
 def _castings(result: dict[str, Any]) -> list[str]:
-    """The castings by class, what each known group makes of them, and their share in the steady range."""
-    drawn, first, names = result["castings"], result["measure_first"], ("stands_for", "with_correction", *OUTCOMES)
+    """The castings by class, and their share in the steady range."""
+    drawn, names = result["shares"]["as_poured"], ("stands_for", "with_correction", *OUTCOMES)
     shares = whole_percents([drawn[name] for name in names])
     words = ["need no correction", "are usable with one", *(OUTCOMES[name] for name in OUTCOMES)]
-    over = first["acceptable_over_tissues"]
-    lines = [
+    return [
         f"  of {drawn['n']} castings (seed {drawn['seed']}) "
         + ", ".join(f"{share} % {word}" for share, word in zip(shares, words)),
-        f"  acceptable ({first['acceptable_means'].replace('_', ' ')}): {100 * first['acceptable_now']:.0f} % now; "
-        "with one group known: "
-        + ", ".join(f"{name} {100 * share:.0f} %" for name, share in first["acceptable_if_known"].items())
-        + ("" if over is None else f"; for tissues that the data allow {100 * over:.0f} %"),
+        *_in_range(result),
     ]
-    return [*lines, *_in_range(result)]
 
 
 def _in_range(result: dict[str, Any]) -> list[str]:
@@ -229,15 +225,13 @@ def render(result: dict[str, Any]) -> str:
         labelled("RISK", facts.risk_text(result)),
         _notes(result),
         _next(result),
-        labelled("", facts.meanwhile_text(result)),
         labelled("PATHS", "\n".join(facts.paths_lines(result))),
         _files(result),
         labelled("MORE", more),
     ]
-    risk, meanwhile, why = 6, 9, 5
     columns, rows = facts.press_rows(result)
     presses = columns_of((columns, *rows), (8, 5, 8, 8, 10, 12, 0), "  ")
-    return "\n".join(fitted(head, presses, tail, (risk, meanwhile, why), "  ... and {} more presses: --details"))
+    return "\n".join(fitted(head, presses, tail, (6, 5), "  ... and {} more presses: --details"))
 
 
 def _notes(result: dict[str, Any]) -> list[str]:

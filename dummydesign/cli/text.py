@@ -219,13 +219,3 @@ def screen(head: Sequence[str], table: Sequence[str], *tail: Sequence[str], more
 def file_lines(result: dict[str, Any]) -> list[str]:
     """What was written."""
     return [f"{role}: {path}" for role, path in result["files"].items()]
-
-
-def first_lines(result: dict[str, Any]) -> list[str]:
-    """What must be read next: a puck to be measured first, and why this pad."""
-    first = result.get("measure_first")
-    lines = [f"{first['text']}: {first['protocol']}"] if first and first["text"] else []
-    lines += [f"then: {first['command']}"] if first and first["command"] else []
-    choice = result.get("choice")
-    lines += [f"why this pad: {choice['text']}"] if choice else []
-    return [*lines, ""] if lines else []

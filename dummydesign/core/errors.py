@@ -129,6 +129,10 @@ def out_of_range(
     return InputError(message, "out_of_range", name or quantity_name(quantity), value, (low, high))
 
 
+GONE = {("shape", "bumped"): "take a crown, 'crowned' or 'crowned:radius=R,height=H'"}
+"""Names of earlier versions by what they are of, and what to do instead."""
+
+
 def unknown_name(
     kind: str, name: str, known: Iterable[str], code: str = "unknown_name", quantity: str = ""
 ) -> InputError:
@@ -158,6 +162,8 @@ def unknown_name(
     if near:
         match = next(n for n in names if n.lower() == near[0])
         hint = f"did you mean '{match}'? "
+    if instead := GONE.get((kind, name.lower())):
+        hint = f"it is gone, {instead}; "
     message = f"unknown {kind} '{name}': {hint}known names are {', '.join(names) or 'none'}"
     return InputError(message, code, quantity or quantity_name(kind), name, names)
 

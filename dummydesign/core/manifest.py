@@ -54,7 +54,7 @@ def sha256_of(path: Path) -> str | None:
 
 
 def manifest_text(
-    question: Question, folder: Path, names: Iterable[str] | None, extra: Mapping[str, Any] | None = None
+    question: Question, folder: Path, names: Iterable[str], extra: Mapping[str, Any] | None = None
 ) -> str:
     """Write a manifest as JSON."""
     words = COMMAND_LINE.get()
@@ -64,11 +64,11 @@ def manifest_text(
         "command_line": None if words is None else shlex.join(["dummydesign", *words]),
         "version": __version__,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "finished": names is not None,
+        "finished": True,
         "question": question.key,
         "inputs": dict(question.inputs),
         "files_read": question.sums,
-        "sha256": {name: sha256_of(folder / name) for name in sorted(names or ())},
+        "sha256": {name: sha256_of(folder / name) for name in sorted(names)},
         **(extra or {}),
     }
     return json.dumps(content, indent=1, default=str) + "\n"

@@ -16,7 +16,7 @@ from secrets import token_hex
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import FilePath, output_folder, unwritable, write_text, writing
+from dummydesign.core.files import FilePath, unwritable, write_text, writing
 from dummydesign.core.manifest import KEY, NAME, Earlier, Question, manifest_text, read_manifest, records_of
 from dummydesign.core.progress import check_stop
 
@@ -37,9 +37,7 @@ class OutputTarget:
     takes_over: bool = False
 
 
-def choose_target(
-    out: Path, question: Question, replace: bool, go_on: bool = False, shared: bool = False
-) -> OutputTarget:
+def choose_target(out: Path, question: Question, replace: bool, shared: bool = False) -> OutputTarget:
     """Choose where an answer goes: ``out`` or the next number after it that holds no answer to another question.
 
     ``shared`` is a set of files with one stem in a folder with others: ``STEM.toml``, ``STEM-manifest.json``, ...
@@ -58,8 +56,6 @@ def choose_target(
         with_old = dataclasses.replace(target, old=tuple(earlier.sha256))
         if replace and number == 1:
             return _replaced(with_old, path)
-        if go_on and number == 1 and earlier.command in (None, question.command):
-            return with_old
         if earlier.key == question.key:
             changed = earlier.changed(target.folder)
             if not changed:
@@ -154,37 +150,6 @@ def new_files(out: FilePath, question: Question, *, replace: bool = False) -> Ab
     See :func:`new_folder`.
     """
     return _written(choose_target(Path(out), question, replace, shared=True), question)
-
-
-@contextmanager
-def growing_folder(
-    out: FilePath, question: Question, *, replace: bool = False, go_on: bool = False
-) -> Iterator[Output]:
-    """Write rows that an interrupted command keeps, to go on with later: straight into the folder.
-
-    The manifest says ``finished: false`` until the body has ended. A folder that was made for nothing but it goes
-    when the body raises without having written a file.
-    """
-    target = choose_target(Path(out), question, replace, go_on)
-    made = _make(target.folder)
-    output = Output(target, target.folder)
-    before = set(_names(target.folder))
-    try:
-        output_folder(target.folder)
-        for name in () if go_on else target.old:
-            (target.folder / name).unlink(missing_ok=True)
-        write_text(target.folder / target.manifest, manifest_text(question, target.folder, None))
-        yield output
-        # rows of earlier runs are part of the answer
-        new = (name for name in _names(target.folder) if name not in before)
-        ours = {*target.old, *MARKS, *new} - {target.manifest}
-        names = [name for name in _names(target.folder) if name in ours]
-        write_text(target.folder / target.manifest, manifest_text(question, target.folder, names, output.extra))
-    except BaseException:
-        if made and not [name for name in _names(target.folder) if name != target.manifest]:
-            (target.folder / target.manifest).unlink(missing_ok=True)
-            _unmake(made)
-        raise
 
 
 @contextmanager

@@ -60,10 +60,8 @@ YOUNG = QuantitySpec("Young's modulus in kPa", "kPa", (0.5, 5000.0))
 YOUNG_KPA = 0.01, 1e6
 """Smallest and largest modulus that is allowed. [kPa]"""
 THICKNESS = QuantitySpec("thickness in mm", "mm", (0.3, 300.0))
-BALANCE = QuantitySpec("balance in g", "g", (0.0, 2.0))
-TOLERANCE = QuantitySpec("thickness tolerance in mm", "mm", (0.0, 2.0))
 DEPTH = QuantitySpec("depth in mm", "mm", (0.0, math.inf))
-THICKNESSES = QuantitySpec("thickness in mm", "mm", (0.0, math.inf))
+PAD_THICKNESS = QuantitySpec("thickness in mm", "mm", (0.0, math.inf))
 LENGTH = QuantitySpec("length in mm", "mm", (0.0, math.inf))
 WIDTH = QuantitySpec("width in mm", "mm", (0.0, math.inf))
 RATE = QuantitySpec("rate in Hz", "Hz", (0.0, 1e6))

@@ -9,7 +9,6 @@ import types
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, ClassVar, get_args, get_type_hints
-from warnings import warn
 
 from dummydesign._version import __version__
 
@@ -40,17 +39,7 @@ def json_text(command: str, result: Mapping[str, Any]) -> str:
     head = {"schema": f"dummydesign.{command}/{VERSIONS.get(command, 1)}", "version": __version__}
     for key, empty in (("inputs", {}), ("warnings", []), ("sources", [])):
         head[key] = result.get(key, empty)
-    return json.dumps(to_plain(with_texts({**head, **result})), indent=1, allow_nan=False)
-
-
-def with_texts(answer: Mapping[str, Any]) -> dict[str, Any]:
-    """Add ``text`` to warnings that have ``message``: the two names of one sentence, for old and new scripts."""
-
-    def named(one: Any) -> Any:
-        return {**one, "text": one["message"]} if isinstance(one, Mapping) and "message" in one else one
-
-    listed = answer.get("warnings")
-    return {**answer, "warnings": [named(one) for one in listed]} if isinstance(listed, list | tuple) else dict(answer)
+    return json.dumps(to_plain({**head, **result}), indent=1, allow_nan=False)
 
 
 def parameter_rows(parameters: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
@@ -90,11 +79,6 @@ class Serialised:
         """Return the values of this answer as plain data."""
         names = [*(item.name for item in fields(self)), *self.also]  # type: ignore[arg-type]
         return {name: to_plain(getattr(self, name)) for name in names}
-
-    def __getitem__(self, key: str) -> Any:
-        """The earlier way to a value, kept for one release."""
-        warn(f"['{key}'] of an answer's part is now .{key}, or to_dict()['{key}']", DeprecationWarning, stacklevel=2)
-        return self.to_dict()[key]
 
 
 def percent_below_limit(share: float, limit: float | None) -> str:

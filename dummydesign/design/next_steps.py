@@ -10,9 +10,7 @@ import numpy as np
 
 from dummydesign.core.options import command_words
 from dummydesign.core.serialise import Serialised
-from dummydesign.design.assessment.value_of_information import batch_name
 from dummydesign.design.request import Request
-from dummydesign.design.scoring.castings import FORCE_LAW, RESIN
 from dummydesign.design.scoring.verdict import PEAK, deviations, ranges_of
 from dummydesign.design.test_conditions import beyond_people
 from dummydesign.mold.pour.plan import WITNESS_MM
@@ -33,10 +31,6 @@ TYPED_AGAIN = (
     "base",
     "condition",
     "deceleration_mm_s2",
-    "machine",
-    "silicone",
-    "weighing_g",
-    "thickness_tolerance_mm",
 )
 """Options of the next search beside tissue, resin and mould, in the order in which they are typed."""
 SEARCHED_AGAIN = ("shape", "preset", "pad_mm", "thickness_mm", "ratio", "sites")
@@ -48,6 +42,8 @@ PRESS_PEOPLE = (
     "press people with these forces; read the presses with 'dummydesign import' and 'dummydesign fit', "
     "keep them with 'dummydesign tissues add'"
 )
+# Least gain of usable castings for which a puck is pressed: twice the standard error of a share.
+GAIN = 0.03
 # A puck and its two presses on the machine, and a pad by the protocol. [h]
 PRESSING_H = 0.5
 
@@ -79,18 +75,21 @@ class PadPath(Serialised):
 
 def next_steps(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     """Steps from an answer on."""
-    level, first = answer.verdict.level, answer.measure_first
-    if level == "not_representative":
+    if answer.verdict.level == "not_representative":
         return [Step(f"do not cast this pad: {why_red(answer)}")]
     beyond = beyond_people(answer.request.protocol.forces_N, answer.problem.tissue) > 1.0
     people = [Step(PRESS_PEOPLE)] if beyond else []
     # of a batch that was measured a second puck shows nothing new
-    if not answer.resin.measured and (first.group in RESIN or (level == "not_settled" and not beyond)):
+    if not answer.resin.measured and ((answer.verdict.level == "not_settled" and not beyond) or _puck_helps(answer)):
         return [*people, *_puck_first(answer, inputs)]
-    if first.group is None:
-        return [*people, *_pad(answer, inputs)]
-    corrected = f"dummydesign loop {CAMPAIGN}" if first.group == FORCE_LAW else None
-    return [*people, *_pad(answer, inputs), Step(f"{first.text}: {first.protocol}", corrected)]
+    return [*people, *_pad(answer, inputs)]
+
+
+def _puck_helps(answer: Suggestion) -> bool:
+    """Whether more castings are acceptable after one puck: those that need no correction where most can be such."""
+    shares = answer.shares
+    name = "stands_for" if shares.resin_known.stands_for > 0.5 else "usable"
+    return bool(getattr(shares.after_puck, name) - getattr(shares.as_poured, name) >= GAIN)
 
 
 def _pad(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
@@ -123,13 +122,14 @@ def _typed_condition(inputs: Mapping[str, Any]) -> str | None:
 def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     """Cast and press a puck of the batch, then choose the ratio for the same mould."""
     from dummydesign.mold.puck.plan import ring_cost
-    from dummydesign.mold.puck.protocol import SPEEDS_MM_S, command, trace_names
+    from dummydesign.mold.puck.protocol import BATCH, SPEEDS_MM_S, command, trace_names
 
     ratio = answer.best.ratio
     diameter, height = (f"{value:g}" for value in WITNESS_MM)
     size = f"{diameter}x{height}"
     take = ring_cost(*WITNESS_MM, resin=str(inputs["resin"]), ratio=ratio)
-    batch = batch_name(answer.resin.name)
+    # not the resin's own name
+    batch = BATCH if answer.resin.name != BATCH else f"{BATCH}-2"
     wait = _curing_h(answer)
     speeds = " and ".join(f"{speed:g}" for speed in SPEEDS_MM_S)
     named = f"--resin {shlex.quote(inputs['resin'])} --ratio {ratio:g}"

@@ -11,12 +11,13 @@ import numpy as np
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.assessment.pad_castings import PadCastings, limits_that_bind, verdict_of_design
-from dummydesign.design.scoring.castings import COUNT, RESIN, Castings, Tolerances
+from dummydesign.design.scoring.castings import COUNT, RESIN, Castings, Pours, Tolerances
+from dummydesign.design.scoring.finite_strain import finite_strain_of
 from dummydesign.design.scoring.outlook import Match
 from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, Sampling, SlabCurves, make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import Targets, make_targets
-from dummydesign.design.scoring.verdict import Readings, Verdict, ranges_of, verdict
+from dummydesign.design.scoring.verdict import Verdict, ranges_of, verdict
 from dummydesign.design.scoring.windows import readings_along
 from dummydesign.design.search.shape_family import Family, FamilyLaw, load_family
 from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, make_slabs
@@ -25,8 +26,6 @@ from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.pad.force_law import ForceCurve, ForceLaw
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from dummydesign.design.problem import Problem
     from dummydesign.pad.pad_under_punch import Pad
     from dummydesign.resin.model.resin import Resin
@@ -67,18 +66,22 @@ def verdict_of_pad(
     missing = len(reached) < evaluation.depth_mm.shape[1]
     bound = [f"depth over thickness (at most {limit / thickness:.2f})"] if missing else []
 
-    def readings(moduli: NDArray, strengths: NDArray) -> Readings:
-        every = PadBatch(curves, np.zeros(len(moduli), int), moduli, tau, strengths)
-        return readings_along(every, targets, targets.protocol.steady_grid_N, sampling.coarse)
-
     if resin is None:
         width = float(np.hypot(0.5 * np.log(young["high"] / young["low"]), error)) / HALF_WIDTH
-        drawn = pad.young_MPa * np.exp(width * np.random.default_rng(SEED).standard_normal(DRAWS))
-        spread, known = readings(drawn, np.repeat(beta, DRAWS, axis=0)), readings(np.array([pad.young_MPa]), beta)
+        drawn = np.random.default_rng(SEED).standard_normal((2, DRAWS))
+        pours = [
+            Pours(np.full(len(off), thickness), pad.young_MPa * np.exp(width * off), beta.repeat(len(off), 0), strain)
+            for off, strain in (drawn, np.zeros((2, 1)))
+        ]
     else:
         castings, tolerances = Castings(resin[0]), Tolerances(USUAL_BATCH_G, thickness_mm=0.0)
         pours = [castings.pours(thickness, resin[1], tolerances, error, group) for group in ((), RESIN)]
-        spread, known = (readings(one.young_MPa, one.beta) for one in pours)
+    strain = finite_strain_of(slabs, pad.geometry, pad.base, targets, pad.radius_mm)
+    presses = targets, targets.protocol.steady_grid_N, sampling.coarse
+    batches = (PadBatch(curves, np.zeros(len(one.beta), int), one.young_MPa, tau, one.beta) for one in pours)
+    spread, known = (
+        strain.judged(readings_along(batch, *presses), one.finite_strain) for batch, one in zip(batches, pours)
+    )
     judged = verdict(
         ranges_of(targets),
         candidate.readings,
@@ -177,5 +180,6 @@ class PadEvaluator:
         match = Match(float(np.log(problem.resin.young_MPa(pad.candidate.ratio))), 0.0)
         outlook = outlook_for(pad.law, shape, thickness, match, problem, MANY_BATCHES)
         tolerances = problem.tolerances(shape, thickness, pad.candidate.ratio)
-        cast = PadCastings(problem.castings, pad.law, pad.candidate, problem, tolerances, outlook)
+        strain = finite_strain_of(pad.candidate.alone, shape, problem.base, problem.targets, problem.radius_mm)
+        cast = PadCastings(problem.castings, pad.law, pad.candidate, problem, tolerances, outlook, strain)
         return verdict_of_design(cast, beyond_people(problem.request.protocol.forces_N, problem.tissue))

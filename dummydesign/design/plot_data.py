@@ -35,7 +35,7 @@ def ratio_error(answer: Suggestion) -> float:
     by_ratio = next(liquid.name for liquid in answer.resin.liquids if liquid.parts is None)
     varied = masses.get(by_ratio, 0.0)
     rest = sum(mass for name, mass in masses.items() if name != by_ratio)
-    error = answer.request.weighing_g
+    error = answer.castings.tolerances.weighing_g
     if varied <= 0.0 or rest <= 0.0:
         return 0.0
     return float(answer.best.ratio * ((1.0 + error / varied) / (1.0 - error / rest) - 1.0))
@@ -53,7 +53,7 @@ class Reaction:
 def reactions(answer: Suggestion, law: ForceLaw) -> list[Reaction]:
     """How depth and peak of the recommended pad react to each thing that is not exact, one at a time."""
     resin, ratio, thickness, radius = answer.resin, answer.best.ratio, answer.best.thickness_mm, answer.radius_mm
-    tolerance, off, modulus = answer.request.thickness_tolerance_mm, ratio_error(answer), resin.modulus_kPa(ratio)
+    tolerance, off, modulus = answer.castings.tolerances.thickness_mm, ratio_error(answer), resin.modulus_kPa(ratio)
     smallest, largest = law.ratio_range
     thin = np.clip([thickness - tolerance, thickness + tolerance], radius / largest, radius / smallest)
     mixed = [min(max(ratio + sign * off, resin.ratio_min), resin.ratio_max) for sign in (-1, 1)]
@@ -62,7 +62,7 @@ def reactions(answer: Suggestion, law: ForceLaw) -> list[Reaction]:
     # the pad itself, then both ends of each
     names = (
         f"thickness ± {tolerance:g} mm",
-        f"weighing ± {answer.request.weighing_g:g} g",
+        f"weighing ± {answer.castings.tolerances.weighing_g:g} g",
         "modulus, 95 %",
         "relaxation, 95 %",
     )

@@ -15,19 +15,20 @@ from dummydesign.core.files import read_json
 from dummydesign.design.request import ANSWER, Request
 from dummydesign.design.scoring.castings import Castings, Tolerances
 from dummydesign.design.scoring.press_simulation import Sampling
-from dummydesign.design.scoring.settings import crown_making, puck_error, settings_files
+from dummydesign.design.scoring.settings import PadMaking, crown_making, pad_making, puck_error, settings_files
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.search.shape_family import under_square
+from dummydesign.design.search.shape_family import under_square, with_elastic_law
 from dummydesign.design.search.shape_search import kinds_of
 from dummydesign.design.search.slabs import Correct, SearchSpace, thickness_steps
 from dummydesign.design.test_conditions import check_calibrated, check_test, own_slab_law, standard_press, tabulated
-from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, THICKNESS_MM
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, PUNCH, THICKNESS_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import Punch, read_punch
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.mold.model.preset import Preset, mould_spec, read_preset
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.pad.force_law import ForceLaw
+from dummydesign.pad.force_law import ForceLaw, ScaledLaw
+from dummydesign.pad.tables.elastic_law import elastic_factor
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -102,8 +103,15 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
         correct = cast(Correct, lambda one: CalibratedFamily(one if inner is None else inner(one), correction))
     if law is None:
         law = own_slab_law(request, punch, thickness)
-    preset = read_preset(request.preset, request.machine, request.silicone)
-    made = partial(_tolerances, request, preset, resin)
+    if calibrated is None and (alpha := resin.ogden_alpha) is not None:
+        glued = (
+            standard_press(replace(request, punch=PUNCH, pad_mm=(PAD_LENGTH_MM, PAD_WIDTH_MM))) and not punch.profile_mm
+        )
+        law = ScaledLaw(law, partial(elastic_factor, alpha=alpha, shape="slab" if glued else "other"))
+        correct = partial(with_elastic_law, alpha=alpha, inner=correct)
+    preset = read_preset(request.preset)
+    making = pad_making()
+    made = partial(_tolerances, request, preset, resin, making)
     made(Slab(), float(thickness[0]), float(ratios[0]))  # a pad that no mould can make is refused at once
     return Problem(
         resin=resin,
@@ -111,7 +119,7 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
         thickness_mm=thickness,
         ratio=ratios,
         radius_mm=punch.radius_mm,
-        castings=Castings(resin, request.castings),
+        castings=Castings(resin, making.castings),
         tolerances=made,
         puck_error=puck_error(),
         sampling=sampling,
@@ -180,12 +188,18 @@ def _mould(
 
 
 def _tolerances(
-    request: Request, preset: Preset, resin: Resin, shape: PadShape, thickness_mm: float, ratio: float
+    request: Request,
+    preset: Preset,
+    resin: Resin,
+    making: PadMaking,
+    shape: PadShape,
+    thickness_mm: float,
+    ratio: float,
 ) -> Tolerances:
     """How well a pad is made: the batch that is mixed is what is weighed."""
     _, batch = recipe_and_batch(_mould(request, preset, resin, shape, thickness_mm, ratio))
     crown = crown_making() if shape.crowned else None
-    return Tolerances(batch["total_g"], request.weighing_g, request.thickness_tolerance_mm, crown)
+    return Tolerances(batch["total_g"], making.weighing_g, making.thickness_mm, crown)
 
 
 def _least_film_mm(request: Request, preset: Preset, resin: Resin, thickness_mm: float, ratios: NDArray) -> float:

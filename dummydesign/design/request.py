@@ -8,9 +8,9 @@ from os import fspath
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.core import parsing
-from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.errors import InputError
 from dummydesign.core.options import option, read_options
-from dummydesign.core.parsing import parse_limits, read_count, read_number, read_numbers, read_size
+from dummydesign.core.parsing import parse_limits, read_number, read_numbers, read_size
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, PUNCH
 
 if TYPE_CHECKING:
@@ -23,17 +23,6 @@ ANSWER = "suggest.json"
 def face_of(punch: str, condition: str | None) -> str:
     """How a punch as typed holds a face: by the condition, else glued, but sliding freely where it is not flat."""
     return condition or ("frictionless" if punch.startswith(("ball:", "profile:")) else "bonded")
-
-
-LARGEST_ERROR = 2.0
-"""Largest error of weighing [g] and of the thickness [mm]."""
-
-
-def _read_error(given: float | str, purpose: parsing.QuantitySpec) -> float:
-    number = read_number(given, purpose)
-    if not 0.0 <= number <= LARGEST_ERROR:
-        raise out_of_range(purpose.quantity, number, 0, LARGEST_ERROR)
-    return number
 
 
 def read_sites(text: str | tuple[int, int]) -> tuple[int, int]:
@@ -65,9 +54,9 @@ class Request:
 
     Ranges are (low, high) with both ends included, None for all that is allowed. ``punch``, ``force_N``,
     ``velocity_mm_s``, ``hold_s``, ``pad_mm``, ``base``, ``edge_radius_mm`` and ``condition`` are the test that the pad
-    and the people behind the tissue are pressed by; ``preset``, ``machine`` and ``silicone`` are of its mould, None for
-    what the preset names. ``sites`` are how many crowns stand along and across the pad, ``castings`` how many castings
-    are drawn. ``cad`` is whether the mould is made (None: unless the pad is red), ``effects`` are files of own effects.
+    and the people behind the tissue are pressed by; ``preset`` is of its mould. ``sites`` are how
+    many crowns stand along and across the pad. ``cad`` is whether the mould of a pad that is not red is made,
+    ``effects`` are files of own effects.
     """
 
     tissue: str = option(MISSING, "tissue", "NAME|FILE", "see 'dummydesign tissues list'")
@@ -107,21 +96,6 @@ class Request:
         "MM_S2",
         "braking (default 30000 mm/s2)",
         read=partial(read_number, purpose=parsing.DECELERATION),
-    )
-    weighing_g: float = option(
-        0.1,
-        "balance",
-        "G",
-        "weighing error, plus or minus (default 0.1 g)",
-        read=partial(_read_error, purpose=parsing.BALANCE),
-        argument="balance_g",
-    )
-    thickness_tolerance_mm: float = option(
-        0.2,
-        "thickness-tolerance",
-        "MM",
-        "error of the cast thickness, plus or minus (default 0.2 mm)",
-        read=partial(_read_error, purpose=parsing.TOLERANCE),
     )
     calibration: str | None = option(
         None, "calibration", "FILE", "file written by 'dummydesign loop'; none: ignore the project's", read=fspath
@@ -164,8 +138,6 @@ class Request:
         None, "condition", "NAME", "bonded (default; under a ball or a profile frictionless), frictionless, friction:MU"
     )
     preset: str = option("open", "preset", "NAME|FILE", "mould preset: open (default), lidded, printed or a TOML file")
-    machine: str | None = option(None, "machine", "NAME|FILE", "printer, vacuum chamber and oven the mould must fit")
-    silicone: str | None = option(None, "silicone", "NAME|FILE", "silicone of the mould")
     sites: tuple[int, int] | None = option(
         None,
         "sites",
@@ -174,14 +146,7 @@ class Request:
         read=read_sites,
         between="x",
     )
-    castings: int = option(
-        1200,
-        "castings",
-        "N",
-        "number of simulated castings (default and minimum 1200)",
-        read=partial(read_count, quantity="castings"),
-    )
-    cad: bool | None = None
+    cad: bool = option(True, "no-cad", "", "skip the mould; write recipe and report only")
     effects: tuple[str, ...] = ()
 
     @property

@@ -16,12 +16,12 @@ from dummydesign.design.assessment.budget import budget_of_castings
 from dummydesign.design.assessment.curves import match_of_design
 from dummydesign.design.assessment.decision import compare_kinds, explain
 from dummydesign.design.assessment.pad_castings import PadCastings, pour_yield, shares_of_pad, verdict_of_design
-from dummydesign.design.assessment.value_of_information import measure_first
 from dummydesign.design.assessment.warnings import count_unmeasured, design_warnings
 from dummydesign.design.problem import Problem, read_problem
 from dummydesign.design.protocol import NAGOYA_PROTOCOL
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import Castings
+from dummydesign.design.scoring.finite_strain import finite_strain_of
 from dummydesign.design.scoring.people import people_warnings
 from dummydesign.design.scoring.press_simulation import make_curves
 from dummydesign.design.scoring.verdict import deviations, good_share, ranges_of, shares_of
@@ -63,7 +63,8 @@ def cast_pad(problem: Problem, design: ShapedDesign) -> PadCastings:
     outlook = outlook_for(design.cast, design.shape, design.thickness_mm, design.match, problem, castings.n)
     (candidate,) = with_parameters([candidate_of(design.cast, design.thickness_mm, outlook.ratio, problem)], problem)
     tolerances = problem.tolerances(design.shape, design.thickness_mm, outlook.ratio)
-    cast = PadCastings(castings, design.cast, candidate, problem, tolerances, outlook)
+    strain = finite_strain_of(candidate.alone, design.shape, problem.base, problem.targets, problem.radius_mm)
+    cast = PadCastings(castings, design.cast, candidate, problem, tolerances, outlook, strain)
     while MORE * cast.castings.n <= MOST_DRAWN and _near_a_limit(cast, limits.share):
         cast = replace(cast, castings=Castings(castings.resin, MORE * cast.castings.n, castings.seed))
     return cast
@@ -254,7 +255,6 @@ def design(problem: Problem, progress: Progress = quiet) -> Suggestion:
         rests_on=count_unmeasured(problem.resin, problem.tissue, best),
         warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
         choice=explain(chosen, rank([one for one in designs if one is not chosen], problem), problem),
-        measure_first=measure_first(castings),
         curves=match_of_design(best.evaluation, best.index, problem.targets),
         budget=budget_of_castings(castings),
         other_mould=other,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Any
-from warnings import warn
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from dummydesign.design.assessment.pad_castings import PadCastings, PourYield, S
 from dummydesign.design.next_steps import next_steps, paths_of
 from dummydesign.design.problem import recipe_and_batch, recipe_of_pour
 from dummydesign.design.request import Request
-from dummydesign.design.scoring.castings import GROUPS, TISSUE
+from dummydesign.design.scoring.castings import GROUPS
 from dummydesign.design.scoring.people import shares_below
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import TOLERANCE, Verdict
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from dummydesign.design.assessment.budget import Budget
     from dummydesign.design.assessment.curves import CurveMatch
     from dummydesign.design.assessment.decision import Choice
-    from dummydesign.design.assessment.value_of_information import MeasureFirst
     from dummydesign.design.crown_array import Sites
     from dummydesign.design.problem import Problem
     from dummydesign.design.search.slabs import DesignCandidate, ScoreMap
@@ -67,17 +66,10 @@ class Suggestion:
     rests_on: dict[str, Any]
     warnings: tuple[dict[str, str], ...]
     choice: Choice
-    measure_first: MeasureFirst
     curves: CurveMatch
     budget: Budget | None
     sites: Sites | None
     other_mould: dict[str, Any] | None
-
-    @property
-    def recommended(self) -> DesignCandidate:
-        """The earlier name of ``best``, kept for one release."""
-        warn("'recommended' of a suggestion is now 'best'", DeprecationWarning, stacklevel=2)
-        return self.best
 
     @property
     def request(self) -> Request:
@@ -136,23 +128,15 @@ class Suggestion:
         made_by = self.law.provenance.get("command", "")
         force_law = [f"response table of {self.shape.name} pads, made by {made_by}"] if made_by else []
         sources = [*self.tissue.sources, *self.resin.references, *force_law]
-        groups = [group for group in GROUPS if group != TISSUE]
         castings, verdict, shares = self.castings.castings, self.verdict.to_dict(), self.shares.to_dict()
+        drawn = {"n": castings.n, "seed": castings.seed, "groups": list(GROUPS)}
         recommendation = design_dict(self.best, self.problem)
         answer: dict[str, Any] = {
             "verdict": verdict,
             "batch_measured": self.resin.measured,
-            "castings": {
-                "n": castings.n,
-                "seed": castings.seed,
-                "groups": groups,
-                **(verdict["castings"] or {}),
-                "usable": self.verdict.usable_share,
-            },
-            "shares": {name: value for name, value in shares.items() if name != "window_kPa"},
-            "window_kPa": shares["window_kPa"],
+            "window_kPa": shares.pop("window_kPa"),
+            "shares": {**shares, "as_poured": {**shares["as_poured"], **drawn}},
             "people": shares_below(self.targets, self.best.readings.peak_N).to_dict(),
-            "measure_first": self.measure_first.to_dict(),
             "choice": {**self.choice.to_dict(), "weights": self.targets.weights.to_dict()},
             "curves": to_plain(self.curves),
             "budget": to_plain(self.budget),
@@ -280,6 +264,16 @@ def _low_force(candidate: DesignCandidate, targets: Targets) -> list[dict[str, A
     return [to_plain(dict(zip(names, row))) for row in zip(forces, depths, stiff, soft)]
 
 
+def mould_command(answer: Suggestion) -> str:
+    """The command that makes the mould of the recommended pad."""
+    best, request = answer.best, answer.request
+    words = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {quote(request.resin)}"
+    words += f" --ratio {best.ratio:g} --shape {quote(str(answer.shape))}"
+    if request.pad_mm != (PAD_LENGTH_MM, PAD_WIDTH_MM):
+        words += " --length {:g} --width {:g}".format(*request.pad_mm)
+    return words + (f" --preset {quote(request.preset)}" if request.preset != "open" else "")
+
+
 def make_mould(answer: Suggestion, folder: Path) -> dict[str, Any]:
     """Make the mould of the recommended pad into a folder; return it with its files, warnings and sources."""
     from dummydesign.mold import client
@@ -290,13 +284,7 @@ def make_mould(answer: Suggestion, folder: Path) -> dict[str, Any]:
         spec = replace(spec, pour=replace(spec.pour, usable_kPa=answer.shares.window_kPa or ()))
         return client.make_mold(spec, folder).to_dict() | {"sources": list(spec.sources)}
     except NoAnswerError as problem:
-        step = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {answer.request.resin}"
-        step += f" --ratio {best.ratio:g} --shape {answer.shape}"
-        if answer.request.pad_mm != (PAD_LENGTH_MM, PAD_WIDTH_MM):
-            step += " --length {:g} --width {:g}".format(*answer.request.pad_mm)
-        if answer.request.preset != "open":
-            step += f" --preset {answer.request.preset}"
-        message = f"{problem}; the recipe stands, the mould is missing: then run '{step}'"
+        message = f"{problem}; the recipe stands, the mould is missing: then run '{mould_command(answer)}'"
         raise NoAnswerError(problem.code, message, quantity=problem.quantity) from None
 
 

@@ -239,8 +239,6 @@ def refused_kinds(request: Request, punch: Punch) -> dict[str, str]:
         elif request.face != "bonded":
             press = "'predict' and 'whatif --fidelity axisymmetric' press round ones"
             reasons[kind] = f"{kind} pads are designed under a glued punch; with condition = {request.face} {press}"
-        elif kind == "bumped" and not (request.punch == PUNCH and request.base == "bonded" and standard_pad(request)):
-            reasons[kind] = f"bumped pads are tabulated under the {PUNCH} mm punch on a glued 150x120 mm pad only"
         elif request.base != "bonded" and kind != "crowned":
             reasons[kind] = f"{kind} pads are designed on a glued base only"
         elif request.base != "bonded" and not request.verify:

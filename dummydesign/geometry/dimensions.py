@@ -32,8 +32,6 @@ STEEPEST_BONE_DEG = 60.0
 RIM_FREE_MM = 8.0
 # Half the width that the foot of a thickness gauge needs on a flat. [mm]
 GAUGE_FOOT_MM = 4.0
-# Pockets deeper than this share of their diameter keep their air.
-DEEPEST_POCKET = 0.3
 MODULUS_RATIO = (0.05, 20.0)
 # A bar ends this much before the drafted walls, so that it does not bind when it is lowered. [mm]
 BAR_END_GAP_MM = 0.5

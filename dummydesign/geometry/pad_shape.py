@@ -160,7 +160,7 @@ class PadShape:
         return float(self.drop_mm(np.array(block.length_mm / 2), np.array(block.width_mm / 2)))
 
     def least_gel_mm(self, block: PadBlock) -> float:
-        """Thinnest gel of the pad: beside a crown or a bump, over a bone, or a layer. [mm]"""
+        """Thinnest gel of the pad: beside a crown, over a bone, or a layer. [mm]"""
         return block.thickness_mm - max(self.bone_height_mm, self.face_height_mm(block))
 
     def top_volume_mm3(self, block: PadBlock) -> float:
@@ -182,11 +182,6 @@ class PadShape:
     def tip_radius_mm(self) -> float | None:
         """Radius of curvature of the highest tip; None when it has none. [mm]"""
         return None
-
-    @property
-    def pockets(self) -> int:
-        """How many narrow pockets of the mould's floor keep their air."""
-        return 0
 
     @property
     def bone_height_mm(self) -> float:
@@ -265,7 +260,7 @@ class PadShape:
         return ""
 
     def casting_notes(self, block: PadBlock) -> tuple[tuple[str, str], ...]:
-        """Further warnings of the mould as (code, message), beyond those of relief, pockets, bone and layers."""
+        """Further warnings of the mould as (code, message), beyond those of relief, bone and layers."""
         return ()
 
     # Parameters as they are typed.

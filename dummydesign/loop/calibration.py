@@ -94,7 +94,8 @@ _PHASES = {PRE: "before_contact", RISE: "rise", HOLD: "hold", UNLOADING: "unload
 class Model:
     """A fitted model: base parameters, effects, and the law error found on each thickness.
 
-    ``carried`` is the share of a pad's level that goes over to another pad: what is of the law, not of the pad.
+    ``carried`` is the share of a pad's level that goes over to another pad: what is of the law, not of the pad;
+    ``reach`` the depth over thickness that was pressed, to which the law error is known.
     """
 
     base: BaseParameters
@@ -103,6 +104,7 @@ class Model:
     law: NDArray
     shapes: tuple[str, ...] = ()
     carried: float = 1.0
+    reach: float = np.inf
 
     @property
     def pads(self) -> tuple[tuple[str, float], ...]:
@@ -114,7 +116,9 @@ class Model:
         rows = dict(zip(earlier.pads, earlier.law.T)) | dict(zip(self.pads, self.law.T))
         pads = sorted(rows)
         law = np.stack([rows[pad] for pad in pads], axis=1)
-        return replace(self, thickness_mm=np.array([h for _, h in pads]), law=law, shapes=tuple(s for s, _ in pads))
+        thickness, shapes = np.array([h for _, h in pads]), tuple(s for s, _ in pads)
+        reach = max(self.reach, earlier.reach)
+        return replace(self, thickness_mm=thickness, law=law, shapes=shapes, reach=reach)
 
     def law_error(self, thickness_mm: NDArray, shapes: Sequence[str] = (), cast: bool = False) -> LawError:
         """Law error of pads (T,): of one's own shape, linear in the logarithm of thickness between the known and
@@ -133,7 +137,8 @@ class Model:
         if self.carried < 1.0:
             same = np.array([(shape, h) in self.pads for shape, h in zip(wanted.tolist(), thickness_mm.tolist())])
             terms[0] *= np.where(same & (not cast), 1.0, self.carried)
-        return LawError(*terms)
+        level, slope, curve = terms
+        return LawError(level, slope, curve, self.reach)
 
     def nodes(self, presses: Presses, law: SetupLaw) -> NDArray:
         """Force at the nodes of other presses (T, N). [N]"""
@@ -154,6 +159,7 @@ class Model:
                 "level_slope_curve": self.law.tolist(),
                 **({"shape": list(self.shapes)} if any(self.shapes) else {}),
                 **({"carried_to_other_pads": self.carried} if self.carried < 1.0 else {}),
+                **({"known_to_depth_over_thickness": self.reach} if np.isfinite(self.reach) else {}),
             },
         }
 
@@ -214,8 +220,10 @@ class Calibration:
 
 def model_of(fit: CampaignFit) -> Model:
     """Take the model out of a fit."""
-    law, pads = fit.vector[fit.problem.fixed :].reshape(LAW_TERMS, -1), fit.problem.presses.pads
-    return Model(fit.base, fit.active, fit.problem.thicknesses, law, tuple(s for s, _ in pads), carried_share(fit))
+    presses, law = fit.problem.presses, fit.vector[fit.problem.fixed :].reshape(LAW_TERMS, -1)
+    reach = float(np.max(presses.depth_mm / presses.thickness_mm))
+    shapes = tuple(shape for shape, _ in presses.pads)
+    return Model(fit.base, fit.active, fit.problem.thicknesses, law, shapes, carried_share(fit), reach)
 
 
 def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Calibration:

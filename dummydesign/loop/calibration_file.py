@@ -285,9 +285,9 @@ def _learned(entry: _Entry, follows: tuple[str, ...]) -> Learned:
     return Learned(SmoothChange(follows, tuple(tuple(axis) for axis in axes), changes if pair else changes[0]))
 
 
-def _law_error(table: _Entry) -> tuple[np.ndarray, np.ndarray, tuple[str, ...], float]:
+def _law_error(table: _Entry) -> tuple[np.ndarray, np.ndarray, tuple[str, ...], float, float]:
     """Thicknesses (h,), of each shape rising; level, slope and curvature (3, h); shapes, empty for slabs alone; share
-    of a level that goes over to other pads."""
+    of a level that goes over to other pads; depth over thickness to which the error was seen."""
     thickness = table["thickness_mm"].numbers(0.0, math.inf)
     terms = [row.numbers(-LARGEST_LAW_ERROR, LARGEST_LAW_ERROR) for row in table["level_slope_curve"].items()]
     shapes = tuple(one.text() for one in table["shape"].items()) if "shape" in table.value else ()
@@ -298,5 +298,6 @@ def _law_error(table: _Entry) -> tuple[np.ndarray, np.ndarray, tuple[str, ...], 
         raise table["thickness_mm"].fault("must hold thicknesses above 0 that rise")
     if len(terms) != LAW_TERMS or any(len(term) != len(thickness) for term in terms):
         raise _Fault(f"{table.at}.level_slope_curve must hold {LAW_TERMS} rows of {len(thickness)} numbers")
-    carried = table.get("carried_to_other_pads")
-    return np.array(thickness), np.array(terms), shapes, 1.0 if carried is None else carried.number(0.0, 1.0)
+    carried, reach = table.get("carried_to_other_pads"), table.get("known_to_depth_over_thickness")
+    ends = 1.0 if carried is None else carried.number(0.0, 1.0), np.inf if reach is None else reach.positive()
+    return np.array(thickness), np.array(terms), shapes, *ends

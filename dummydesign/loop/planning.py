@@ -35,7 +35,7 @@ from dummydesign.loop.next_measurement import HOLD_S, LUBRICATED, PossiblePress,
 from dummydesign.loop.result import LoopResult
 from dummydesign.measurement.campaign import Campaign, Trial
 from dummydesign.measurement.campaign_plan import Planned
-from dummydesign.measurement.motion import Motion, ramp_and_hold
+from dummydesign.measurement.motion import DECELERATION_MM_S2, Motion, contact_velocity, ramp_and_hold
 from dummydesign.pad.force_law import ForceCurve
 from dummydesign.pad.force_source import elastic_curve
 from dummydesign.pad.pad_under_punch import Pad, Puck
@@ -45,7 +45,6 @@ if TYPE_CHECKING:
     pass
 
 
-DECELERATION_MM_S2 = 30000.0  # braking at the end of the ramp, as ``predict`` has it. [mm/s2]
 LEAST_HOLD_S = 1e-3
 
 
@@ -91,6 +90,16 @@ def expected_presses(
     return tuple(expected[key] for key in keys)
 
 
+def reached_speeds(plan: tuple[Planned, ...], expected: tuple[Expected, ...]) -> tuple[Planned, ...]:
+    """The plan at the speeds that a robot reaches which brakes to a stop at the expected depths, cut to 0.1 mm/s."""
+    out = []
+    for row, one in zip(plan, expected):
+        depth = row.target if row.by_depth else one.value
+        touch = float(contact_velocity(row.velocity_mm_s, depth or np.inf, DECELERATION_MM_S2))
+        out.append(replace(row, velocity_mm_s=math.floor(10.0 * touch) / 10.0) if touch < row.velocity_mm_s else row)
+    return tuple(out)
+
+
 def _curve(pad: Pad | Puck, progress: Progress) -> tuple[Pad | Puck, ForceCurve]:
     """Long-term force of a pad by its table, else solved."""
     try:
@@ -104,7 +113,7 @@ def _expected(row: Planned, pad: Pad | Puck, curve: ForceCurve, material: Materi
     hold = max(row.hold_s, LEAST_HOLD_S)
 
     def motion_to(depth: float) -> Motion:
-        return ramp_and_hold(row.velocity_mm_s, depth, hold, DECELERATION_MM_S2)
+        return ramp_and_hold(row.velocity_mm_s, depth, hold)
 
     def depth_at(force: float) -> float | None:
         try:

@@ -11,7 +11,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.measurement.campaign import held_force
 from dummydesign.measurement.campaign_file import FILE, read_campaign, read_campaign_toml, trial_tables
 from dummydesign.measurement.importing.press_checks import copies_among, doubts_of
-from dummydesign.measurement.ramp_detection import approach_velocity, ramp_of
+from dummydesign.measurement.ramp_detection import planned_velocity, ramp_of
 from dummydesign.measurement.trace import Trace, read_trace
 
 FORCE_SHARE, SPEED_SHARE, HOLD_SHARE, DEPTH_SHARE = 0.3, 0.2, 0.8, 0.2
@@ -106,8 +106,9 @@ def _positive(table: dict[str, Any], key: str) -> float:
 def differences_from_plan(trace: Trace, trial: dict[str, Any]) -> Iterator[str]:
     """Return the differences between a press and what was planned."""
     ramp = ramp_of(trace)
+    sent = planned_velocity(trace.time_s, trace.displacement_mm, ramp, _positive(trial, "velocity_mm_s"))
     differences = {
-        "velocity_mm_s": (approach_velocity(trace.time_s, trace.displacement_mm, ramp), SPEED_SHARE, "mm/s"),
+        "velocity_mm_s": (sent, SPEED_SHARE, "mm/s"),
         "target_force_N": (held_force(trace, ramp), FORCE_SHARE, "N in the hold"),
         "target_depth_mm": (ramp.depth_mm, DEPTH_SHARE, "mm"),
     }

@@ -12,6 +12,8 @@ from dummydesign.core.serialise import Serialised
 
 DECELERATION_MM_S2 = 30_000.0
 """Default braking of the robot, 30 m/s2: 250 mm/s are stopped in 8.3 ms and 1.04 mm."""
+BRAKING_MM_S2 = (3_000.0, 200_000.0)
+"""Braking that robots have."""
 HOLD_S = 10.0
 """Default hold after the stop, that of the published presses. [s]"""
 LATE = 0.05

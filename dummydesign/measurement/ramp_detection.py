@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, errors_within
 from dummydesign.core.interpolation import true_runs
-from dummydesign.measurement.motion import LATE, Ramp
+from dummydesign.measurement.motion import BRAKING_MM_S2, DECELERATION_MM_S2, LATE, Ramp, contact_velocity
 from dummydesign.measurement.plateau import SLOWED, find_plateau, path_noise, ramp_start, slowing
 
 if TYPE_CHECKING:
@@ -121,16 +121,51 @@ def approach_velocity(time: NDArray, x: NDArray, ramp: Ramp) -> float:
 
     A shallow press at 250 mm/s brakes all the way from the surface, so its mean speed says little.
     """
+    return _fastest(time, x, ramp)[0]
+
+
+STRETCH = 0.4
+"""Share of the depth over which the fastest stretch is taken."""
+
+
+def _fastest(time: NDArray, x: NDArray, ramp: Ramp) -> tuple[float, float, float]:
+    """Speed of the fastest stretch, where it starts [mm], and the deceleration over the deeper half."""
     before = time <= ramp.stop_time_s
     climb = np.maximum.accumulate(x[before])
-    rising = np.r_[True, np.diff(climb) > 0]
+    # a rest ends with its last sample
+    rising = np.r_[np.diff(climb) > 0, True]
     grid, climb = time[before][rising], climb[rising]
-    stretch = 0.4 * ramp.depth_mm
+    stretch = STRETCH * ramp.depth_mm
     if len(grid) < 3 or climb[-1] - climb[0] <= stretch:
-        return ramp.velocity_mm_s
+        return ramp.velocity_mm_s, 0.0, np.inf
     starts = np.linspace(climb[0], climb[-1] - stretch, 200)
     needed = np.interp(starts + stretch, climb, grid) - np.interp(starts, climb, grid)
-    return float(stretch / needed.min())
+    # of the way left before the stop, sqrt(d - x) = sqrt(a / 2) (t_stop - t)
+    ends = np.interp((1.0 - BRAKED) * ramp.depth_mm, climb, grid)
+    slope = np.sqrt(BRAKED * ramp.depth_mm) @ [1.0, -1.0] / max(ends[1] - ends[0], 1e-12)
+    return float(stretch / needed.min()), float(starts[np.argmin(needed)]), float(2.0 * slope**2)
+
+
+BRAKED, ALL_BRAKING = np.array([0.6, 0.1]), 0.92
+"""Shares of the depth left between which the braking is read; the speed over that of a motion that brakes throughout,
+from which it does."""
+
+
+def planned_velocity(time: NDArray, x: NDArray, ramp: Ramp, planned_mm_s: float) -> float:
+    """The planned speed where the motion can be one of it, else the nearest that it can be of. [mm/s]
+
+    A press that brakes from contact on says at which speed it touched, and nothing of how much faster it was sent. A
+    plan to that speed is kept also by a robot that brakes harder than is planned with, and touches faster.
+    """
+    sent, start, braking = _fastest(time, x, ramp)
+    left = np.maximum(ramp.depth_mm - start - np.array([0.0, STRETCH * ramp.depth_mm]), 0.0)
+    throughout = float(contact_velocity(np.inf, left, braking).mean())
+    brakes = braking > BRAKING_MM_S2[0] and sent > ALL_BRAKING * throughout
+    touch = float(contact_velocity(sent, ramp.depth_mm, braking))
+    if not brakes and touch >= sent:
+        return sent
+    touch = float(contact_velocity(touch, ramp.depth_mm, DECELERATION_MM_S2))
+    return float(np.clip(planned_mm_s, touch, np.inf if brakes else sent))
 
 
 STEADY_PERIODS = 2.0

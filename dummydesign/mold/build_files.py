@@ -37,10 +37,10 @@ PICTURE_S = 600
 """A renderer that hangs (a driver without a screen) is given up after this time; drawing takes a few seconds. [s]"""
 
 
-def produce(spec: MouldSpec, folder: Path, foot: Foot, bone_file: Path | None = None) -> dict[str, Any]:
+def produce(spec: MouldSpec, folder: Path, foot: Foot) -> dict[str, Any]:
     """Build, write, read again and check; return what the parent turns into a result."""
     write_progress("step 1 of 5: building the solids")
-    made = build(spec, bone_file)
+    made = build(spec)
     write_progress("step 2 of 5: meshes and STEP files")
     meshes = {name: tessellate(part.solid) for name, part in made.parts.items()}
     picture = _start_picture(made, meshes, folder)
@@ -97,9 +97,8 @@ def _write_and_read(made: Parts, meshes: dict[str, Any], folder: Path) -> tuple[
     spec = made.spec
     files, mesh_files = _write_steps(made, folder), _write_meshes(made, meshes, folder)
     assembly = folder / files["assembly"]
-    bone_mm3 = 0.0 if spec.insert is None else spec.insert.volume_error_mm3(spec.pad.thickness_mm)
     single = {name: folder / files[name] for name in made.parts}
-    checks = check_files.check_step(made.parts, single, assembly, bone_mm3)
+    checks = check_files.check_step(made.parts, single, assembly)
     checks += check_files.check_step_text(assembly, folder / files["pad"], spec.hash)
     total = sum(part.volume_mm3 for part in made.parts.values())
     checks.append(check_files.check_second_reader(assembly, total, len(made.parts)))

@@ -1,6 +1,6 @@
 """The child process that loads the CAD kernel: ``python -m dummydesign.mold.child_main question.json answer.json``.
 
-It answers what was made or measured, or an ``error`` {code, message}.
+It answers what was made, or an ``error`` {code, message}.
 """
 
 from __future__ import annotations
@@ -13,30 +13,19 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.cpu_limit import limit_processor_time
-from dummydesign.core.errors import InputError
 from dummydesign.core.progress import leave
 from dummydesign.mold.cad.kernel import cad_problem, load_trimesh
 
 
 def run(asked: dict[str, Any]) -> dict[str, Any]:
-    """Make the mould or place the bone of the question; never raises for faults with a message."""
+    """Make the mould of the question; never raises for faults with a message."""
     if problem := cad_problem():
         return {"error": {"code": "cad_unavailable", "message": problem}}
-    bone = "placing" in asked
     try:
-        return _placed(asked) if bone else _made(asked)
+        return _made(asked)
     except Exception as problem:
         text = " ".join(str(problem).split()) or "no message"
-        error: dict[str, Any] = {"code": "cad_failed", "message": f"{type(problem).__name__}: {text}"}
-        if bone and isinstance(problem, InputError):
-            error["fault"] = str(problem), problem.code, problem.quantity, problem.value, problem.allowed
-        return {"error": error}
-
-
-def _placed(asked: dict[str, Any]) -> dict[str, Any]:
-    from dummydesign.mold.cad.bone import placed_bone
-
-    return placed_bone(**asked)
+        return {"error": {"code": "cad_failed", "message": f"{type(problem).__name__}: {text}"}}
 
 
 def _made(asked: dict[str, Any]) -> dict[str, Any]:
@@ -54,8 +43,7 @@ def _made(asked: dict[str, Any]) -> dict[str, Any]:
         from dummydesign.mold.model.spec import MouldSpec
 
         spec = MouldSpec.from_dict(asked["spec"])
-        bone = Path(asked["bone"]) if asked["bone"] else None
-        result = produce(spec, Path(asked["folder"]), Foot(spec.hash, **asked["papers"]), bone)
+        result = produce(spec, Path(asked["folder"]), Foot(spec.hash, **asked["papers"]))
     return {**result, "seconds": time.perf_counter() - start, "memory_MB": peak_memory_MB()}
 
 

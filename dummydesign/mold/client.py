@@ -1,8 +1,7 @@
-"""Run the CAD child from outside: place a bone, make a mould."""
+"""Run the CAD child from outside: make a mould."""
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import shlex
@@ -11,7 +10,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -22,8 +21,7 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import output_folder, writing
 from dummydesign.core.manifest import COMMAND_LINE
 from dummydesign.core.serialise import Serialised
-from dummydesign.geometry.dimensions import RIM_FREE_MM
-from dummydesign.mold.model.spec import Insert, MouldSpec, Placing
+from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.model.validate import validate
 from dummydesign.mold.pour.acceptance import GaugePoint, gauge_points
 from dummydesign.mold.pour.plan import batches_of, pour_plan
@@ -32,63 +30,6 @@ from dummydesign.mold.pour.warnings import pour_warnings
 
 if TYPE_CHECKING:
     from dummydesign.mold.puck.ring import PuckSpec
-
-SUFFIXES = (".stl", ".step", ".stp")
-TIMEOUT_S = 300.0
-
-
-def insert_bone(
-    file: Path, placing: Placing, thickness_mm: float, length_mm: float, width_mm: float, solid: Path
-) -> tuple[Insert, tuple[tuple[str, float], ...]]:
-    """Read a bone, set it into a pad and find the dome that stands for it."""
-    placing.check(thickness_mm)
-    if file.suffix.lower() not in SUFFIXES:
-        message = f"bone '{file.name}': a name that ends in {', '.join(SUFFIXES)} is needed"
-        raise InputError(message, "unsupported", "bone", file.suffix, SUFFIXES)
-    try:
-        content = file.read_bytes()
-    except OSError as problem:
-        code = "file_not_found" if isinstance(problem, FileNotFoundError) else "file_unreadable"
-        raise InputError(f"bone '{file}': cannot be read: {problem.strerror}", code, "bone", str(file)) from None
-    room = min(length_mm, width_mm) / 2 - RIM_FREE_MM
-    measured = _measured(
-        {
-            "file": str(file),
-            "solid": str(solid),
-            "placing": asdict(placing),
-            "thickness_mm": thickness_mm,
-            "room_mm": room,
-        }
-    )
-    dome = (
-        ("radius", round(measured.pop("tip_mm"), 2)),
-        ("height", placing.height_mm),
-        ("foot", round(measured.pop("foot_mm"), 2)),
-    )
-    insert = Insert(file.name, hashlib.sha256(content).hexdigest(), placing, **measured)
-    insert.check(length_mm, width_mm)
-    return insert, dome
-
-
-def _measured(asked: dict[str, Any]) -> dict[str, Any]:
-    """What the child measured of a bone; its error as ours."""
-    done, measured = _answered(asked, TIMEOUT_S)
-    if done is None:
-        raise NoAnswerError("cad_failed", f"the bone was not read within {TIMEOUT_S:g} s", {}, "bone")
-    if not measured:
-        ended = f"signal {-done.returncode}" if done.returncode < 0 else _last_line(done, f"status {done.returncode}")
-        message = (
-            f"the CAD kernel broke off while it read or cut the bone ({ended}), as it does where a surface "
-            "crosses or touches itself; repair it, or simplify it"
-        )
-        raise NoAnswerError("cad_failed", message, {}, "bone")
-    if "error" not in measured:
-        return measured
-    if "fault" in measured["error"]:
-        raise InputError(*measured["error"]["fault"])
-    code, message = measured["error"]["code"], measured["error"]["message"]
-    raise NoAnswerError(code, message, {}, "bone")
-
 
 WORKER = ("-m", "dummydesign.mold.child_main")
 
@@ -205,18 +146,12 @@ class MouldResult(Made):
     memory_MB: float = field(default=0.0, compare=False)
 
 
-def make_mold(
-    spec: MouldSpec, folder: Path, processor_s: float = PROCESSOR_S, bone_file: Path | None = None, paper: str = "A4"
-) -> MouldResult:
+def make_mold(spec: MouldSpec, folder: Path, processor_s: float = PROCESSOR_S, paper: str = "A4") -> MouldResult:
     """Build the mould of a specification with all its files into a folder; an error leaves nothing there."""
     validate(spec)
     check_layers(spec)
-    if spec.insert is not None and bone_file is None:
-        message = f"the bone of this mould comes from {spec.insert.file}; give the file again"
-        raise InputError(message, "missing", "bone")
     asked = {
         "spec": spec.to_dict(),
-        "bone": str(bone_file) if bone_file else None,
         "processor_s": processor_s,
         "papers": papers(paper),
     }

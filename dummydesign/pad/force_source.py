@@ -10,6 +10,7 @@ import numpy as np
 
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
+from dummydesign.core.quantity import Quantity
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.interface import BASES, Interface
 from dummydesign.pad.force_law import (
@@ -99,7 +100,14 @@ def has_square_factor(pad: Pad) -> bool:
         return False
     if pad.geometry.crowned:
         return pad.geometry.axisymmetric and pad.profile_mm is None
-    return _tabulated(replace(pad, edge_radius_mm=0.0))
+    plain = pad if _exponent(pad) is None else replace(pad, law=None)
+    return _tabulated(replace(plain, edge_radius_mm=0.0))
+
+
+def _exponent(pad: Pad) -> float | None:
+    from dummydesign.pad.tables.elastic_law import exponent_of
+
+    return exponent_of(pad.shape)
 
 
 def _tabulated(pad: Pad) -> bool:
@@ -149,9 +157,11 @@ def _plain_law(pad: Pad) -> bool:
 
 
 def _by_table(pad: Pad) -> ForceCurve:
+    from dummydesign.pad.tables.elastic_law import elastic_factor, mean_drop_mm
     from dummydesign.pad.tables.filleted import slab_table
 
-    material = "neo-hookean" if pad.shape == Yeoh(1.0) else type(pad.shape).__name__.lower()
+    alpha = _exponent(pad)
+    material = "neo-hookean" if alpha is not None else type(pad.shape).__name__.lower()
     for name, value, held in (
         ("punch", "profile" if pad.profile_mm else "flat", "flat"),
         ("punch condition", pad.condition, "bonded"),
@@ -161,7 +171,13 @@ def _by_table(pad: Pad) -> ForceCurve:
         if value != held:
             raise _not_tabulated(name, value, held)
     law: ForceLaw = slab_table(pad.base, pad.edge_radius_mm, pad.radius_mm) if pad.geometry == SLAB else _shape_law(pad)
-    return curve_at(law, pad.thickness_mm, pad.young_MPa, pad.radius_mm)
+    curve = curve_at(law, pad.thickness_mm, pad.young_MPa, pad.radius_mm)
+    if alpha is None or pad.shape == Yeoh(1.0):
+        return curve
+    kind = pad.geometry.name if pad.base == "bonded" and not pad.edge_radius_mm else "other"
+    known = Quantity(alpha, alpha, alpha, "assumed", "given")
+    size = pad.thickness_mm, pad.radius_mm, known, kind, mean_drop_mm(pad.geometry, pad.radius_mm)
+    return scale_curve(curve, lambda depth: elastic_factor(depth, *size))
 
 
 def _shape_law(pad: Pad) -> TabulatedShapeLaw:

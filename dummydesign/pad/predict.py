@@ -152,6 +152,11 @@ def allowance(
     return low * viscous, above + high * viscous
 
 
+def widest_allowance(base: str, *args: Any) -> Array:
+    """The :func:`allowance` of any base, (2, n); for one with friction, which was not measured, that of both limits."""
+    return np.max([allowance(one, *args) for one in ((base,) if base in BASES else BASES)], axis=0)
+
+
 @dataclass(frozen=True, eq=False)
 class StaticPrediction(Serialised):
     """Force at static depths with the model's own uncertainty; arrays of one length."""
@@ -257,12 +262,11 @@ def motion_on_curve(pad: Pad | Puck, motion: Motion, curve: ForceCurve, fidelity
         solver = cost | {name: solver[name] + cost[name] for name in ("load_steps", "newton_iterations", "seconds")}
     else:
         ratio = pad.radius_mm / pad.thickness_mm
-        # Not measured for a base with friction: the larger of both its limits; nor for a puck: that of a glued slab.
+        # Not measured for a puck: that of a glued slab.
         base = "bonded" if isinstance(pad, Puck) else pad.base
-        bases = (base,) if base in BASES else BASES
         shape = SLAB if isinstance(pad, Puck) else pad.geometry
         args = (ratio, depth / pad.thickness_mm, time, elastic, pad.prony, shape, pad.thickness_mm)
-        below, above = np.max([allowance(base, *args) for base in bases], axis=0)[:, keep]
+        below, above = widest_allowance(base, *args)[:, keep]
     peak = int(np.argmax(force))
     return MotionPrediction(
         motion.time_s,

@@ -180,7 +180,7 @@ GIVEN: dict[tuple[str, ...], tuple[str, ...]] = {
 }
 """Options that each command takes from the project; ``resin`` and ``young`` of ``predict`` stay with the user."""
 OUT = {
-    **dict.fromkeys(("suggest", "whatif", "compare", "compare-designs", "on-person"), "designs"),
+    **dict.fromkeys(("suggest", "whatif", "compare", "on-person"), "designs"),
     "import": "measured",
     "mold": "moulds",
     "loop": "calibrations",

@@ -69,9 +69,12 @@ def finished_manifest(path: Path) -> dict[str, Any] | None:
     return content | {"summary": summary if isinstance(summary, dict) and _is_plain(summary) else None}
 
 
+NUMBERS = ("thickness_mm", "ratio", "usable_fraction", "correction_factor")
+
+
 def _is_plain(summary: dict[str, Any]) -> bool:
     """Whether numbers and names of a pad are such, also in a file that was edited or comes from elsewhere."""
-    numbers, names = (summary.get(key, 0.0) for key in ("thickness_mm", "ratio")), summary.get("shape", "")
+    numbers, names = (summary.get(key, 0.0) for key in NUMBERS), summary.get("shape", "")
     return all(isinstance(one, int | float) and abs(one) < 1e6 for one in numbers) and isinstance(names, str)
 
 

@@ -401,13 +401,19 @@ def parameters_text(result: dict[str, Any]) -> str:
     return f"all {len(known)} parameters of the force law are inside the subjects' band" if known else ""
 
 
+PLAN = "dummydesign campaign new DIR --resin NAME --ratio R"
+
+
 def next_steps(result: dict[str, Any]) -> list[str]:
     """What to do with the pad, by the light of its verdict; nothing without one."""
     verdict, traces = result["verdict"] or {"light": ""}, result["inputs"]["traces"]
     if not verdict["light"]:
         return []
     if verdict["level"] == "not_settled":
-        return ["do not use the pad yet: press what is missing, or press more repeats, and compare again"]
+        return [
+            "do not use the pad yet: press what is missing, or press more repeats, and compare again",
+            f"a plan of the presses: {PLAN}",
+        ]
     if verdict["light"] == "red":
         return ["do not use this pad for these presses", *_correct_the_design(traces)]
     if verdict["light"] == "green" or verdict["correction"]["factor"] is None:
@@ -432,4 +438,4 @@ def _correct_the_design(traces: list[str]) -> list[str]:
     folder = Path(traces[0]).parent
     if (folder / CAMPAIGN).is_file():
         return [f"dummydesign loop {quote(str(folder))}"]
-    return ["press a campaign of it ('dummydesign campaign new'): 'dummydesign loop' then corrects the next design"]
+    return [f"press a campaign of it: {PLAN}", "let it correct the next design: dummydesign loop DIR"]

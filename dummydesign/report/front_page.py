@@ -113,8 +113,6 @@ class FrontPage:
         Warnings, each with what to do.
     steps : sequence of str
         What to do next, in its order; commands begin with ``dummydesign``.
-    side_note : str
-        What may be done instead.
     foot : str
         Where the rest is.
     """
@@ -132,7 +130,6 @@ class FrontPage:
     blocks: Sequence[tuple[str, Sequence[str]]] = ()
     notes: Sequence[str] = ()
     steps: Sequence[str] = ()
-    side_note: str = ""
     foot: str = ""
 
 
@@ -347,9 +344,6 @@ def _steps(items: list[Item], page: FrontPage, y: float, size: float) -> float:
         if numbered:
             texts.append(Text(5.0, low + 0.8 * _line_mm(size), str(number), size, "bold"))
         low = paragraph(texts, left, low, lines, own, face, pitch=PITCH * size / own) + 0.7
-    if page.side_note:
-        noted = wrapped(page.side_note, WIDTH_MM - left - 4.0, size, most=2)
-        low = paragraph(texts, left, low, noted, size, colour=SOFT)
     items += [rectangle((0.0, y, WIDTH_MM, low + 1.0), PANEL, None), *texts]
     return low + 1.0
 

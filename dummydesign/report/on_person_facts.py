@@ -203,7 +203,9 @@ def next_steps(result: dict[str, Any]) -> list[str]:
     elif word == "pass":
         steps.append("keep speed, force and moving mass at or below those of these presses")
     elif word == "undecided" and worst is None:
-        steps.append("reduce speed, force or moving mass, or measure more subjects: dummydesign tissues add")
+        steps.append(
+            "reduce speed, force or moving mass, or measure more subjects: dummydesign tissues add NAME TRACE.csv..."
+        )
     elif word == "result":
         template = result["files"].get("limits_template", LIMITS_TEMPLATE)
         steps.append(
@@ -218,7 +220,8 @@ def _into_range(way: dict[str, Any]) -> str:
     speed, depth = ("faster", "deeper") if low else ("more slowly", "less deep")
     change = {"velocity_mm_s": speed, "peak_force_N": f"{speed} or {depth}"}.get(way["quantity"], depth)
     how = ("slowly" if low else "fast") if way["quantity"] == "velocity_mm_s" else ("lightly" if low else "hard")
-    return f"press the pad {change}, or add people who were pressed this {how}: dummydesign tissues add"
+    people = f"add people who were pressed this {how}: dummydesign tissues add NAME TRACE.csv..."
+    return f"press the pad {change}, or {people}"
 
 
 def _capital(text: str) -> str:

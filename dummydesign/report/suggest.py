@@ -131,7 +131,7 @@ def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
             "other",
         ),
     ]
-    off, thick = curves.ratio_error, answer.request.thickness_tolerance_mm
+    off, thick = curves.ratio_error, answer.castings.tolerances.thickness_mm
     series.append(Series.ellipse("tolerance of weighing and thickness", best.ratio, best.thickness_mm, off, thick))
     others = answer.alternatives
     if others:
@@ -256,7 +256,6 @@ def suggestion_front(answer: Suggestion, result: dict[str, Any], presses: Sequen
         blocks=[(title, texts) for title, texts in blocks if texts],
         notes=suggest_facts.warning_texts(result),
         steps=[step if step.startswith("dummydesign ") else full_sentence(step) for step in steps],
-        side_note=full_sentence(suggest_facts.meanwhile_text(result)),
         foot=FOOT,
     )
 
@@ -309,10 +308,9 @@ def write_suggestion(
         (f"{best['scores']['total']:.2f}", "score, 0 to 1"),
         *_castings_fact(result),
     ]
-    first = result["measure_first"]
-    lead = (f"{full_sentence(first['text'])} {full_sentence(first['protocol'])} " if first["text"] else "") + (
+    lead = (
         f"Tissue: {answer.tissue.title}, aim {answer.request.aim}. Resin: {answer.resin.title}. "
-        f"{result['rests_on']['text']}" + ("" if first["text"] else f" Next: {result['rests_on']['next_step']}.")
+        f"{result['rests_on']['text']} {full_sentence('next: ' + result['next'][0]['do'])}"
     )
     if answer.tissue.notice is not None:
         lead = f"{answer.tissue.notice[1]}. {lead}"
@@ -372,7 +370,7 @@ def _recipe_table(best: dict[str, Any]) -> Table:
 
 def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
     """The share of castings that are usable, and the correction."""
-    castings, factors = result["castings"], result["verdict"]["correction"]
+    castings, factors = result["shares"]["as_poured"], result["verdict"]["correction"]
     share, needed = castings["usable"], result["verdict"]["limits"]["share"]
     words = f"of {castings['n']} castings are usable ({100 * needed:g} % needed)"
     facts = [(percent_below_limit(share, needed), words)]

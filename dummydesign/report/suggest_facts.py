@@ -42,7 +42,7 @@ NOTE_WORDS = {
 
 WIDEST = 90.0
 """Interval of the share of people, in per cent, from which on the share is called unknown."""
-PARTS = {"crowned": "crown", "boned": "bone", "bumped": "bumps", "layered": "layers"}
+PARTS = {"crowned": "crown", "boned": "bone", "layered": "layers"}
 """What the lengths of a shape measure."""
 
 
@@ -206,7 +206,7 @@ def correction_lines(result: dict[str, Any]) -> list[str]:
         both = (("forces", forces[2]), ("energies", energies[2]))
         after = " and ".join(f"{what} by {value:.2f}" for what, value in both if value is not None)
         return [f"after the puck multiply {after} for 95 % of castings{_in_reach(puck)}"] if after else []
-    reach = _in_reach(result["castings"])
+    reach = _in_reach(result["shares"]["as_poured"])
     if any(e is not None and f is not None and e - f > 0.005 for f, e in zip(forces, energies)):
         return [_factors("forces", forces, reach), _factors("energies", energies, None)]
     return [_factors("readings", energies, reach)]
@@ -294,16 +294,3 @@ def paths_lines(result: dict[str, Any]) -> list[str]:
     if result["verdict"]["level"] != "not_settled" or result["batch_measured"]:
         return []
     return ["; ".join(path["text"] for path in result["paths"])]
-
-
-def meanwhile_text(result: dict[str, Any]) -> str:
-    """Two ratios to pour before anything is measured, where they help."""
-    first = result["measure_first"]
-    if result["verdict"]["light"] == "red" or not first["ratios"]:
-        return ""
-    if first["either_fraction"] - max(first["each_fraction"]) < 0.03:
-        return ""
-    low, high = first["ratios"]
-    words = "is usable" if first["acceptable_means"] == "usable" else "needs no correction"
-    share = 100 * first["either_fraction"]
-    return f"or pour pads at ratios {low:g} and {high:g}: {share:.0f} % probability that at least one {words}"

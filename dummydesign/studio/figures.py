@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import read_json
 from dummydesign.design.plot_data import force_grids
+from dummydesign.design.request import ANSWER
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.report.page import figure_values, log_start
+from dummydesign.report.page import STYLES, figure_values, log_start
 from dummydesign.report.plot import Plot, Series, keys_html, press_plot, steady_plot
 
 if TYPE_CHECKING:
@@ -114,6 +116,28 @@ def pad_html(plots: Sequence[Plot]) -> str:
         '<p class="source">Force [N] over time [s] of each press</p>'
         f'<div class="plots small strip" role="group" aria-label="force [N] over time [s] of the presses">{strip}</div>'
     )
+
+
+def designs_plot(root: Path, folders: Sequence[str]) -> Plot | None:
+    """Steady force over depth of several designs, and the range of each tissue; None without two that can be read."""
+    bands: dict[str, Series] = {}
+    pads: list[Series] = []
+    for folder in folders:
+        with suppress(KeyError, TypeError, ValueError):
+            answer = read_json(root / folder / ANSWER)
+            curve, tissue = answer["steady_curve"], answer["inputs"]["tissue"]
+            name, people = folder.rpartition("/")[2], curve["subjects"]
+            low, high = (np.array(people[key], float) for key in ("depth_low_mm", "depth_high_mm"))
+            label, style = f"subjects of {tissue}", "extra" if bands else "band"
+            band = Series.band(label, people["force_N"], low, high, sideways=True, style=style)
+            depth = np.array(curve["depth_mm"], float)
+            pads.append(Series.line(name, depth, curve["force_N"], STYLES[len(pads) % len(STYLES)]))
+            bands.setdefault(tissue, band)
+    if len(pads) < 2:
+        return None
+    names = ", ".join(one.label for one in pads)
+    plot = steady_plot(f"Steady force over depth of {names}, and the subjects' range.", [*bands.values(), *pads])
+    return replace(plot, name="designs")  # the page has a steady plot of its own
 
 
 def measured_over_fitted(root: Path, answer: Mapping[str, Any]) -> list[Plot]:

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.press_checks import CODES
-from dummydesign.measurement.motion import DECELERATION_MM_S2
+from dummydesign.measurement.motion import BRAKING_MM_S2, DECELERATION_MM_S2
+from dummydesign.measurement.ramp_detection import approach_velocity, planned_velocity, ramp_of
 from dummydesign.measurement.robot_path import RobotPath
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
@@ -57,10 +58,10 @@ class PressTest:
 
 
 def presses_of(
-    traces: Sequence[Trace], test: PressTest
+    traces: Sequence[Trace], test: PressTest, known_mm_s: Sequence[float] = ()
 ) -> tuple[list[Trace], list[ReducedTrace], list[tuple[str, str]]]:
     """Return the presses that belong to a test, held no longer than it holds, and a notice of the others."""
-    every = [_held(trace, test.hold_s) for trace in traces]
+    every = [_held(_sent(trace, test.velocities_mm_s or known_mm_s), test.hold_s) for trace in traces]
     own = [pair for pair in every if _belongs(pair[1], test)]
     forces, speeds = (
         None if values is None else f"{', '.join(f'{v:g}' for v in values)} {unit}"
@@ -119,6 +120,14 @@ def hold_of(reduced: Sequence[ReducedTrace], test: PressTest) -> float:
     return own if test.hold_s is None else min(test.hold_s, own)
 
 
+def _sent(trace: Trace, speeds_mm_s: Sequence[float]) -> Trace:
+    """The trace, as of the fastest speed that would have moved the punch the same: it brakes from contact on."""
+    ramp, x = ramp_of(trace), trace.displacement_mm
+    seen = trace.commanded_speed_mm_s or approach_velocity(trace.time_s, x, ramp)
+    alike = [v for v in speeds_mm_s if v > seen and planned_velocity(trace.time_s, x, ramp, v) == v]
+    return replace(trace, commanded_speed_mm_s=max(alike)) if alike else trace
+
+
 def _held(trace: Trace, hold_s: float | None) -> tuple[Trace, ReducedTrace]:
     """The trace, cut at the end of the test's hold where it was held longer, and reduced."""
     reduced = reduce_trace(trace)
@@ -144,7 +153,6 @@ def _near(value: float, wanted: float | None, factor: float) -> bool:
 
 SHOWN = ("lack_of_fit", "at_bound", "not_identifiable", *CODES)
 """Codes of the fit's warnings that a comparison repeats."""
-BRAKING_MM_S2 = (3_000.0, 200_000.0)
 SLOW_MM_S, LEAST_SAMPLES, SEEN_STOP, READ_MM = 50.0, 8, 20.0, 5e-4
 """Speed below which the stop is read off the path alone; from how many samples, which gain in chi-square and which
 error of a reading on."""
@@ -207,7 +215,7 @@ def compare_traces(
     presses that belong to it, ends their hold, and says between which forces the steady curve is judged; after a hold
     of less than 10 s that curve is compared with the subjects' at the end of the same hold.
     """
-    own, reduced, notices = presses_of(traces, test)
+    own, reduced, notices = presses_of(traces, test, tissue.velocities_mm_s)
     known = law_named(tissue.law).fitted
     elements, law = (tissue.elements, tissue.law) if known else (5, DEFAULT)
     fit = fit_traces(own, elements, law, "per-speed", lowpass, progress=progress)

@@ -1,4 +1,4 @@
-"""An option that a command had in an earlier version ends with one line that names what to do instead."""
+"""A command or option of an earlier version ends with one line that names what to do instead."""
 
 from __future__ import annotations
 
@@ -9,7 +9,13 @@ import pytest
 
 from dummydesign.cli.entry import COMMANDS, parser_of, run, table_of
 
-GONE = [(command, option) for command, options in table_of("gone").items() for option in options]
+COMMANDS_GONE = [name for name, instead in table_of("gone").items() if isinstance(instead, str)]
+GONE = [
+    (command, option)
+    for command, options in table_of("gone").items()
+    if command not in COMMANDS_GONE
+    for option in options
+]
 
 
 @pytest.mark.parametrize("form", ["{} x", "{}=x"])
@@ -25,6 +31,16 @@ def test_a_gone_option_names_a_command_that_there_is(command, option, form, caps
     for name, words in named:
         known = parser_of(name)._option_string_actions
         assert all(word in known for word in words.split() if word.startswith("--"))
+
+
+@pytest.mark.parametrize("command", COMMANDS_GONE)
+def test_a_gone_command_names_one_that_there_is(command, capsys):
+    assert command not in COMMANDS and run([command, "a", "b", "--json"]) == 2
+    shown = capsys.readouterr()
+    error = json.loads(shown.out)["error"]
+    assert shown.err.count("\n") == 1 and error["code"] == "unknown_name" and error["value"] == command
+    named = re.findall(r"'dummydesign ([a-z-]+)", error["message"])
+    assert named and all(name in COMMANDS for name in named)
 
 
 @pytest.mark.parametrize("command, option", GONE)

@@ -17,10 +17,7 @@ from dummydesign.design.request import Request
 DEFAULTS = {one.name: one.default for one in dataclasses.fields(Request)}
 ASKED = {
     "tissue": "my people/Käse hand.toml",
-    "machine": "my printers/large one.toml",
-    "silicone": "tin_a25",
-    "weighing_g": 0.05,
-    "thickness_tolerance_mm": 0.1,
+    "preset": "my printers/large one.toml",
     "deceleration_mm_s2": 20000.0,
 }
 
@@ -39,7 +36,7 @@ def test_the_next_search_keeps_what_was_asked_and_can_be_typed():
     words = subprocess.run(["sh", "-c", script], capture_output=True, text=True, check=True).stdout.splitlines()
     typed = vars(parser_of("suggest").parse_args(words[1:]))
     for name, value in {**ASKED, "resin": "my-batch"}.items():
-        word = typed["balance_g" if name == "weighing_g" else name]
+        word = typed[name]
         assert word == value if isinstance(value, str) else float(word) == value, name
 
 

@@ -8,13 +8,14 @@ import pytest
 
 from dummydesign.core import user_library as json_table
 from dummydesign.pad import predict as separability
-from dummydesign.pad.tables import filleted, puck, shape, slab, square
+from dummydesign.pad.tables import elastic_law, filleted, puck, shape, slab, square
 from dummydesign.pad.tables import slab as compressibility
 from tests.support.refusal import raises_code
 
 READERS = {
     "slab-bonded.json": (slab.load_table, "studies.tables.slab"),
     "square-bonded.json": (square.load_square, "studies.tables.square"),
+    "elastic-law.json": (elastic_law.load_elastic_table, "studies.tables.elastic_law"),
     "square-crowned.json": (square.load_crown, "studies.tables.square_crown"),
     "crowned-bonded.json": (lambda: shape.load_shape_table("crowned"), "studies.tables.shapes crowned"),
     "filleted-bonded.json": (lambda: filleted.load_filleted("bonded", 0.1), "studies.tables.filleted"),
@@ -31,6 +32,7 @@ CACHED = (
     shape.load_shape_table,
     puck.load_puck_table,
     puck.load_shapes,
+    elastic_law.load_elastic_table,
     separability.load_quick_error,
     compressibility.load_compressibility,
 )

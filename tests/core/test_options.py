@@ -71,14 +71,12 @@ def test_what_differs_from_the_defaults_is_typed_again():
 
 
 def test_a_request_of_suggest_is_typed_as_it_was_read():
-    words = "--force 2,6 --pad 100x80 --thickness 4:9 --sites 2x1 --balance 0.05"
+    words = "--force 2,6 --pad 100x80 --thickness 4:9 --sites 2x1 --hold 3"
     parser = argparse.ArgumentParser()
-    add_options(parser, Request, ("force_N", "pad_mm", "thickness_mm", "sites", "weighing_g"))
+    add_options(parser, Request, ("force_N", "pad_mm", "thickness_mm", "sites", "hold_s"))
     typed = vars(parser.parse_args(words.split()))
-    asked = Request(
-        "palm", force_N=(2.0, 6.0), pad_mm=(100.0, 80.0), thickness_mm=(4.0, 9.0), sites=(2, 1), weighing_g=0.05
-    )
+    asked = Request("palm", force_N=(2.0, 6.0), pad_mm=(100.0, 80.0), thickness_mm=(4.0, 9.0), sites=(2, 1), hold_s=3.0)
     assert typed["pad"] == "100x80"
-    assert command_words(Request, asked.to_dict(), ("force_N", "pad_mm", "thickness_mm", "sites", "weighing_g")) == (
+    assert command_words(Request, asked.to_dict(), ("force_N", "pad_mm", "thickness_mm", "sites", "hold_s")) == (
         f" {words}"
     )

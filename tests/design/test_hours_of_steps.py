@@ -31,16 +31,16 @@ def _known_hours(monkeypatch):
     monkeypatch.setattr(plan, "ring_cost", lambda *given, **named: ring)
 
 
-def answer(level, group=None, mould=None, measured=False):
-    share = SimpleNamespace(usable=0.75)
+def answer(level, poured=0.875, mould=None, measured=False, known=0.25, need_none=(0.25, 0.25)):
+    """An answer whose castings are usable to 87.5 % after a puck."""
+    as_poured = SimpleNamespace(usable=poured, stands_for=need_none[0])
+    after = SimpleNamespace(usable=0.875, stands_for=need_none[1])
     return SimpleNamespace(
         verdict=SimpleNamespace(level=level),
-        measure_first=SimpleNamespace(group=group, text="measure", protocol="so", command="measure it"),
         best=SimpleNamespace(ratio=15.25, thickness_mm=4.5, shape=read_shape("crowned:21.2,2,9.4")),
         problem=SimpleNamespace(tissue=None),
         resin=SimpleNamespace(name="r", measured=measured),
-        targets=SimpleNamespace(strict=False),
-        shares=SimpleNamespace(as_poured=share, after_puck=SimpleNamespace(usable=0.875)),
+        shares=SimpleNamespace(as_poured=as_poured, resin_known=SimpleNamespace(stands_for=known), after_puck=after),
         request=SimpleNamespace(resin="r", mould=mould, protocol=SimpleNamespace(forces_N=(5.0,))),
     )
 
@@ -81,19 +81,34 @@ def test_a_test_beyond_the_subjects_asks_for_people_first(monkeypatch):
     monkeypatch.setattr(module, "beyond_people", lambda forces, tissue: 1.2)
     steps = module.next_steps(answer("not_settled"), INPUTS)
     assert "people" in steps[0].do and "compare" in steps[-1].command
-    assert "puck" in module.next_steps(answer("not_settled", "modulus"), INPUTS)[1].command
+    assert "puck" in module.next_steps(answer("not_settled", poured=0.75), INPUTS)[1].command
 
 
 def test_a_pad_that_is_not_settled_has_a_puck_first_with_its_curing_and_its_presses():
-    for one in (answer("not_settled"), answer("representative", "modulus"), answer("representative", "relaxation")):
+    for one in (answer("not_settled"), answer("usable_with_correction", poured=0.84)):
         steps = module.next_steps(one, INPUTS)
         assert [step.hours for step in steps] == [RING, WAIT + 0.5, None, None]
         assert steps[0].cost == {"filament": 12.0} and steps[1].cost == {"resin": 30.0}
-    assert len(module.next_steps(answer("representative", "tissue"), INPUTS)) == 5
+
+
+@pytest.mark.parametrize(
+    ("more", "puck"),
+    [
+        ({"poured": 0.86}, False),
+        ({"poured": 0.84}, True),
+        ({"need_none": (0.4, 0.9)}, False),
+        ({"need_none": (0.4, 0.9), "known": 0.75}, True),
+        ({"poured": 0.5, "need_none": (0.9, 0.9), "known": 0.75}, False),
+        ({"poured": 0.5, "measured": True}, False),
+    ],
+)
+def test_the_share_after_a_puck_decides_whether_one_comes_first(more, puck):
+    steps = module.next_steps(answer("usable_with_correction", **more), INPUTS)
+    assert ("puck" in steps[0].do) == puck
 
 
 def test_the_mould_is_printed_while_the_puck_cures():
-    puck, at_once = module.paths_of(answer("not_settled"))
+    puck, at_once = module.paths_of(answer("not_settled", poured=0.75))
     assert puck.printing_h == RING + MOULD and puck.calendar_h == RING + WAIT + 0.5 + WAIT
     assert puck.grams == {"silicone": 200.0, "filament": 102.0, "resin": 90.0} and puck.usable == 0.875
     assert at_once.usable == 0.75 and at_once.printing_h == MOULD and at_once.calendar_h == MOULD + WAIT
@@ -108,7 +123,7 @@ def test_the_mould_is_printed_while_the_puck_cures():
 def test_printing_that_is_not_known_is_left_out_of_hours_and_days(monkeypatch):
     made = SimpleNamespace(printing_h=None, silicone_g=200.0, resin_g=60.0, filament_g=None)
     monkeypatch.setattr(module, "_mould", lambda answer: made)
-    puck, at_once = module.paths_of(answer("not_settled"))
+    puck, at_once = module.paths_of(answer("not_settled", poured=0.75))
     assert [one.printing_h for one in (puck, at_once)] == [one.calendar_h for one in (puck, at_once)] == [None, None]
     assert puck.text == "puck first, 90 g, 3 days: 88 % usable"
     assert at_once.text == "pad at once, 60 g, 1 day: 75 % usable"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,11 +12,10 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.options import command_words
 from dummydesign.design import measured_pad, suggest, suggestion
 from dummydesign.design.assessment import warnings
-from dummydesign.design.assessment.pad_castings import limits_that_bind, poured_slabs
-from dummydesign.design.comparison import _differences, _names, _warnings
+from dummydesign.design.assessment.pad_castings import limits_that_bind
 from dummydesign.design.measured_pad import PARABOLA, energy_of, peak_of
 from dummydesign.design.protocol import NAGOYA_PROTOCOL
-from dummydesign.design.request import LARGEST_ERROR, Request
+from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import Pours
 from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, SlabCurves
 from dummydesign.design.scoring.settings import verdict_limits
@@ -25,6 +25,7 @@ from dummydesign.design.suggest import centring_tolerance, of_shape, verify_desi
 from dummydesign.design.suggestion import LOSS_PERCENT, CentringTolerance, _low_force, _reads, condition_rows
 from dummydesign.design.test_conditions import LEAST_SIDE, check_numbers
 from dummydesign.pad.axisymmetric.shaped_problem import Touch
+from tests.support.cast_pads import poured_slabs
 from tests.support.judged_pads import away, ranges
 from tests.support.refusal import raises_code
 
@@ -221,11 +222,11 @@ def test_readings_of_repeats_are_averaged_and_their_scatter_is_over_the_lowest_s
     monkeypatch.setattr(measured_pad, "energy_of", lambda one: energies[one.name])
     asked = []
 
-    def press(band, law, sampling):
+    def press(bands, law, sampling):
         asked.append(sampling)
-        return SimpleNamespace(energy_mJ=np.array([3.0, 9.0]) * band.scale)
+        return [np.array([3.0, 9.0]) * band.scale for band in bands]
 
-    monkeypatch.setattr(measured_pad, "tissue_press", press)
+    monkeypatch.setattr(measured_pad, "energies_of", press)
 
     def pair(name, low, scale):
         band = SimpleNamespace(peak_low_N=low, peak_high_N=2.0 * low, scale=scale, energy_mJ=None)
@@ -407,19 +408,9 @@ def options(**given):
     return Request.read(tissue="palm", **given)
 
 
-def test_errors_of_making_are_read_to_two_grams_and_two_millimetres():
-    assert options(balance_g="2").weighing_g == 2.0
-    assert options(thickness_tolerance_mm=0.0).thickness_tolerance_mm == 0.0
-    for given in ({"balance_g": "2.1g"}, {"thickness_tolerance_mm": "2.1mm"}, {"balance_g": "-0.01g"}):
-        with raises_code("out_of_range"):
-            options(**given)
-    assert LARGEST_ERROR <= 2.0
-    words = command_words(
-        Request,
-        vars(options(force_N="5,10", pad="60x50", balance_g=0.5)),
-        ["force_N", "pad_mm", "weighing_g", "hold_s"],
-    )
-    assert words == " --force 5,10 --pad 60x50 --balance 0.5"
+def test_what_was_asked_is_typed_again():
+    words = command_words(Request, vars(options(force_N="5,10", pad="60x50")), ["force_N", "pad_mm", "hold_s"])
+    assert words == " --force 5,10 --pad 60x50"
 
 
 def test_castings_are_at_the_nearest_of_even_steps_and_held_to_the_law():
@@ -438,12 +429,12 @@ def test_castings_are_at_the_nearest_of_even_steps_and_held_to_the_law():
     targets = SimpleNamespace(limits=verdict_limits())
     space = SimpleNamespace(radius_mm=8.0, resin=SimpleNamespace(tau_s=(0.3,)), targets=targets)
     thickness = np.array([9.8, 10.2, 10.0, 9.913])
-    made = poured_slabs(Law(), Pours(thickness, np.ones(4), np.ones((4, 1))), space)
+    made = poured_slabs(Law(), Pours(thickness, np.ones(4), np.ones((4, 1)), np.zeros(4)), space)
     assert np.abs(made.thickness_mm - thickness).max() <= 0.5 * 0.01 + 1e-9 and made.tau_s == (0.3,)
     assert len(made.curves.thickness_mm) == 41 and np.diff(made.curves.thickness_mm) == pytest.approx(0.01)
-    held = poured_slabs(Law(), Pours(np.array([5.0, 30.0, 12.0]), np.ones(3), np.ones((3, 1))), space)
+    held = poured_slabs(Law(), Pours(np.array([5.0, 30.0, 12.0]), np.ones(3), np.ones((3, 1)), np.zeros(3)), space)
     np.testing.assert_allclose(held.thickness_mm, [8.0, 16.0, 12.0], atol=0.11)
-    one = poured_slabs(Law(), Pours(np.array([10.0, 10.0]), np.ones(2), np.ones((2, 1))), space)
+    one = poured_slabs(Law(), Pours(np.array([10.0, 10.0]), np.ones(2), np.ones((2, 1)), np.zeros(2)), space)
     assert one.thickness_mm.tolist() == [10.0, 10.0] and len(one.curves.thickness_mm) == 1
 
 
@@ -460,34 +451,6 @@ def test_limits_bind_where_a_design_lies_at_them():
     assert bound(1.0, thickness=8.0) == ("thickness (8 to 12 mm)",) and bound(1.0, ratio=16.0) == ("ratio (14 to 16)",)
 
 
-def answer(**inputs):
-    return {
-        "inputs": inputs,
-        "verdict": {"limits": inputs.pop("limits", None)},
-        "files_read": inputs.pop("files", []),
-        "version": inputs.pop("version", "1"),
-    }
-
-
-def test_designs_that_answer_other_questions_or_read_other_files_say_so():
-    same = [answer(tissue="palm"), answer(tissue="palm")]
-    assert _differences(same) == () and _warnings([], (), same) == ()
-    two = _differences([answer(tissue="palm"), answer(tissue="forefinger")])
-    assert [one["input"] for one in two] == ["tissue"] and two[0]["values"] == ["palm", "forefinger"]
-    files = [answer(files=[{"name": "a.toml", "sha256": sha}]) for sha in ("1", "2")]
-    assert _differences(files)[0]["values"] == ["1", "2"]
-    missing = [answer(files=[{"name": "a.toml", "sha256": "1"}]), answer()]
-    assert _differences(missing) == ()
-    codes = [one["code"] for one in _warnings([], two, [answer(version="1"), answer(version="2")])]
-    assert codes == ["different_questions", "different_versions"]
-
-
-def test_folders_of_one_name_are_told_apart_by_their_paths(tmp_path):
-    paths = [tmp_path / "a" / "palm", tmp_path / "b" / "palm", tmp_path / "b" / "finger"]
-    assert _names(paths) == [str(paths[0]), str(paths[1]), "finger"]
-    assert _names([paths[0], paths[2]]) == ["palm", "finger"]
-
-
 def test_the_limits_that_come_with_the_package_rise_from_green_to_amber():
     found = verdict_limits()
     assert 1.0 < found.stands_shortfall <= found.shortfall
@@ -497,18 +460,27 @@ def test_the_limits_that_come_with_the_package_rise_from_green_to_amber():
 def test_a_mould_that_fails_leaves_the_recipe_and_says_what_to_type(monkeypatch):
     from dummydesign.mold import client
 
+    @dataclass(frozen=True)
+    class Poured:
+        usable_kPa: tuple[float, ...] = ()
+
+    @dataclass(frozen=True)
+    class Mould:
+        pour: Poured
+
+    made = []
+
     def fails(spec, folder):
+        made.append(spec)
         raise NoAnswerError("no_convergence", "stopped")
 
     monkeypatch.setattr(client, "make_mold", fails)
     request = SimpleNamespace(resin="r", pad_mm=(60.0, 50.0), preset="lidded")
-    problem = SimpleNamespace(mould=lambda best: None)
+    problem = SimpleNamespace(mould=lambda best: Mould(Poured()))
+    best, shares = SimpleNamespace(thickness_mm=9.0, ratio=15.5), SimpleNamespace(window_kPa=(20.0, 60.0))
+    answer = SimpleNamespace(best=best, request=request, problem=problem, shape="slab", shares=shares)
     with pytest.raises(NoAnswerError) as caught:
-        suggestion.make_mould(
-            SimpleNamespace(
-                best=SimpleNamespace(thickness_mm=9.0, ratio=15.5), request=request, problem=problem, shape="slab"
-            ),
-            None,
-        )
+        suggestion.make_mould(answer, None)
+    assert made == [Mould(Poured((20.0, 60.0)))], "the sheet's limit is the answer's window"
     words = "--thickness 9 --resin r --ratio 15.5 --shape slab --length 60 --width 50 --preset lidded"
     assert words in str(caught.value)

@@ -25,22 +25,6 @@ NARROW = {"shape": "slab", "thickness_mm": (5.0, 6.0), "verify": False}
 BUILT_IN = data_folder() / "materials"
 
 
-@pytest.fixture
-def own_folder(tmp_path, monkeypatch):
-    """A user's folder, and a function that writes a changed file of the package into it."""
-    home = tmp_path / "home"
-    monkeypatch.setenv("DUMMYDESIGN_HOME", str(home))
-
-    def write(name, old="", new=""):
-        text = (data_folder() / name).read_text()
-        assert old in text
-        (home / name).parent.mkdir(parents=True, exist_ok=True)
-        (home / name).write_text(text.replace(old, new, 1))
-        return home / name
-
-    return write
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("aim", ["average", "safe-side"])
 def test_nothing_below_the_problem_reads_a_users_folder(monkeypatch, aim):
@@ -139,17 +123,6 @@ def test_an_edited_machine_of_the_users_library_is_part_of_the_question(own_fold
     copy.write_text(copy.read_text() + "\n# mine\n")
     found, second = key()
     assert found == copy and first != second
-
-
-def test_rows_of_another_compression_of_the_gel_are_not_gone_on_with(own_folder, capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    words = ["whatif", "--thickness", "8,10", "--ratio", "15,16", "--tissue", "forefinger", "--out", "w1", "--json"]
-    assert run(words) == 0
-    capsys.readouterr()
-    own_folder("materials/verdict.toml", "value = 0.6\nlow = 0.3", "value = 0.2\nlow = 0.1")
-    assert run([*words[:2], "8,10,12", *words[3:], "--resume"]) == 2
-    said = json.loads(capsys.readouterr().out)["error"]
-    assert "gel_compression" in said["message"]
 
 
 # --- the mould that one has ------------------------------------------------------------------------------------------

@@ -9,10 +9,9 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.conic import Conic, sphere_foot_mm
-from dummydesign.geometry.dimensions import DEEPEST_POCKET, RIM_FREE_MM
+from dummydesign.geometry.dimensions import RIM_FREE_MM
 from dummydesign.geometry.shape_registry import make_shape, read_shape, shape_help, shape_kinds, shape_names
 from dummydesign.geometry.shapes.boned import Boned
-from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.geometry.shapes.slab import Slab
@@ -24,8 +23,6 @@ SHAPE_EXAMPLES = [
     Crowned(10.0, 1.3),
     Crowned(3.0, 8.0, 9.0),
     Crowned(3.0, 8.0, 9.0, 1.0),
-    Bumped(15.0, 6.0, 1.0),
-    Bumped(13.0, 6.0, 1.5, 0.2, 2.0),
     Layered(8.0, 0.4),
     Layered(1 / 3 + 2, 1 / 7),
     Boned(20.0, 6.0),
@@ -88,28 +85,6 @@ def test_bone_and_crown_of_equal_numbers_are_complements():
         assert np.all(bone.drop_mm(x, y) == 0) and np.all(crown.bone_mm(x, y) == 0) and bone.flat_top
 
 
-def test_caps_of_a_bumped_pad_are_spheres_of_one_radius_with_the_middle_highest():
-    shape = Bumped(13.0, 6.0, 1.5, 0.2, 2.0)
-    caps = shape.caps_mm()
-    # 1.5 - 0.2 (i2 + j2) >= 0.3: up to i2 + j2 = 5, so all 25 places but the four corners.
-    assert len(caps) == 21 and caps[0] == (0.0, 0.0, 1.5)
-    for x, y, height in caps:
-        steps = (x**2 + y**2) / 13.0**2
-        assert height == pytest.approx(1.5 - 0.2 * steps)
-        assert float(shape.drop_mm(x, y)) == pytest.approx(1.5 - height, abs=1e-12)
-        off = 0.6 * sphere_foot_mm(6.0, height)
-        assert float(shape.drop_mm(x + off, y)) == pytest.approx(1.5 - height + 6 - math.sqrt(36 - off**2), abs=1e-12)
-    assert float(shape.drop_mm(6.5, 6.5)) == 1.5
-    assert float(shape.drop_mm(26.0, 26.0)) == 1.5
-
-
-def test_bumped_face_keeps_the_square_lattice_symmetry():
-    shape = Bumped(13.0, 6.0, 1.5, 0.2, 2.0)
-    x, y = np.random.default_rng(1).uniform(-40, 40, (2, 200))
-    for a, b in ((-x, y), (x, -y), (y, x)):
-        assert shape.drop_mm(a, b) == pytest.approx(shape.drop_mm(x, y), abs=1e-13)
-
-
 def test_every_shape_has_its_full_thickness_over_the_origin():
     x, y = np.random.default_rng(2).uniform(-50, 50, (2, 300))
     for shape in SHAPE_EXAMPLES:
@@ -128,12 +103,13 @@ def test_names_places_and_case_make_one_shape():
     assert crown == read_shape("Crowned:height=2,radius=10") == read_shape("crowned:10,height_mm=2")
     assert crown.foot_mm == 6.0 and str(read_shape("crowned:10,2,6")) == "crowned:radius=10,height=2"
     assert read_shape("layered:8,0.4").layers() == (8.0, 0.4) and read_shape("slab") == Slab()
-    assert list(shape_kinds())[:5] == ["slab", "crowned", "bumped", "layered", "boned"]
+    assert list(shape_kinds())[:4] == ["slab", "crowned", "layered", "boned"]
     assert set(shape_names()) == set(shape_kinds()) and shape_help("puck").startswith("slab (default), boned, ")
 
 
 UNREADABLE = [
     ("crown:10,2", "did you mean 'crowned'"),
+    ("bumped:13,6,1.5", "it is gone, take a crown"),
     ("crowned:10", "needs height"),
     ("crowned:10,x", "'x' is not a number"),
     ("crowned:10,2,6,0,2,2,20,20,9", "at most 8"),
@@ -167,12 +143,6 @@ UNCASTABLE = [
     ("crowned:10,2,6,0,1.5", 10, "whole number"),
     ("crowned:10,-2,6", 10, "height"),
     ("crowned:10,2,-6", 10, "no cap"),
-    ("bumped:5,6,1", 10, "caps overlap"),
-    ("bumped:15,3,1.8", 10, "keeps its air"),
-    ("bumped:15,6,1,-1", 10, "grade"),
-    ("bumped:15,6,1,0,1.5", 10, "rings"),
-    ("bumped:15,6,1,0,2", 10, "allows 17 mm"),
-    ("bumped:15,6,1,0,-1", 10, "rings"),
     ("layered:1,0.4", 10, "top in mm"),
     ("layered:9,0.4", 10, "1.5 to 8.5"),
     ("layered:5,0.01", 10, "modulus_ratio"),
@@ -198,18 +168,8 @@ def test_what_is_just_castable_passes():
         ("crowned:1,0.3,1", 5),
         ("crowned:50,0.3", 5),
         ("slab", 3.0),
-        ("bumped:17,6,1,0,1", 10),
     ):
         read_shape(text).check(thickness, 60.0, 60.0)
-
-
-def test_deepest_pocket_is_the_share_of_its_diameter():
-    radius = 5.0
-    # c = 2 share b and b2 = 2 R c - c2 meet at c = 2 R / (1 + 1 / (2 share)2).
-    deepest = 2 * radius / (1 + 1 / (2 * DEEPEST_POCKET) ** 2)
-    Bumped(20.0, radius, deepest * (1 - 1e-9), 0.0, 0.0).check(15.0)
-    with raises_code("out_of_range", "cap_height_mm"):
-        Bumped(20.0, radius, deepest * (1 + 1e-6), 0.0, 0.0).check(15.0)
 
 
 def test_a_ridge_may_be_longer_than_wide_but_not_reach_the_sides():
@@ -225,9 +185,6 @@ def test_numbers_that_are_none_never_pass(value):
     shapes = (
         Crowned(value, 2.0, 6.0),
         Crowned(10.0, value, 6.0),
-        Bumped(value, 6.0, 1.0),
-        Bumped(15.0, 6.0, 1.0, value),
-        Bumped(15.0, 6.0, 1.0, 0.0, value),
         Layered(value, 0.4),
         Layered(8.0, value),
         Boned(20.0, 6.0, value),

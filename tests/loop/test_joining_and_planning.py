@@ -154,7 +154,12 @@ def test_a_law_error_is_linear_in_the_logarithm_of_thickness_of_its_own_shape():
     np.testing.assert_allclose(part.law_error(at).level, [0.0025, 0.01, 0.005, 0.03, 0.0075])
     np.testing.assert_allclose(part.law_error(at, cast=True).level, 0.25 * error.level)
     np.testing.assert_allclose(part.law_error(at).slope, error.slope)
-    factor = LawError(np.array([0.1]), np.array([0.2]), np.array([0.4])).factor(np.array([[0.0, 0.2, 0.4, 0.8]]))
+    terms = np.array([0.1]), np.array([0.2]), np.array([0.4])
+    held = LawError(*terms, 0.4).factor(np.array([[0.2, 0.4, 0.8]]))
+    assert held[0, 2] == held[0, 1] == pytest.approx(1.7) and held[0, 0] == LawError(*terms).factor(
+        held[:, :1] * 0 + 0.2
+    )
+    factor = LawError(*terms).factor(np.array([[0.0, 0.2, 0.4, 0.8]]))
     np.testing.assert_allclose(factor[0], [1.1, 1.1 + 0.1 + 0.1, 1.7, 1.1 + 0.4 + 1.6])
 
 

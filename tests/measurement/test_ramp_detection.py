@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from benchmarks.accuracy.overshoot import drawn
-from dummydesign.measurement.ramp_detection import find_holds, find_ramp, ringing_times, summarise
+from dummydesign.measurement.motion import contact_velocity, ramp_and_hold
+from dummydesign.measurement.ramp_detection import find_holds, find_ramp, planned_velocity, ringing_times, summarise
 from tests.support.refusal import raises_code
 
 
@@ -158,3 +159,44 @@ def test_a_punch_that_creeps_under_a_held_force_holds_from_where_it_slows():
         found = find_ramp(time, x, stop)
         assert 0.38 < found.stop_time_s < 0.8 and found.hold_end_s == time[-1]
         assert found.depth_mm == pytest.approx(5.0, rel=0.01) and found.overshoot_mm == 0.0
+
+
+def pressed(draw, sent_mm_s, depth_mm, braking_mm_s2, approach):
+    """A ramp and hold of a robot, recorded from contact, from a rest at it, or from far above, with noise and steps."""
+    motion, rate = ramp_and_hold(sent_mm_s, depth_mm, 1.0, braking_mm_s2), draw.choice([1000.0, 2000.0, 10000.0])
+    touch = float(contact_velocity(sent_mm_s, depth_mm, braking_mm_s2))
+    time = np.arange({"contact": 0.0, "rest": -0.05, "above": -3.0 / sent_mm_s}[approach], 1.0, 1.0 / rate)
+    back = np.maximum(-time, 0.0)
+    braked = np.minimum(back, (sent_mm_s - touch) / braking_mm_s2)
+    before = touch * braked + 0.5 * braking_mm_s2 * braked**2 + sent_mm_s * (back - braked)
+    x = np.interp(time, motion.time_s, motion.displacement_mm) - before * (approach == "above")
+    x = x + draw.choice([0.0, 2e-4, 1e-3]) * draw.standard_normal(len(x))
+    return time, np.round(x, 3)
+
+
+@pytest.mark.parametrize("approach", ["contact", "rest", "above"])
+def test_a_press_that_brakes_from_contact_on_has_an_open_upper_speed_and_others_keep_theirs(approach):
+    draw = np.random.default_rng([58, len(approach)])
+
+    def read(planned_mm_s, sent_mm_s, depth_mm, braking_mm_s2):
+        time, x = pressed(draw, sent_mm_s, depth_mm, braking_mm_s2, approach)
+        return planned_velocity(time, x, find_ramp(time, x, "slowed"), planned_mm_s) / planned_mm_s
+
+    seen = []
+    for _ in range(60):
+        depth, braking = draw.uniform(0.15, 0.9), draw.uniform(15_000.0, 60_000.0)
+        usual, touch = (float(contact_velocity(np.inf, depth, one)) for one in (30_000.0, braking))
+        # as planned to the usual braking, or to a speed that nobody reaches; the robot brakes as it can
+        assert read(usual, usual, depth, 30_000.0) == pytest.approx(1.0, abs=0.15)
+        assert read(1.3 * touch, 1.3 * touch, depth, braking) == pytest.approx(1.0, abs=0.15)
+        assert read(usual, 1.3 * max(usual, touch), depth, max(braking, 30_000.0)) == pytest.approx(1.0, abs=0.2)
+        # far too slow, far too fast
+        seen += [read(usual, 0.5 * usual, depth, 30_000.0) < 0.8, read(0.5 * usual, usual, depth, 30_000.0) > 1.2]
+        assert read(10.0, 250.0, depth, braking) > 4.0
+    # steps of a micrometre at 1 kHz leave single presses unread
+    assert np.mean(seen) > 0.95
+
+
+def test_a_slow_press_that_eases_to_its_stop_is_no_fast_one():
+    time, x = pressed(np.random.default_rng(3), 10.0, 1.0, 50.0, "contact")
+    assert planned_velocity(time, x, find_ramp(time, x, "slowed"), 250.0) < 12.0

@@ -8,7 +8,6 @@ import sys
 
 import pytest
 
-from dummydesign.core.errors import InputError
 from dummydesign.mold import child_main
 
 
@@ -29,19 +28,7 @@ def test_a_fault_is_one_line_with_its_kind(able, monkeypatch, fault, words):
         raise ValueError(fault)
 
     monkeypatch.setattr(child_main, "_made", fail)
-    monkeypatch.setattr(child_main, "_placed", fail)
-    for asked in ({"spec": {}}, {"placing": {}}):
-        assert child_main.run(asked) == {"error": {"code": "cad_failed", "message": words}}
-
-
-def test_a_fault_of_a_users_bone_keeps_its_quantity_and_one_of_a_mould_does_not(able, monkeypatch):
-    def fail(asked):
-        raise InputError("too long", "out_of_range", "bone", 80.0, (0.0, 50.0))
-
-    monkeypatch.setattr(child_main, "_made", fail)
-    monkeypatch.setattr(child_main, "_placed", fail)
-    assert child_main.run({"placing": {}})["error"]["fault"] == ("too long", "out_of_range", "bone", 80.0, (0.0, 50.0))
-    assert "fault" not in child_main.run({"spec": {}})["error"]
+    assert child_main.run({"spec": {}}) == {"error": {"code": "cad_failed", "message": words}}
 
 
 def test_question_and_answer_are_files(able, monkeypatch, tmp_path):

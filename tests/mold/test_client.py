@@ -171,7 +171,14 @@ def test_failed_check_keeps_no_file_but_reports_all_checks(monkeypatch, tmp_path
         assert _files(tmp_path) == []
     # The report of a design stands without its mould: nothing of the refused one may lie beside it.
     with raises_code("check_failed", "mould"):
-        dummydesign.suggest("palm", shape="slab", verify=False, cad=True, out=tmp_path / "design")
+        dummydesign.suggest(
+            "forefinger",
+            shape="crowned:21.2,2,9.4",
+            thickness_mm=(4.5, 4.5),
+            ratio=(15.3, 15.5),
+            verify=False,
+            out=tmp_path / "design",
+        )
     kept = _files(tmp_path / "design")
     assert "suggest.json" in kept and not {"mould_t5.step", "spec.json"} & set(kept)
 

@@ -17,7 +17,6 @@ FREECAD = next((found for name in ("freecadcmd", "FreeCADCmd") if (found := shut
 SHAPES = (
     ("slab", 5.0, "lidded"),
     ("crowned:12,2.4", 8.0, "printed"),
-    ("bumped:12,5,1.2,0,1", 8.0, "open"),
     ("layered:4,0.4", 8.0, "open"),
     ("boned:20,3", 12.5, "open"),
 )

@@ -13,7 +13,7 @@ from dummydesign.api.moulds import make_mould
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.mold import client
 from dummydesign.mold.moulded_pads import MouldedPads, mould_folders, moulded_pads, one_mould
-from tests.mold.test_batch import CHILD
+from tests.support.mould_child import CHILD
 from tests.support.refusal import raises_code
 
 PLAN = ["campaign", "new", "thumb", "--velocity", "10", "--force", "3", "--repeats", "2", "--ages", "9"]
@@ -122,9 +122,7 @@ def test_what_one_campaign_cannot_have_is_refused_by_name(other, named, mould, c
     assert not Path("thumb").exists()
 
 
-@pytest.mark.parametrize(
-    "words", [["--pads", "5"], ["--shape", CROWN], ["--pad", "60x50"], ["--moulds"]], ids=lambda words: words[0]
-)
+@pytest.mark.parametrize("words", [["--pads", "5"], ["--shape", CROWN], ["--pad", "60x50"]], ids=lambda words: words[0])
 def test_what_the_moulds_settle_cannot_be_typed_too(words, mould, capsys):
     mould("a")
     assert cli.run([*PLAN, "--from-mould", "a", *words]) == 2

@@ -21,7 +21,6 @@ REFUSED = [
     (["--base-ratio", "14.5"], "layered pad"),
     (["--shape", "boned:20,4", "--preset", "lidded"], "--preset open"),
     (["--shape", "layered:4,0.4", "--base-ratio", "3"], "14.0 to 20.0"),
-    (["--shape", "bumped:5,6,1"], "caps overlap"),
 ]
 
 
@@ -43,7 +42,6 @@ def test_refused_before_cad_with_the_reason(arguments, named, tmp_path, capsys, 
         ("crowned:10,2", 5.0, "open"),
         ("crowned:3,8,9", 15.0, "lidded"),
         ("crowned:3,8,9,1", 15.0, "open"),
-        ("bumped:13,6,1.5,0.2", 10.0, "lidded"),
         ("layered:8,0.4", 20.0, "open"),
         ("boned:20,6", 15.0, "open"),
         ("boned:20,6,0,1", 15.0, "open"),

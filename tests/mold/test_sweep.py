@@ -28,7 +28,6 @@ def shapes(h):
     return {
         "slab": "slab",
         "crowned": f"crowned:12,{min(0.3 * h, 5):g}",
-        "bumped": f"bumped:12,5,{min(0.25 * h, 1.5):g},0,1",
         "layered": f"layered:{0.5 * h:g},0.4",
         "boned": f"boned:20,{0.3 * h:g}",
     }

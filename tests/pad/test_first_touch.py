@@ -126,11 +126,11 @@ def test_a_flat_face_whose_stiffness_changes_with_depth_states_it():
     assert end.relative_error(1e-6) == pytest.approx(0.11, abs=1e-3)
 
 
-def test_a_puck_is_linear_and_a_field_of_caps_begins_with_their_power():
+def test_a_puck_is_linear_and_a_rectangle_on_a_crown_begins_with_its_power():
     depth = np.array([0.2, 0.4])
     puck = low_end(Puck(10.0, 1.0, 20.0), depth, 3.0 * depth, np.full(2, 0.005))
     assert puck.force(DEPTH[:30]) == pytest.approx(3.0 * DEPTH[:30]) and puck.power == 1.0
-    shape = read_shape("bumped:pitch=6,radius=4,height=1")
+    shape = read_shape("crowned:10,2,6,1")
     field = Pad(10.0, 1.0, 7.9, sides_mm=(14.0, 14.0), geometry=shape)
     force = 3.0 * depth**1.5 * np.exp(0.3 * np.sqrt(depth))
     end = low_end(field, depth, force, np.full(2, 0.01))

@@ -229,7 +229,6 @@ def test_bad_traces_are_one_line(spoilt, drive, code, whole):
 @pytest.mark.slow
 @pytest.mark.parametrize("drive", ["position", "steady", "force", "mass:2", "spring:1000,3"])
 def test_the_work_of_ten_seconds_at_1_khz_is_less_than_a_solve_a_sample(drive, monkeypatch):
-    # benchmarks/speed/on_person_time.py has the processor time: at most a second a subject
     solve, solves = integrate._solve, []
     monkeypatch.setattr(integrate, "_solve", lambda *given, **named: solves.append(1) or solve(*given, **named))
     trace = press(250.0, 1.4, 10.0, noise_N=0.02, noise_mm=0.001)

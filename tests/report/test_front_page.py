@@ -249,7 +249,6 @@ def test_letters_beyond_those_of_western_europe_are_written():
         (CROWN, 4.5, {"4.5", "2", "2.5", "9.4", "R 21.2"}),
         ("boned:12,4,8", 7.0, {"7", "4", "3", "8", "R 12"}),
         ("layered:2,3", 6.0, {"6", "2", "4"}),
-        ("bumped:pitch=5,radius=2.78,height=1.24,grade=0.3,rings=1", 9.0, {"9", "1.24", "7.76", "R 2.78"}),
         ("crowned:10,2,9.4,ridge=1", 8.0, {"8", "2", "6", "9.4", "R 10"}),
     ],
 )

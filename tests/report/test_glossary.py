@@ -36,7 +36,6 @@ NEEDED = (
     "aim",
     "bonded",
     "crown",
-    "bump",
     "layer",
     "bone",
     "foot",

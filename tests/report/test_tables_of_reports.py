@@ -11,7 +11,7 @@ import pytest
 
 from dummydesign.measurement.campaign_plan import Planned
 from dummydesign.measurement.trace import Trace
-from dummydesign.report import campaign_sheet, compare_designs, fit, import_preview, on_person
+from dummydesign.report import campaign_sheet, fit, import_preview, on_person
 from tests.support.refusal import raises_code
 
 
@@ -70,65 +70,6 @@ def test_a_press_by_depth_says_nothing_of_steady_forces_and_one_that_goes_too_de
     assert "<b>!</b>" in campaign_sheet._hold(True, [expected(), expected(may_go_beyond=True)])
     assert campaign_sheet._targets(True, True, "mm") == ["depth mm", "steady force N (95 %)"]
     assert campaign_sheet._targets(False, False, "in") == ["steady force lbf"]
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (None, "none"),
-        (0.30000000000000004, "0.3"),
-        ([5.0, 10.0], "5, 10"),
-        ({"name": "hand", "values": (1.0, None)}, "name hand, values 1, none"),
-        ("x" * 80, "x" * 60),
-    ],
-)
-def test_an_input_is_read_as_it_is_typed(value, text):
-    assert compare_designs.value_words(value) == text
-    assert compare_designs.difference_rows([{"name": "a", "values": [value, 1]}]) == [["a", text, "1"]]
-
-
-def condition(force, speed, **more):
-    given = {"peak_force_N": 8.0, "reads": "inside", "target_peak_low_N": 7.5, "target_peak_high_N": 9.0}
-    return {"steady_force_N": force, "velocity_mm_s": speed, **given, **more}
-
-
-def test_presses_of_designs_stand_side_by_side_by_speed_then_force():
-    one = {"conditions": [condition(10.0, 10.0), condition(5.0, 250.0, reads="low"), condition(5.0, 10.0)]}
-    other = {"conditions": [condition(5.0, 10.0, reads="high"), condition(5.0, 250.0, peak_force_N=None)]}
-    assert compare_designs.press_rows([one, other]) == [
-        ("5 N 10 mm/s", ["8 in 7.5-9", "8 > 7.5-9"]),
-        ("10 N 10 mm/s", ["8 in 7.5-9", "not asked"]),
-        ("5 N 250 mm/s", ["8 < 7.5-9", "out of reach"]),
-    ]
-
-
-def design(light, **more):
-    term = {"central": 1.05, "q95": 1.3}
-    scores = {"total": 0.5, "aim": more.pop("aim", None)}
-    return {
-        "verdict": {"light": light, "level": "not_settled"},
-        "tissue": "palm",
-        "pad": {"shape": "crowned:2,3", "thickness_mm": 11.0, "length_mm": 150.0, "width_mm": 120.0, "base": "bonded"},
-        "resin": "r",
-        "ratio": 15.2,
-        "young_kPa": {"value": 40.04, "low": 30.0, "high": 50.0},
-        "scores": scores,
-        "shortfall": term,
-        "over": term,
-        "correction": {"factor_central": 1.07, "factor": None},
-        "castings": {"usable_fraction": 0.5, "needed_fraction": 0.9},
-        "batch": {"components": [{"mass_g": 50.04}, {"mass_g": 8.0}], "total_g": 58.04},
-        **more,
-    }
-
-
-def test_of_a_red_design_no_correction_helps_and_a_term_that_none_has_is_left_out():
-    rows = dict(compare_designs.design_rows([design("amber"), design("red")]))
-    assert rows["correction"] == ["1.07, 95 %: -", "none helps"]
-    assert rows["verdict"] == ["AMBER Measure first", "RED Measure first"]
-    assert rows["pad"] == ["crowned 11 mm"] * 2 and rows["modulus kPa"] == ["40 (30-50)"] * 2
-    assert "  aim" not in rows and rows["mix"][0].startswith("50.0 + 8.0 = 58.0 g")
-    assert dict(compare_designs.design_rows([design("amber", aim=0.25), design("red")]))["  aim"] == ["0.25", "-"]
 
 
 def test_rivals_of_a_fit_are_counted_from_the_lowest():

@@ -278,7 +278,7 @@ def test_only_things_of_the_steps_can_be_deleted(root, path):
         (["import", "measured/a.csv", "--out", "measured/import-b"], "measured/a.csv"),
         (["fit", "measured/import-a/a_1.csv", "--out", "tissue/x.toml"], "measured/import-a"),
         (["suggest", "--tissue", "tissue/mine.toml", "--out", "designs/a"], "tissue/mine.toml"),
-        (["compare-designs", "designs/b,measured/import-a"], "measured/import-a"),
+        (["compare", "designs/b,measured/import-a"], "measured/import-a"),
         (["loop", "measured"], "measured/a.csv"),
         (["predict", "--punch", "profile:measured/a.csv"], "measured/a.csv"),
     ],

@@ -131,7 +131,7 @@ def test_a_tissue_that_is_missing_is_said_and_not_replaced(page, studio):
     assert page.locator(f"{by('plots')} figure").count() == 0
 
 
-@pytest.mark.parametrize("kind", ["crowned", "bumped", "layered", "boned"])
+@pytest.mark.parametrize("kind", ["crowned", "layered", "boned"])
 def test_every_kind_begins_with_a_pad_that_is_pressed_and_its_lengths_move(page, studio, kind):
     opened(page, studio, "?shape=slab&thickness_mm=6")
     choose(page, "kind", kind)

@@ -126,3 +126,19 @@ def test_a_solid_shows_what_is_inside_a_pad(text, parts, monkeypatch):
         assert 0.7 * whole < volume <= whole * (1.0 + 1e-9)
     else:
         assert solids["rigid bone"][:, :, 2].max() == pytest.approx(3.6) and solids["pad"][:, :, 1].min() == 0.0
+
+
+def test_steady_curves_of_designs_are_drawn_over_each_tissue_once_and_a_damaged_answer_is_left_out(tmp_path):
+    people = {"force_N": [5.0, 10.0], "depth_low_mm": [1.0, 2.0], "depth_high_mm": [2.0, 3.0]}
+    for name, tissue in (("a", "palm"), ("b", "palm"), ("c", "forefinger")):
+        curve = {"force_N": [1.0, 5.0, 10.0], "depth_mm": [0.5, 1.0, None], "subjects": people}
+        (tmp_path / name).mkdir()
+        answer = {"inputs": {"tissue": tissue}, "steady_curve": curve}
+        (tmp_path / name / "suggest.json").write_text(json.dumps(answer), encoding="utf-8")
+    (tmp_path / "d").mkdir()
+    (tmp_path / "d" / "suggest.json").write_text('{"steady_curve": {"depth_mm": "x"}}', encoding="utf-8")
+    plot = figures.designs_plot(tmp_path, ["a", "b", "c", "d", "e"])
+    assert [one.label for one in plot.series] == ["subjects of palm", "subjects of forefinger", "a", "b", "c"]
+    assert plot.series[2].x[:2].tolist() == [0.5, 1.0] and np.isnan(plot.series[2].x[2])
+    assert len({one.style for one in plot.series}) == 5
+    assert figures.designs_plot(tmp_path, ["a", "d"]) is None

@@ -21,7 +21,7 @@ SHAPES = [
         "total": 0.8,
         "after_puck": 0.9,
     },
-    {"kind": "bumped", "shape": "bumped:pitch=5", "thickness_mm": 4.0, "ratio": 16.0, "total": 0.9, "after_puck": 0.6},
+    {"kind": "layered", "shape": "layered:2,3", "thickness_mm": 4.0, "ratio": 16.0, "total": 0.9, "after_puck": 0.6},
     {"kind": "boned", "shape": None, "reason": "too thin for a bone"},
 ]
 
@@ -32,9 +32,9 @@ def verdict(light, shortfall, over):
 
 def answer(**more):
     choice = {
-        "next_best": "the bumped pad (4 mm, ratio 16)",
+        "next_best": "the layered pad (4 mm, ratio 16)",
         "decided_by": "after_puck",
-        "text": "after one puck 90 % of its castings are usable, of the bumped pad (4 mm, ratio 16) 60 %",
+        "text": "after one puck 90 % of its castings are usable, of the layered pad (4 mm, ratio 16) 60 %",
         **more,
     }
     best = {
@@ -49,23 +49,23 @@ def answer(**more):
 
 def test_the_recommended_kind_is_first_and_has_its_own_numbers():
     found = kind_rows(answer(), {"slab": verdict("red", 1.4, 0.9)})
-    assert [row[0] for row in found] == ["crowned", "bumped", "slab"]
+    assert [row[0] for row in found] == ["crowned", "layered", "slab"]
     assert all(len(row) == len(HEAD) for row in found)
     named = {row[0]: dict(zip(HEAD, row)) for row in found}
     assert named["crowned"] | {"pad": None} == dict(zip(HEAD, (None, "amber", 0.85, 0.9, 1.02, 1.1, 4.5, 15.5)))
     assert named["slab"]["verdict"] == "red" and named["slab"]["shortfall"] == 1.4 and named["slab"]["over"] == 0.9
-    assert [named["bumped"][key] for key in ("verdict", "shortfall", "over")] == [None, None, None]
+    assert [named["layered"][key] for key in ("verdict", "shortfall", "over")] == [None, None, None]
 
 
 def test_the_sentences_hold_the_numbers_of_the_choice():
     text = " ".join(kind_sentences(answer()))
-    for part in ("4.5 mm", "ratio 15.5", "bumped", "90 %", "60 %", "too thin for a bone"):
+    for part in ("4.5 mm", "ratio 15.5", "layered", "90 %", "60 %", "too thin for a bone"):
         assert part in text, part
     assert all(sentence.endswith(".") for sentence in kind_sentences(answer()))
 
 
 def test_a_pad_that_stands_alone_names_no_other():
-    assert "bumped" not in kind_sentences(answer(next_best=None, decided_by=None, text=None))[0]
+    assert "layered" not in kind_sentences(answer(next_best=None, decided_by=None, text=None))[0]
 
 
 @pytest.mark.slow

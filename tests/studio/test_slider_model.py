@@ -78,8 +78,6 @@ def test_a_calibration_is_in_the_pad_of_every_shape_as_suggest_has_it(tmp_path, 
 
 
 def test_what_no_table_has_under_a_punch_is_refused_by_name_before_anything_is_solved(tmp_path):
-    with raises_code("unsupported", "shape"):
-        looked(tmp_path, "bumped:5,2.91,1.24,0.34", 9.0, 15.0, punch="round:16")
     with raises_code("not_tabulated", "punch"):
         looked(tmp_path, "slab", 9.0, 15.0, punch="ball:20")
     with raises_code("not_tabulated", "punch"):

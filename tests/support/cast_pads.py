@@ -7,12 +7,16 @@ import dataclasses
 import numpy as np
 
 from dummydesign.core.quantity import Quantity
-from dummydesign.design.assessment.pad_castings import PadCastings
+from dummydesign.design.assessment.pad_castings import PadCastings, poured_curves
 from dummydesign.design.pad_evaluator import law_of_shape, one_pad
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import Castings, Tolerances
+from dummydesign.design.scoring.finite_strain import finite_strain_of
 from dummydesign.design.scoring.outlook import Outlook
+from dummydesign.design.scoring.press_simulation import PadBatch
+from dummydesign.design.scoring.score import evaluate
+from dummydesign.design.scoring.verdict import classes, deviations, ranges_of, readings_of
 from dummydesign.design.search.slabs import SearchSpace
 from dummydesign.geometry.shape_registry import read_shape
 
@@ -64,20 +68,31 @@ def space_with(resin, targets, thickness_mm, ratio, tolerances=Tolerances(100.0)
 def cast_pad(space, slab_law, castings, pad=CROWNED, tolerances=Tolerances(60.0)):  # noqa: B008
     """Castings of one pad: its shape, thickness and ratio."""
     shape, thickness, ratio = pad
-    law = law_of_shape(slab_law, read_shape(shape), thickness)
+    made = read_shape(shape)
+    law = law_of_shape(slab_law, made, thickness)
     candidate = one_pad(law, space, thickness, ratio).candidate
     own = dataclasses.replace(space, castings=castings)
-    return PadCastings(castings, law, candidate, own, tolerances, outlook_at(ratio, castings.n))
+    strain = finite_strain_of(candidate.alone, made, space.base, space.targets, space.radius_mm)
+    return PadCastings(castings, law, candidate, own, tolerances, outlook_at(ratio, castings.n), strain)
+
+
+def poured_slabs(law, pours, space):
+    """Pours as designs to press."""
+    return PadBatch(*poured_curves(law, pours, space), pours.young_MPa, space.resin.tau_s, pours.beta)
+
+
+def evaluated(cast, groups=()):
+    """Scores and quick presses of all castings with some groups known."""
+    return evaluate(cast.slabs(cast.pours(groups)), cast.space.targets, cast.space.sampling.coarse)
+
+
+def kinds_of(cast, groups=()):
+    """Class of each casting with some groups known, by its whole presses."""
+    read = cast.finite_strain.judged(readings_of(evaluated(cast, groups)), cast.pours(groups).finite_strain)
+    return classes(deviations(ranges_of(cast.space.targets), read), cast.space.targets.limits)
 
 
 def outlook_at(ratio, count):
     """An outlook that takes one ratio whatever is known."""
     none = np.zeros(count)
     return Outlook(ratio, 0.0, 0.0, ratio, 0.0, 0.0, 0.0, 0.0, none, none, np.full(count, ratio), none > 1.0)
-
-
-def with_tissues(space, drawn):
-    """The space with other tissues drawn beside its own."""
-    targets = dataclasses.replace(space.targets)
-    targets.__dict__["drawn"] = tuple(drawn)
-    return dataclasses.replace(space, targets=targets)

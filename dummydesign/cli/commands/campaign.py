@@ -33,8 +33,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--hold", metavar="S", help="default 10")
     add("--seed", type=count("seed"), default=1, metavar="N", help="of the order (default 1)")
     add("--no-power", action="store_true", help="do not work out which effects the plan cannot see or tell apart")
-    add("--moulds", action="store_true", help="make the moulds of all pads too, in DIR-moulds (needs --resin)")
-    add("--preset", default="open", metavar="NAME|FILE", help="of the moulds (default open)")
     add("--units", default="mm", metavar="NAME", help="of the sheet: mm (default; mm, N) or in (inches, pounds-force)")
     check = actions.add_parser("check", help="what is not yet pressed, and problems")
     check.add_argument("folder", metavar="DIR", help="folder with campaign.toml")
@@ -94,7 +92,6 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.api.campaigns import plan_campaign
 
     design = _design(options, moulded)
-    moulds = _moulds(options, set_up, design) if options.moulds else None
     plan = plan_campaign(
         options.folder, set_up, design, power=not options.no_power, replace=options.replace, units=options.units
     ).to_dict()
@@ -102,14 +99,14 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         plan["inputs"]["from_mould"] = list(moulded.folders)
     elif options.pads is None:
         plan["warnings"] = [*plan["warnings"], *_unused_moulds()]
-    return plan if moulds is None else _with_moulds(plan, moulds)
+    return plan
 
 
 def _moulded(options: argparse.Namespace) -> Any:
     """The pads of the moulds that are named; what they settle cannot be typed too."""
     from dummydesign.mold.moulded_pads import moulded_pads
 
-    for name in ("pads", "pad", "shape", "moulds"):
+    for name in ("pads", "pad", "shape"):
         if getattr(options, name):
             message = f"--from-mould with --{name}: the moulds settle it; leave one of the two out"
             raise InputError(message, "conflict", name)
@@ -143,52 +140,6 @@ def _unused_moulds() -> list[dict[str, str]]:
     listed = shlex.quote(",".join(os.path.relpath(folder) for folder in made))
     message = f"the pads are the default ones, not those of the project's moulds; --from-mould {listed} plans these"
     return [{"code": "moulds_not_used", "message": message}]
-
-
-def _moulds(options: argparse.Namespace, set_up: Any, design: Any) -> dict[str, Any]:
-    """What the moulds' call is asked; refused before anything is written."""
-    from dummydesign.mold.model.preset import mould_spec
-    from dummydesign.mold.model.spec import PUCK, read_kind
-
-    if options.resin is None or options.ratio is None:
-        message = "--moulds: say what is poured, --resin NAME with --ratio R"
-        raise InputError(message, "missing", "resin" if options.resin is None else "ratio")
-    pad = set_up.tables()["pad"]
-    shape = PUCK if "diameter_mm" in pad else set_up.shape
-    length, width = (pad.get(name, pad.get("diameter_mm")) for name in ("length_mm", "width_mm"))
-    asked = {
-        "length_mm": length,
-        "width_mm": width,
-        "preset": options.preset,
-        "resin": options.resin,
-        "ratio": options.ratio,
-    }
-    kind, parameters = read_kind(shape)
-    for one in design.pads_mm:
-        mould_spec(one, kind=kind, parameters=parameters, **asked)
-    return {**asked, "thickness_mm": design.pads_mm, "shape": shape, "replace": options.replace}
-
-
-def _with_moulds(plan: dict[str, Any], asked: dict[str, Any]) -> dict[str, Any]:
-    """The plan, and the moulds of its pads in a folder beside it."""
-    from dummydesign.api.moulds import make_mould
-
-    folder = Path(plan["inputs"]["folder"])
-    try:
-        made = make_mould(**asked, out=folder.with_name(f"{folder.name}-moulds")).to_dict()
-    except NoAnswerError as problem:
-        message = f"the plan is in {folder}, its moulds are missing: {problem}"
-        raise NoAnswerError(problem.code, message, plan, problem.quantity) from None
-    roles = ("job", "manifest") if "moulds" in made else ("pour_sheet", "manifest")
-    files = {f"moulds_{role}": made["files"][role] for role in roles if role in made["files"]}
-    needed = {"bill_of_materials": made["bill_of_materials"]} if "bill_of_materials" in made else {}
-    return {
-        **plan,
-        "files": {**plan["files"], **files},
-        "moulds": made["inputs"],
-        **needed,
-        "warnings": [*plan["warnings"], *made["warnings"]],
-    }
 
 
 def _set_up(options: argparse.Namespace, moulded: Any = None) -> Any:

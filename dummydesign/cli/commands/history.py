@@ -46,17 +46,24 @@ def _nothing(result: dict[str, Any]) -> str:
 
 
 def _rows(result: dict[str, Any]) -> list[str]:
-    rows = []
-    for one in result["answers"]:
-        when = one["date"][:16].replace("T", " ")
-        rows.append(f"  {when:<17}{one['command']:<16}{one['folder']:<28} {_words(one['summary'])}")
-    return [f"  {'when (UTC)':<17}{'command':<16}{'folder':<28} answer", *rows] if rows else []
+    answers = result["answers"]
+    rows = [
+        (one["date"][:16].replace("T", " "), one["command"], one["folder"], _words(one["summary"])) for one in answers
+    ]
+    shown = [("when (UTC)", "command", "folder", "verdict; usable castings; factor of readings; pad"), *rows]
+    wide = [max(len(row[column]) for row in shown) for column in range(3)]
+    return ["  " + "  ".join([*map(str.ljust, row, wide), row[-1]]) for row in shown] if rows else []
 
 
 def _words(summary: dict[str, Any] | None) -> str:
     """What an answer came to, in a few words."""
     known = summary or {}
-    parts = [level_name(known[name]) for name in ("verdict", "shape") if known.get(name)]
+    parts = [level_name(known["verdict"])] if known.get("verdict") else []
+    if "usable_fraction" in known:
+        parts.append(f"{100 * known['usable_fraction']:.0f} % usable")
+    if "correction_factor" in known:
+        parts.append(f"x {known['correction_factor']:.2f}")
+    parts += [str(known["shape"])] if known.get("shape") else []
     if "thickness_mm" in known and "ratio" in known:
         parts.append(f"{known['thickness_mm']:g} mm, ratio {known['ratio']:g}")
     if "effects" in known:

@@ -5,14 +5,13 @@ from __future__ import annotations
 import argparse
 import shlex
 from collections import Counter
-from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
 from dummydesign.cli.common_options import add_replace_option, call, count, number
 from dummydesign.cli.progress import Watch
 from dummydesign.cli.text import files_block, labelled, screen, step_lines, warning_block
-from dummydesign.core.errors import InputError, NoAnswerError, quantity_name
+from dummydesign.core.errors import InputError, NoAnswerError
 
 
 def add_record_arguments(parser: argparse.ArgumentParser) -> None:
@@ -151,17 +150,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(
         "--thickness",
         dest="thickness_mm",
-        metavar="MM[,MM..]",
-        help="thickness of the pad, 3 to 30 mm; required; several make one job",
+        metavar="MM",
+        help="thickness of the pad, 3 to 30 mm; required",
     )
     add("--puck", metavar="DxH[,DxH..]", help="witness pucks instead of a pad, diameter x height in mm: printed rings")
     add("--count", type=count("count"), default=1, metavar="N", help="cavities in one mould (default 1)")
-    add("--castings", type=count("castings"), default=1, metavar="N", help="castings of each mould (default 1)")
     add("--length", dest="length_mm", default=150.0, metavar="MM", help="length of the pad (default 150)")
     add("--width", dest="width_mm", default=120.0, metavar="MM", help="width of the pad (default 120)")
     add("--shape", default="slab", metavar="NAME[:P,..]", help=shape_help("puck"))
     presets = "mould preset: open (default), lidded, printed or a TOML file"
     add("--preset", default="open", metavar="NAME|FILE", help=presets)
+    machines = "printer, vacuum chamber and oven the mould must fit (default: the preset's)"
+    add("--machine", metavar="NAME|FILE", help=machines)
+    add("--silicone", metavar="NAME|FILE", help="silicone of the mould (default: the preset's)")
     add("--resin", metavar="NAME|FILE", help="resin to weigh (default the paper's polyurethane)")
     add("--ratio", type=number("ratio"), default=15.0, metavar="R", help="mixing ratio of the resin (default 15)")
     add(
@@ -176,31 +177,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=number("face sheet in mm"),
         metavar="MM",
         help="thickness of a glass sheet that forms the tested face",
-    )
-    add("--bone", metavar="FILE", help="STL or STEP (mm) of a bone in the gel; the model uses the closest dome")
-    add(
-        "--bone-height",
-        dest="bone_height_mm",
-        type=number("bone height in mm"),
-        metavar="MM",
-        help="how far the bone reaches into the gel from the free face",
-    )
-    add(
-        "--bone-scale", type=number("bone scale"), default=1.0, metavar="S", help="scale factor of the file (default 1)"
-    )
-    add(
-        "--bone-turn",
-        dest="bone_turn_deg",
-        default="0,0,0",
-        metavar="X,Y,Z",
-        help="degrees about x, y, z; then its lowest point is the tip",
-    )
-    add(
-        "--bone-at",
-        dest="bone_at_mm",
-        default="0,0",
-        metavar="X,Y",
-        help="where the tip lies from the pad's middle, mm (default 0,0)",
     )
     add("--paper", default="A4", metavar="A4|A3", help="paper of pour sheet and drawings (default A4)")
     add("--out", metavar="DIR", help="folder for the files (default mould_tMM)")
@@ -217,44 +193,27 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         message = "--thickness is missing: the thickness of the pad in mm, 3 to 30; or --puck 50x30 for a witness puck"
         raise InputError(message, "missing", "thickness")
 
-    turn, position = (
-        _numbers(f"--bone-{name}", text, count)
-        for name, text, count in (("turn", options.bone_turn_deg, 3), ("at", options.bone_at_mm, 2))
-    )
     with Watch():
-        return call(make_mould, options, bone_turn_deg=turn, bone_at_mm=position).to_dict()
-
-
-def _numbers(option: str, text: str, count: int) -> Any:
-    try:
-        numbers = tuple(float(part) for part in text.split(","))
-    except ValueError:
-        numbers = ()
-    if len(numbers) != count:
-        message = f"{option} {text} must be {count} comma-separated numbers"
-        raise InputError(message, "malformed", quantity_name(option), text)
-    return numbers
+        return call(make_mould, options).to_dict()
 
 
 def default_in_project(options: argparse.Namespace) -> str | None:
     """Name of the folder in a project when none is typed; elsewhere the call names it. A record has its folder."""
     if options.action == "record" or options.thickness_mm is None:
         return f"puck_{options.puck.lower().replace(',', '_')}" if getattr(options, "puck", None) else None
-    from dummydesign.mold.batch import folder_name, read_thicknesses
+    from dummydesign.mold.model.spec import read_thickness
 
-    shape = "boned" if options.bone else options.shape.partition(":")[0].lower()
+    shape = options.shape.partition(":")[0].lower()
     kind = "" if shape in ("slab", "puck") else shape  # as ``PadSpec.prefix``
-    return folder_name(read_thicknesses(options.thickness_mm), options.castings, kind, options.count)
+    several = [f"x{options.count}"] if options.count > 1 else []
+    size = f"t{read_thickness(options.thickness_mm):g}"
+    return "_".join(["mould", *([kind] if kind else []), size, *several])
 
 
 def render(result: dict[str, Any]) -> str:
     """What to pour, whether the checks pass, what to mind, and the file to begin with."""
     if "specification" in result:
         return render_record(result)
-    if "moulds" in result:
-        left_out = "warning: ", "job: ", "manifest: "
-        lines = [line for line in _job(result).splitlines() if not line.startswith(left_out)]
-        return screen([], lines, warning_block(result), files_block(result, ("job",)))
     if "puck" in result["inputs"]:
         return _render_pucks(result)
     inputs, pour, batch = result["inputs"], result["pour"], result["batch"]
@@ -326,18 +285,18 @@ def _render_pucks(result: dict[str, Any], details: bool = False) -> str:
     return screen(head, _not_passed(result), warning_block(result), files, more)
 
 
-def _counted(checks: list[dict[str, Any]], word: str = "") -> str:
+def _counted(checks: list[dict[str, Any]]) -> str:
     """How many checks passed, failed and were skipped."""
     counts = Counter(one["status"] for one in checks)
-    return f"{counts['pass']}{word} passed, {counts['fail']} failed, {counts['skipped']} skipped"
+    return f"{counts['pass']} passed, {counts['fail']} failed, {counts['skipped']} skipped"
 
 
-def _not_passed(result: dict[str, Any], ends: Collection[str] = ("fail", "skipped")) -> list[str]:
-    """A line for each check that ended so."""
+def _not_passed(result: dict[str, Any]) -> list[str]:
+    """A line for each check that failed or was skipped."""
     return [
         f"  {item['status']:<8}{item['id']}: {item.get('note', '')}"
         for item in result.get("checks", [])
-        if item["status"] in ends
+        if item["status"] in ("fail", "skipped")
     ]
 
 
@@ -345,8 +304,6 @@ def render_details(result: dict[str, Any]) -> str:
     """Write the answer as short tables."""
     if "specification" in result:
         return render_record(result)
-    if "moulds" in result:
-        return _job(result)
     if "puck" in result["inputs"]:
         return _render_pucks(result, details=True)
     inputs, pour = result["inputs"], result["pour"]
@@ -377,21 +334,6 @@ def render_details(result: dict[str, Any]) -> str:
     if result["warnings"]:
         lines += ["", "Cautions", *(f"  - {item['message']}" for item in result["warnings"])]
     return "\n".join(lines)
-
-
-def _job(result: dict[str, Any]) -> str:
-    """One line a mould, then what all need."""
-    lines = [
-        f"{one['thickness_mm']:>6g} mm  {one['spec_hash']}  {_counted(one['checks'], ' checks')}  {one['folder']}"
-        for one in result["moulds"]
-    ]
-    if "bill_of_materials" not in result:
-        # One of them failed, and what was made is not kept.
-        return "\n".join(lines + _not_passed(result, ("fail",)))
-    lines += ["", f"Needed for all, {result['inputs']['castings']} castings of each"]
-    lines += [f"  {what:<46}{much:<16}{purpose}" for what, much, purpose in result["bill_of_materials"][1:]]
-    lines += ["", *(f"{role}: {result['files'][role]}" for role in ("job", "manifest"))]
-    return "\n".join(lines + [f"warning: {item['message']}" for item in result["warnings"]])
 
 
 def _weights(batch: dict[str, Any], count: int) -> list[str]:

@@ -36,6 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     puck.add_argument("--resin", metavar="BASE", help="resin whose law is updated")
     words = "plates: lubricated, bonded or a friction coefficient (default: any friction)"
     puck.add_argument("--friction", metavar="lubricated|bonded|MU", help=words)
+    puck.add_argument("--mass", type=number("mass in g"), metavar="G", help="of the puck, checked against its size")
     puck.add_argument("--replace", action="store_true", help="begin NAME again, without the points it has")
     _add_hardness_options(actions)
     add_own_actions(actions, "resin")
@@ -142,6 +143,7 @@ def _add_compression(options: argparse.Namespace) -> dict[str, Any]:
         "height_mm": options.height,
         "name": options.name,
         "ratio": options.ratio,
+        "mass_g": options.mass,
     }
     done = add_compression(**given, base=options.resin, replace_own=options.replace)
     inputs = {"action": "add-compression", **given, "resin": options.resin}
@@ -229,7 +231,13 @@ def _span(ends: list[str]) -> str:
 def _render_hardness(result: dict[str, Any]) -> list[str]:
     young, base = result["young_kPa"], result["base"]
     form = "one fixed mix, no ratio" if base is None else f"law of {base}, moved to this modulus at its reference ratio"
+    first = [
+        line
+        for one in result["contradictions"]
+        for line in labelled("CHECK", f"{one['what']}: {one['a']:.3g} and {one['b']:.3g}")
+    ]
     return [
+        *first,
         f"modulus   {young['value']:.3g} kPa (95 %: {young['low']:.3g} to {young['high']:.3g}) from Shore "
         f"{result['shore']['scale']} {result['shore']['value']:g}",
         f"resin     {result['name']}: {form}",
@@ -239,7 +247,8 @@ def _render_hardness(result: dict[str, Any]) -> list[str]:
 
 def _render_puck(result: dict[str, Any]) -> list[str]:
     young, friction = result["young_kPa"], result["friction"]
-    low, high = ("bonded" if friction[end] is None else f"{friction[end]:.2g}" for end in ("low", "high"))
+    # plates that rub more than this hold a puck as glue does
+    low, high = ("bonded" if (one := friction[end]) is None or one > 1.0 else f"{one:.2g}" for end in ("low", "high"))
     span = low if low == high else f"{low} to {high}"
     how = f"plates declared {result['plates']}" if result["plates"] else "plates not declared"
     known = "Modulus and relaxation of the batch are measured: it needs no other puck."

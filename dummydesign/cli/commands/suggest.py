@@ -22,8 +22,6 @@ OWN_TEST = (
     "base",
     "sites",
     "preset",
-    "machine",
-    "silicone",
 )
 """How people and pad are pressed, and what the mould must fit."""
 
@@ -36,12 +34,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_options(parser, Request, ("tissue", "aim", "resin", "thickness_mm", "ratio", "calibration"))
     add_effect_option(parser)
     add_options(parser, Request, ("shape", "mould"))
-    add("--cad", action="store_const", const=True, help="make the mould even if the pad is red")
-    add("--no-cad", dest="cad", action="store_const", const=False, help="skip the mould; write recipe and report only")
-    add_options(parser, Request, ("verify",))
+    add_options(parser, Request, ("cad", "verify"))
     test = parser.add_argument_group("your own test", "numbers may carry their unit: 0.25m/s, 10mm/s")
     add_options(test, Request, OWN_TEST)
-    add_options(parser, Request, ("weighing_g", "thickness_tolerance_mm", "castings"))
     add("--out", metavar="DIR", help="folder of the files (default suggest-TISSUE)")
     add_replace_option(parser)
 
@@ -60,7 +55,10 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     result = answer.to_dict()
     if not answer.outcome.verdict.acceptable:
         text = "no acceptable pad: the verdict on the best one found is red"
-        text += "" if options.cad is not None else "; no mould was made of it (--cad makes it anyway)"
+        if options.cad:
+            from dummydesign.design.suggestion import mould_command
+
+            text += f"; no mould was made of it, which '{mould_command(answer.outcome)}' makes"
         raise NoAnswerError("no_acceptable_pad", text, result, "verdict")
     return result
 

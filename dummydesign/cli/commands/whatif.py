@@ -48,7 +48,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric or 3d")
     add("--workers", type=count("workers"), default=1, metavar="N", help="processes of this machine (default 1)")
     add("--scheduler", metavar="ADDRESS", help="a running Dask scheduler, such as tcp://host:8786")
-    add("--resume", action="store_true", help="keep the rows in the folder and compute the missing ones")
     add("--out", metavar="DIR", help="folder of rows.csv and report.html (default whatif-RESIN)")
     add_replace_option(parser)
 

@@ -399,4 +399,5 @@ def budget_of_castings(cast: PadCastings) -> Budget | None:
     parts = {name: cast.few.readings(every - {group}) for group, name in OF_GROUPS.items()}
     ends = spread_of_ends([ranges_of(one) for one in targets.drawn])
     limits = usable_limits(targets.limits, ranges.strict)
-    return budget_of_pad(ranges, cast.candidate.readings, limits, parts, cast.readings(), ends)
+    middle = cast.finite_strain.judged(cast.candidate.readings)
+    return budget_of_pad(ranges, middle, limits, parts, cast.readings(), ends)

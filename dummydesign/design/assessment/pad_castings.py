@@ -8,14 +8,14 @@ from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.scoring.castings import FORCE_LAW, MODULUS, RELAXATION, RESIN, Castings, Pours, Tolerances
 from dummydesign.design.scoring.crowns import crowned_curves
+from dummydesign.design.scoring.finite_strain import FiniteStrain
 from dummydesign.design.scoring.outlook import Outlook
 from dummydesign.design.scoring.press_simulation import PadBatch, SlabCurves, make_curves, steady_depth
-from dummydesign.design.scoring.score import Evaluation, evaluate
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import (
     CLASSES,
@@ -28,7 +28,6 @@ from dummydesign.design.scoring.verdict import (
     factor_of,
     good_share,
     ranges_of,
-    readings_of,
     shares_of,
     verdict,
 )
@@ -47,7 +46,10 @@ MODULI = np.exp(np.linspace(-2.0, 2.0, 801))
 
 @dataclass(frozen=True)
 class PadCastings:
-    """The castings of one pad, pressed by the test; ``outlook`` has its ratios."""
+    """The castings of one pad, pressed by the test; ``outlook`` has its ratios.
+
+    Their readings are the quick ones with what ``finite_strain`` makes of them.
+    """
 
     castings: Castings
     law: ForceLaw
@@ -55,6 +57,7 @@ class PadCastings:
     space: SearchSpace
     tolerances: Tolerances
     outlook: Outlook
+    finite_strain: FiniteStrain
     _curves: dict[tuple[bytes, ...], tuple[SlabCurves, NDArray]] = field(
         default_factory=dict, repr=False, compare=False
     )
@@ -78,25 +81,26 @@ class PadCastings:
         shape = tuple(one.tobytes() for one in (pours.thickness_mm, *crowns))
         if shape not in self._curves:
             self._curves[shape] = poured_curves(self.law, pours, self.space)
-        return _pads(*self._curves[shape], pours, self.space)
+        return PadBatch(*self._curves[shape], pours.young_MPa, self.space.resin.tau_s, pours.beta)
 
-    def pressed(self, known: Collection[str] = ()) -> Evaluation:
-        """Scores and presses of all castings."""
-        return evaluate(self.slabs(self.pours(known)), self.space.targets, self.space.sampling.coarse)
+    def pressed(self, pours: Pours) -> Readings:
+        """Readings of pours, shapes (n, c) and (n, g)."""
+        targets, sampling = self.space.targets, self.space.sampling.coarse
+        quick = readings_along(self.slabs(pours), targets, targets.protocol.steady_grid_N, sampling)
+        return self.finite_strain.judged(quick, pours.finite_strain)
+
+    def kinds(self, readings: Readings) -> NDArray:
+        """Class of each of several pads for the subjects, shape (n,), as places in ``CLASSES``."""
+        targets = self.space.targets
+        return classes(deviations(ranges_of(targets), readings), targets.limits)
 
     def readings(self, known: Collection[str] = (), ratio: float | NDArray | None = None) -> Readings:
-        """Readings of all castings, shapes (n, c) and (n, g)."""
-        if not known and ratio is None:
-            return readings_of(self.every) if self.few is self else self._poured
-        return self._pressed(known, ratio)
-
-    def _pressed(self, known: Collection[str] = (), ratio: float | NDArray | None = None) -> Readings:
-        slabs, targets = self.slabs(self.pours(known, ratio)), self.space.targets
-        return readings_along(slabs, targets, targets.protocol.steady_grid_N, self.space.sampling.coarse)
+        """Readings of all castings."""
+        return self._poured if not known and ratio is None else self.pressed(self.pours(known, ratio))
 
     @cached_property
     def _poured(self) -> Readings:
-        return self._pressed()
+        return self.pressed(self.pours())
 
     @cached_property
     def few(self) -> PadCastings:
@@ -114,29 +118,24 @@ class PadCastings:
         """Readings of the search's castings, with the ratio chosen anew for each batch after one puck."""
         return self.few.readings((), self.outlook.ratios)
 
-    @cached_property
-    def every(self) -> Evaluation:
-        """Scores and presses of all castings with nothing known."""
-        return self.pressed()
+    @property
+    def has_puck(self) -> bool:
+        """Whether the outlook chose a ratio for each casting; that of a slider has fewer batches."""
+        return not self.space.resin.measured and len(self.outlook.ratios) == self.few.castings.n
+
+    def steady_depth_mm(self, force_N: ArrayLike, known: Collection[str] = ()) -> NDArray:
+        """Depths of all castings at steady forces (m,) of the slowest speed, shape (n, m); NaN out of reach."""
+        slow, sampling = self.space.targets.protocol.slow_mm_s, self.space.sampling.coarse
+        return steady_depth(self.slabs(self.pours(known)), force_N, slow, sampling)
 
     def depth_band_mm(self, force_N: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         """Depths between which 95 % of the castings are at steady forces, and the share that is out of reach."""
-        slow = self.space.targets.protocol.slow_mm_s
-        depth = steady_depth(self.slabs(self.pours()), np.asarray(force_N, float), slow, self.space.sampling.coarse)
+        depth = self.steady_depth_mm(force_N)
         # a casting out of reach is deeper than those in reach
         ordered = np.sort(np.where(np.isfinite(depth), depth, np.inf), axis=0)
         ends = (ordered[int(np.floor(share * (len(depth) - 1)))] for share in (0.025, 0.975))
         stiff, soft = (np.where(np.isfinite(end), end, np.nan) for end in ends)
         return stiff, soft, np.mean(~np.isfinite(depth), axis=0)
-
-
-def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> PadBatch:
-    """Pours as designs to press."""
-    return _pads(*poured_curves(law, pours, space), pours, space)
-
-
-def _pads(curves: SlabCurves, index: NDArray, pours: Pours, space: SearchSpace) -> PadBatch:
-    return PadBatch(curves, index, pours.young_MPa, space.resin.tau_s, pours.beta)
 
 
 def poured_curves(law: ForceLaw, pours: Pours, space: SearchSpace) -> tuple[SlabCurves, NDArray]:
@@ -184,7 +183,7 @@ def verdict_of_design(cast: PadCastings, beyond: float = 1.0) -> Verdict:
         limits=space.targets.limits,
         beyond=beyond,
         measure="the cast pad" if space.resin.measured else "one puck of the batch",
-        after_puck=None if space.resin.measured else cast.after_puck,
+        after_puck=cast.after_puck if cast.has_puck else None,
     )
 
 
@@ -277,11 +276,9 @@ def window_kPa(cast: PadCastings) -> tuple[float, float] | None:
     space, ratio, count = cast.space, cast.candidate.ratio, len(MODULI)
     young = space.resin.young_MPa(ratio) * MODULI
     beta = np.tile([term.beta for term in space.resin.prony(ratio)], (count, 1))
-    slabs = cast.slabs(Pours(np.full(count, cast.candidate.thickness_mm), young, beta))
-    targets = space.targets
-    read = readings_along(slabs, targets, targets.protocol.steady_grid_N, space.sampling.coarse)
+    read = cast.pressed(Pours(np.full(count, cast.candidate.thickness_mm), young, beta, np.zeros(count)))
     # on the safe side no casting has the second of the two classes
-    good = classes(deviations(ranges_of(targets), read), targets.limits) <= CLASSES.index(WITH_CORRECTION)
+    good = cast.kinds(read) <= CLASSES.index(WITH_CORRECTION)
     usable = 1e3 * young[good]
     return (float(usable[0]), float(usable[-1])) if len(usable) else None
 
@@ -304,9 +301,9 @@ def pour_yield(cast: PadCastings) -> PourYield:
     """Share of the castings of a pad whose steady depths at the slowest speed lie among the subjects'."""
     cast, targets, best = cast.few, cast.space.targets, cast.candidate
     known = (MODULUS, RELAXATION, FORCE_LAW)
-    inside, making = (_inside(evaluation, targets) for evaluation in (cast.every, cast.pressed(known)))
-    nominal = _inside(best.evaluation, targets)[best.index]
     forces = targets.protocol.forces_N
+    depths = cast.steady_depth_mm(forces), cast.steady_depth_mm(forces, known), best.depth_mm[: len(forces)]
+    inside, making, nominal = (_inside(depth, targets) for depth in depths)
     # shares inside wherever the nominal pad is
     stays = [float(one[:, nominal].all(axis=-1).mean()) if nominal.any() else 0.0 for one in (inside, making)]
     every, made = (dict(zip((f"{f:g}" for f in forces), one.mean(axis=0).tolist())) for one in (inside, making))
@@ -315,10 +312,8 @@ def pour_yield(cast: PadCastings) -> PourYield:
     return PourYield(stays[0], judged, stays[1], every, made, spread, cast.castings.n, cast.tolerances)
 
 
-def _inside(evaluation: Evaluation, targets: Targets) -> NDArray:
-    """Whether each pad is inside the steady-state range at each force of the slowest speed, shape (pads, forces)."""
-    forces = np.array(targets.protocol.forces_N)
-    depth = evaluation.depth_mm[:, : len(forces)]
-    stiff, soft = targets.depth_range_mm(forces)
+def _inside(depth_mm: NDArray, targets: Targets) -> NDArray:
+    """Whether depths at the test's forces, (m,) or (n, m), are inside the steady-state range."""
+    stiff, soft = targets.depth_range_mm(np.array(targets.protocol.forces_N))
     with np.errstate(invalid="ignore"):
-        return np.asarray((depth >= stiff) & (depth <= soft))
+        return np.asarray((depth_mm >= stiff) & (depth_mm <= soft))

@@ -17,7 +17,7 @@ from dummydesign.design.scoring.crowns import Crowns
 from dummydesign.design.scoring.settings import STEPS, CrownMaking
 from dummydesign.resin.model.resin import Draws, Resin
 
-MODULUS, RELAXATION, MAKING, FORCE_LAW, TISSUE = GROUPS = ("modulus", "relaxation", "making", "force_law", "tissue")
+MODULUS, RELAXATION, MAKING, FORCE_LAW = GROUPS = ("modulus", "relaxation", "making", "force_law")
 RESIN = frozenset((MODULUS, RELAXATION))
 # Castings: a share of 1200 has a standard error of at most 1.45 points.
 COUNT, SEED, MOST = 1200, 11, 100_000
@@ -42,18 +42,14 @@ class Pours:
     """Pads that may come out of one design: ``thickness_mm``, ``young_MPa`` (n,) and ``beta`` (n, arms).
 
     ``thickness_mm`` is that of a pad whose crown is as designed; ``crowns`` are those of the pads, None where they are
-    as designed.
+    as designed. ``finite_strain`` (n,) are standard normal deviates of what finite strain makes of readings.
     """
 
     thickness_mm: NDArray
     young_MPa: NDArray
     beta: NDArray
+    finite_strain: NDArray
     crowns: Crowns | None = None
-
-    def first(self, count: int) -> Pours:
-        """The first of them."""
-        crowns = None if self.crowns is None else self.crowns.first(count)
-        return Pours(self.thickness_mm[:count], self.young_MPa[:count], self.beta[:count], crowns)
 
 
 @dataclass(frozen=True)
@@ -75,7 +71,7 @@ class Castings:
         of_resin, of_making, of_law = np.random.default_rng(self.seed).spawn(3)
         weighed = {liquid.name: of_making.uniform(-1.0, 1.0, self.n) for liquid in self.resin.liquids}
         thickness, law = of_making.uniform(-1.0, 1.0, self.n), of_law.standard_normal(self.n)
-        crown = of_making.standard_normal((2, len(STEPS), self.n))
+        crown, strain = of_making.standard_normal((2, len(STEPS), self.n)), of_law.standard_normal(self.n)
         resin = self.resin.draw(self.n, of_resin)
         central = {name: np.full(self.n, value) for name, value in self.resin.central.items()}
         beta = np.tile([arm.beta.value for arm in self.resin.arms], (self.n, 1))
@@ -86,6 +82,7 @@ class Castings:
             "thickness": thickness,
             "crown": crown,
             "law": law,
+            "strain": strain,
             "resin": resin,
             "central": stated,
         }
@@ -113,11 +110,11 @@ class Castings:
         weighed = self._weighed_ratio(ratio, tolerances) if making else np.broadcast_to(ratio, self.n)
         thickness = thickness_mm + (tolerances.thickness_mm * drawn["thickness"] if making else np.zeros(self.n))
         modulus, relaxation = (drawn["central" if group in known else "resin"] for group in (MODULUS, RELAXATION))
-        off = np.zeros(self.n) if FORCE_LAW in known else error / HALF_WIDTH * drawn["law"]
+        law, strain = (drawn[name] * (FORCE_LAW not in known) for name in ("law", "strain"))
         kept = np.clip(weighed, self.resin.ratio_min, self.resin.ratio_max)
-        young = np.maximum(modulus.young_MPa(weighed), 1e-9) * np.exp(off)
+        young = np.maximum(modulus.young_MPa(weighed), 1e-9) * np.exp(error / HALF_WIDTH * law)
         crowns = self.crowns(tolerances.crown) if making and tolerances.crown else None
-        return Pours(thickness, young, relaxation.beta(kept), crowns)
+        return Pours(thickness, young, relaxation.beta(kept), strain, crowns)
 
     def crowns(self, making: CrownMaking) -> Crowns:
         """Crowns that may come out; the errors of the steps add up."""

@@ -100,16 +100,20 @@ def outlook_of(
     limits: VerdictLimits,
     strict: bool,
 ) -> Outlook:
-    """Work out the outlook of one pad from the windows of its batches and that of the resin's centre."""
+    """Work out the outlook of one pad from the windows of its batches and that of the resin's centre.
+
+    Windows may be several for the same pad, all equally likely, such as for deviates of finite strain; the first are
+    those of the middle.
+    """
     ratio, count = batches.ratio, len(batches)
-    good, of_stands = (_Chance(one[0], windows.log_young[0], scatter) for one in (windows.usable, windows.stands))
+    good, of_stands = (_Chance(one, windows.log_young[0], scatter) for one in (windows.usable, windows.stands))
     best = partial(_best, enough=limits.share, strict=strict)
     misfit = match.misfit(centre.log_young[0])
     each, each_stands = good(batches.log_young), of_stands(batches.log_young)
     shares = each.mean(axis=0)
     first = int(best(shares, each_stands.mean(axis=0), misfit))
     known, known_stands = (
-        _Chance(one[0], central.log_young[0], scatter)(centre.log_young)[0] for one in (central.usable, central.stands)
+        _Chance(one, central.log_young[0], scatter)(centre.log_young)[0] for one in (central.usable, central.stands)
     )
     best_known = int(best(known, known_stands, misfit))
     beyond = np.interp(
@@ -145,10 +149,10 @@ def outlook_of(
 
 
 class _Chance:
-    """Probability that a pad of each batch (n,) made for a modulus is good, over the scatter of its making."""
+    """Probability that a pad of each batch (n,) made for a modulus is good, over its windows and scatter of making."""
 
     def __init__(self, good: NDArray, grid: NDArray, scatter: Scatter) -> None:
-        self.grid, smooth = grid, smoothed(good, grid, scatter.making)
+        self.grid, smooth = grid, smoothed(good.mean(axis=0), grid, scatter.making)
         self.table = np.mean([_look(smooth, grid, grid - shift) for shift in scatter.shifts], axis=0)
 
     def __call__(self, log_young: NDArray) -> NDArray:

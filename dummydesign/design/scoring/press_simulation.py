@@ -60,13 +60,6 @@ class SimulatedPress:
         return np.r_[: self.stopped + 1, self.stopped + max(first, 1) : self.time_s.shape[-1]]
 
     @cached_property
-    def in_order(self) -> tuple[NDArray, NDArray]:
-        """Order (D, m) of the counted samples of all presses in time, flat places, and these times (D m,). [s]"""
-        times = self.time_s[:, self.counted]
-        order = np.argsort(times, axis=None, kind="stable")
-        return order.reshape(times.shape), times.ravel()[order]
-
-    @cached_property
     def sample_weights(self) -> NDArray:
         """What counted samples (D, m) weigh in a share of the press: half the rise in time, half the hold in ln t."""
         weights = np.zeros_like(self.time_s)

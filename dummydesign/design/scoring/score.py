@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -87,48 +86,10 @@ def evaluate(slabs: PadBatch, targets: Targets, sampling: Sampling | None = None
     """Score designs against a tissue by the ranges and the aim."""
     protocol = targets.protocol
     sampling = sampling or targets.sampling.coarse
-    forces = np.concatenate([protocol.low_grid_N, protocol.steady_grid_N])
-    reached, presses = press_all(slabs, targets, forces, sampling, exact)
-    return _scored(slabs, targets, sampling, reached, presses, _inside_exact if exact else _inside_at_samples)
-
-
-def press_all(
-    slabs: PadBatch, targets: Targets, forces_N: NDArray, sampling: Sampling, exact: bool = False
-) -> tuple[NDArray, tuple[SimulatedPress, ...]]:
-    """Depths (D, forces) at steady forces of the slowest ramp, and the presses of every condition."""
-    pressed = np.array([(one.steady_force_N, one.velocity_mm_s) for one in targets.conditions])
-    # one inversion of the curves for all, but where the presses are to be exact
-    wanted = np.r_[[(force, targets.protocol.slow_mm_s) for force in forces_N], pressed]
-    force_N, speed_mm_s = (wanted[: len(forces_N)] if exact else wanted).T
-    depth = steady_depth(slabs, force_N, speed_mm_s, sampling)
-    reached = depth[:, : len(forces_N)]
-    depth = steady_depth(slabs, pressed[:, 0], pressed[:, 1], sampling, exact) if exact else depth[:, len(forces_N) :]
-    if len(depth) > 1:
-        return reached, tuple(press_to_depth(slabs, *at, sampling) for at in zip(depth.T, pressed[:, 1].tolist()))
-    # of one design all conditions at once: the recursion costs by its steps, not by its presses
-    count = len(pressed)
-    every = press_to_depth(slabs.take(np.zeros(count, int)), depth[0], pressed[:, 1], sampling)
-    return reached, tuple(every.press(number) for number in range(count))
-
-
-def scored_for(evaluation: Evaluation, targets: Targets) -> Evaluation:
-    """The same presses scored against other targets of the same test; see :func:`evaluate`."""
-    reached = np.concatenate([evaluation.low_depth_mm, evaluation.steady_depth_mm], axis=-1)
-    return _scored(evaluation.slabs, targets, evaluation.sampling, reached, evaluation.presses, _inside_in_order)
-
-
-def _scored(
-    slabs: PadBatch,
-    targets: Targets,
-    sampling: Sampling,
-    reached: NDArray,
-    presses: tuple[SimulatedPress, ...],
-    share: Callable[[SimulatedPress, ForceRange], NDArray],
-) -> Evaluation:
-    """Scores of designs by their depths at the steady forces, low ones first, and by their presses."""
-    protocol = targets.protocol
     low_N, lows = protocol.low_grid_N, len(protocol.low_grid_N)
     forces = np.concatenate([low_N, protocol.steady_grid_N])
+    reached, presses = press_all(slabs, targets, forces, sampling, exact)
+    share = _inside_exact if exact else _inside_at_samples
     away = np.log(reached / targets.aim_depth_mm(forces)) / targets.depth_half_width
     pairs = list(zip(targets.conditions, presses))
     inside = [share(press, condition.range) for condition, press in pairs]
@@ -151,6 +112,25 @@ def _scored(
     )
 
 
+def press_all(
+    slabs: PadBatch, targets: Targets, forces_N: NDArray, sampling: Sampling, exact: bool = False
+) -> tuple[NDArray, tuple[SimulatedPress, ...]]:
+    """Depths (D, forces) at steady forces of the slowest ramp, and the presses of every condition."""
+    pressed = np.array([(one.steady_force_N, one.velocity_mm_s) for one in targets.conditions])
+    # one inversion of the curves for all, but where the presses are to be exact
+    wanted = np.r_[[(force, targets.protocol.slow_mm_s) for force in forces_N], pressed]
+    force_N, speed_mm_s = (wanted[: len(forces_N)] if exact else wanted).T
+    depth = steady_depth(slabs, force_N, speed_mm_s, sampling)
+    reached = depth[:, : len(forces_N)]
+    depth = steady_depth(slabs, pressed[:, 0], pressed[:, 1], sampling, exact) if exact else depth[:, len(forces_N) :]
+    if len(depth) > 1:
+        return reached, tuple(press_to_depth(slabs, *at, sampling) for at in zip(depth.T, pressed[:, 1].tolist()))
+    # of one design all conditions at once: the recursion costs by its steps, not by its presses
+    count = len(pressed)
+    every = press_to_depth(slabs.take(np.zeros(count, int)), depth[0], pressed[:, 1], sampling)
+    return reached, tuple(every.press(number) for number in range(count))
+
+
 def _inside_exact(press: SimulatedPress, band: ForceRange) -> NDArray:
     """Share of each press inside a force range as the tissue defines it; 0 where out of reach."""
     share = np.zeros(len(press.stop_s))
@@ -163,23 +143,8 @@ def _inside_exact(press: SimulatedPress, band: ForceRange) -> NDArray:
 
 def _inside_at_samples(press: SimulatedPress, band: ForceRange) -> NDArray:
     """The same share taken at the samples: rise even in time, hold even in the logarithm from 5 ms on."""
-    return _share_within(press, band, np.interp(press.time_s[:, press.counted], band.time_s, _both_ends(band)))
-
-
-def _inside_in_order(press: SimulatedPress, band: ForceRange) -> NDArray:
-    """The same for presses that are compared with many ranges: looked up in the order of time, which is quick."""
-    order, times = press.in_order
-    ends = np.empty(order.shape, complex)
-    ends.ravel()[order.ravel()] = np.interp(times, band.time_s, _both_ends(band))
-    return _share_within(press, band, ends)
-
-
-def _both_ends(band: ForceRange) -> NDArray:
-    """Low and high end of a force range as the parts of one complex number, so that both are found at once."""
-    return band.low_N + 1j * band.high_N
-
-
-def _share_within(press: SimulatedPress, band: ForceRange, ends: NDArray) -> NDArray:
+    # both ends as the parts of one complex number, so that they are found at once
+    ends = np.interp(press.time_s[:, press.counted], band.time_s, band.low_N + 1j * band.high_N)
     force, near = press.force_N[:, press.counted], STEADY_TOLERANCE * band.steady_force_N
     with np.errstate(invalid="ignore"):
         within = (force >= ends.real - near) & (force <= ends.imag + near)

@@ -84,11 +84,35 @@ class CrownMaking(Serialised):
 
 
 STEPS = ("print", "plug", "cast")
+LARGEST_ERROR = 2.0
+"""Largest error of weighing [g] and of the thickness [mm]."""
+
+
+@dataclass(frozen=True)
+class PadMaking:
+    """How well any pad is made, even within plus and minus the errors, and how many castings are drawn at least."""
+
+    weighing_g: float = 0.1
+    thickness_mm: float = 0.2
+    castings: int = 1200
+
+
+def pad_making() -> PadMaking:
+    """Read how well a pad is made: the user's own file, else the built-in one; what it lacks has its usual value."""
+    top = _making()
+    errors = ("weighing_g", "thickness_mm")
+    given = {name: _bounded(top, name, 0.0, LARGEST_ERROR).value for name in errors if name in top}
+    return PadMaking(**given, castings=top.count("castings", PadMaking.castings))
+
+
+def _making() -> TomlTable:
+    keys = ("schema", "castings", "weighing_g", "thickness_mm", "crown_height_mm", "tip_radius_percent")
+    return read_table(find("materials", "making", "making").path, keys)
 
 
 def crown_making() -> CrownMaking:
     """Read how true a crown is made: the user's own file, else the built-in one."""
-    top = read_table(find("materials", "making", "making").path, ("schema", "crown_height_mm", "tip_radius_percent"))
+    top = _making()
     heights, radii = top.table("crown_height_mm").only(STEPS), top.table("tip_radius_percent").only(STEPS)
     return CrownMaking(
         {name: _bounded(heights, name, -1.0, 1.0) for name in STEPS},

@@ -519,13 +519,3 @@ def readings_of(evaluation: Evaluation, index: int | None = None) -> Readings:
         np.stack([getattr(press, name) for press in evaluation.presses], axis=-1) for name in ("peak_N", "energy_mJ")
     )
     return Readings(peak[at], energy[at], evaluation.steady_depth_mm[at])
-
-
-def deviations_of(evaluation: Evaluation, targets: Targets) -> Deviations:
-    """Compare all designs of an evaluation with the subjects of its targets."""
-    return deviations(ranges_of(targets), readings_of(evaluation))
-
-
-def classes_of(evaluation: Evaluation, targets: Targets) -> NDArray:
-    """Class of each pad for a tissue, shape (n,), as places in ``CLASSES``."""
-    return classes(deviations_of(evaluation, targets), targets.limits)

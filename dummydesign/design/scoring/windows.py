@@ -7,12 +7,14 @@ the making of the pad scatters it there. What is wanted of the castings is then 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.design.scoring.finite_strain import EXACT, FiniteStrain
 from dummydesign.design.scoring.press_simulation import PadBatch, SlabCurves, rest_after_hold
 from dummydesign.design.scoring.score import press_all
 from dummydesign.design.scoring.verdict import Deviations, Ranges, Readings, deviations, ranges_of
@@ -97,9 +99,9 @@ class Windows:
         """Where a pad is usable, shape (P, n, F)."""
         return self.beyond_usable <= 0.0
 
-    def of_pad(self, pad: int) -> Windows:
-        """The windows of one pad."""
-        return Windows(self.log_young[[pad]], self.beyond_stands[[pad]], self.beyond_usable[[pad]])
+    def take(self, rows: slice) -> Windows:
+        """The windows of some of the pads."""
+        return Windows(self.log_young[rows], self.beyond_stands[rows], self.beyond_usable[rows])
 
 
 def readings_along(slabs: PadBatch, targets: Targets, forces_N: NDArray, sampling: Sampling) -> Readings:
@@ -137,15 +139,25 @@ def excess(differences: Deviations, limits: VerdictLimits) -> tuple[NDArray, NDA
 
 
 def windows_of(
-    curves: SlabCurves, centre: NDArray, batches: Batches, targets: Targets, sampling: Sampling, nodes: int = NODES
+    curves: SlabCurves,
+    centre: NDArray,
+    batches: Batches,
+    targets: Targets,
+    sampling: Sampling,
+    nodes: int = NODES,
+    finite_strain: FiniteStrain = EXACT,
+    deviates: Sequence[float] = (0.0,),
 ) -> Windows:
-    """Press P pads as cured by n batches to moduli about each pad's own; ``centre`` (P,) is its ln E. [ln MPa]"""
+    """Press P pads as cured by n batches to moduli about each pad's own; ``centre`` (P,) is its ln E. [ln MPa]
+
+    With several deviates of finite strain all pads come again for each of them.
+    """
     pads, count = len(centre), len(batches)
     least = _least_log_young(curves, centre, batches, targets, sampling)
     wanted = centre[:, None, None] + np.linspace(-REACH, REACH, nodes)
     at = np.maximum(wanted, least[..., None] + 1e-6)
     ranges = coarse_ranges(targets)
-    stands, usable = np.empty(at.shape), np.empty(at.shape)
+    beyond = np.empty((2, len(deviates), *at.shape))
     step = max(1, AT_ONCE // (count * nodes))
     for start in range(0, pads, step):
         some = slice(start, min(start + step, pads))
@@ -153,12 +165,16 @@ def windows_of(
         beta = np.moveaxis(batches.strengths(np.moveaxis(own, 0, 1)), 0, 1)
         slab = np.repeat(np.arange(start, start + len(own)), count * nodes)
         slabs = PadBatch(curves, slab, np.exp(own).ravel(), batches.draws.resin.tau_s, beta.reshape(own.size, -1))
-        found = excess(deviations(ranges, readings_along(slabs, targets, ranges.steady_N, sampling)), targets.limits)
-        stands[some], usable[some] = (np.nan_to_num(one, nan=1.0).reshape(own.shape) for one in found)
+        readings = readings_along(slabs, targets, ranges.steady_N, sampling)
+        for which, deviate in enumerate(deviates):
+            found = excess(deviations(ranges, finite_strain.judged(readings, deviate)), targets.limits)
+            beyond[:, which, some] = np.nan_to_num(found, nan=1.0).reshape(2, *own.shape)
     fine = centre[:, None] + np.linspace(-REACH - MARGIN, REACH + MARGIN, FINE)
     reached = fine[:, None] >= least[..., None]
-    stands, usable = (np.where(reached, _along(fine, at, values), np.inf) for values in (stands, usable))
-    return Windows(fine, stands, usable)
+    stands, usable = (
+        np.concatenate([np.where(reached, _along(fine, at, values), np.inf) for values in one]) for one in beyond
+    )
+    return Windows(np.tile(fine, (len(deviates), 1)), stands, usable)
 
 
 def _least_log_young(

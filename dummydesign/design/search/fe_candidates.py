@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,15 +18,15 @@ from dummydesign.design.scoring.press_simulation import designed_depth_mm
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.search.shape_search import MANY_BATCHES, ShapedDesign, candidate_of, feasible, outlook_for, rank
 from dummydesign.design.search.slabs import SearchSpace
-from dummydesign.geometry.dimensions import PAD_EXTENT_MM, PUNCH_RADIUS_MM
+from dummydesign.geometry.dimensions import PAD_EXTENT_MM, PUNCH_RADIUS_MM, PUNCH_SIDE_MM
 from dummydesign.pad.axisymmetric.shaped_problem import PathCache, Touch
 from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.pad_under_punch import Pad
 
 # Of solved depths over thickness, by whether the top is flat: ends of load steps, which cost no solve of its own.
 SPACING = {False: 0.02, True: 0.015}
-# Of the last one, the depths of fields of caps: in space every depth is a solve.
-FIELD_SHARES = np.linspace(0.04, 1.0, 16)
+# Of the last one, the depths of shapes that are not round: in space every depth is a solve.
+SPATIAL_SHARES = np.linspace(0.04, 1.0, 16)
 # Over the deepest press of the test: a resin softer by a third presses no deeper.
 BEYOND = 1.3
 
@@ -83,7 +83,7 @@ def solve_law(design: ShapedDesign, space: SearchSpace) -> ElementsLaw:
     depth = inputs["depth"]
 
     def solve() -> dict[str, Any]:
-        return _solve_round(pad, depth, PathCache()) if design.shape.axisymmetric else _solve_field(pad, depth)
+        return _solve_round(pad, depth, PathCache()) if design.shape.axisymmetric else _solve_in_space(pad, depth)
 
     return _law(design, cached("design", inputs, solve), len(depth), space.radius_mm)
 
@@ -109,7 +109,7 @@ def solved_shares(design: ShapedDesign, space: SearchSpace) -> NDArray:
     pressed = candidate_of(design.table, design.thickness_mm, design.outlook.ratio, space).depth_mm / thickness[0]
     last = min(limit, BEYOND * float(np.max(pressed))) if np.isfinite(pressed).all() else limit
     if not design.shape.axisymmetric:
-        return FIELD_SHARES * last
+        return SPATIAL_SHARES * last
     step = SPACING[design.shape.flat_top]
     return np.unique(np.minimum(step * np.arange(1, int(np.ceil(last / step - 1e-6)) + 1), limit))
 
@@ -122,7 +122,9 @@ def _law(design: ShapedDesign, made: Mapping[str, Any], asked: int, radius_mm: f
         raise NoAnswerError("no_convergence", message, quantity="pad")
     factor = np.log(force / law.plain.force(reached, thickness, 1.0, radius_mm))
     touch = Touch(*(np.asarray(column) for column in made["touch"])) if made.get("touch") else None
-    error = np.asarray(made["error_N"], float) / force
+    # what corrects the table, such as another elastic law, has its own error beside the elements'
+    known = (one.relative_error(reached, thickness, radius_mm) for one in (law, law.plain))
+    error = np.asarray(made["error_N"], float) / force + np.subtract(*known)
     complete = len(reached) == asked
     end = "" if complete else "; ".join(made.get("notes", ()))
     return ElementsLaw(law, thickness, reached, factor, error, touch, complete, end)
@@ -136,22 +138,13 @@ def _solve_round(pad: Pad, depth_mm: NDArray, solved: PathCache) -> dict[str, An
     return {**vars(curve), "touch": [list(column) for column in zip(*rows)]}
 
 
-def _solve_field(pad: Pad, depth_mm: NDArray) -> dict[str, Any]:
-    """In space under the 14 x 14 mm punch; with a table, on its grid, whose stated error of the solves it has."""
-    from dummydesign.geometry.shapes.bumped import Bumped
-    from dummydesign.pad.spatial.shaped_pad import COARSE, HALF_SIDE_MM, press_field, solve_shaped_block
-    from dummydesign.pad.tables.bumped import FieldResponse
-    from dummydesign.pad.tables.shape import load_shape_table, ratios
+def _solve_in_space(pad: Pad, depth_mm: NDArray) -> dict[str, Any]:
+    """Under the 14 x 14 mm punch."""
+    from dummydesign.pad.spatial.shaped_pad import solve_shaped_block
 
-    shape, h = pad.geometry, pad.thickness_mm
-    if not shape.tabulated:
-        sides_mm = (2.0 * HALF_SIDE_MM, 2.0 * HALF_SIDE_MM)
-        return vars(solve_shaped_block(Pad(h, 1.0, PUNCH_RADIUS_MM, geometry=shape, sides_mm=sides_mm), depth_mm))
-    depth, area, stop = press_field(cast(Bumped, shape), h, depth_mm / h, COARSE)
-    table, inputs = load_shape_table(shape.name), ratios(shape, np.array([h]), np.array([PUNCH_RADIUS_MM]))
-    edge = cast(FieldResponse, table.response).doubt(table.coordinates(inputs), np.zeros(len(depth), int), depth)
-    error = np.interp(depth, table.error_depth, table.solve_error) + edge
-    return {"depth_mm": depth * h, "force_N": area, "error_N": area * error, "notes": (stop,) if stop else ()}
+    sides_mm = (PUNCH_SIDE_MM, PUNCH_SIDE_MM)
+    square = Pad(pad.thickness_mm, 1.0, PUNCH_RADIUS_MM, geometry=pad.geometry, sides_mm=sides_mm)
+    return vars(solve_shaped_block(square, depth_mm))
 
 
 # Designs that are solved at most, and by how much the share of another one has to exceed that of the solved one:
@@ -179,8 +172,8 @@ def solve_leading(
     """Solve the best design; another one only where solving leaves the first behind it.
 
     Pads that cannot be solved, or no longer reach the middle force, fall away, the reason of each kind into ``faults``.
-    Fields of caps take minutes in space: they are solved where no round pad was searched, the first of them. Slabs are
-    designed by their table.
+    Shapes that are not round take minutes in space: they are solved where no round pad was searched, the first of them.
+    Slabs are designed by their table.
     """
     left = list(designs)
     solved: list[ShapedDesign] = []

@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import accepts, unknown_name
+from dummydesign.core.quantity import Quantity
 from dummydesign.design.scoring.crowns import Crowns
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import make_shape, part_of, shape_kind, shape_kinds
 from dummydesign.mold.model.spec import PadGeometry
 from dummydesign.pad.force_law import BaseForceLaw
+from dummydesign.pad.tables.elastic_law import elastic_factor, mean_drop_mm
 from dummydesign.pad.tables.slab import load_table
 from dummydesign.pad.tables.square import crown_factor
 
@@ -296,31 +298,48 @@ class TableFamily:
         return self._shape.numbers(designs.parameters, designs.thickness_mm, np.asarray(radius_mm, float))
 
 
-class SquareFamily:
-    """Crowns under a square punch: the force under the circle of its area times its factor."""
+FamilyFactor = Callable[[Designs, NDArray, float], tuple[NDArray, NDArray]]
+"""Factor of the force of designs (M,) at depths (M, n) under a radius, and its relative error."""
 
-    def __init__(self, plain: Family) -> None:
-        self.plain = plain
+
+@dataclass(frozen=True)
+class ScaledFamily:
+    """Shapes of one kind whose force has a factor; all but the force is the plain family's."""
+
+    plain: Family
+    factor: FamilyFactor
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.__dict__["plain"], name)
 
     def area_mm2(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
         """Force over modulus; see :class:`Family`. [mm2]"""
-        return self.plain.area_mm2(designs, depth_mm, radius_mm) * self._factor(designs, depth_mm, radius_mm)[0]
+        return self.plain.area_mm2(designs, depth_mm, radius_mm) * self.factor(designs, depth_mm, radius_mm)[0]
 
     def relative_error(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
         """Stated error of the table and of the factor; see :class:`Family`."""
-        return self.plain.relative_error(designs, depth_mm, radius_mm) + self._factor(designs, depth_mm, radius_mm)[1]
-
-    def _factor(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> tuple[NDArray, NDArray]:
-        crowns = {name: values[:, None] for name, values in designs.parameters.items()}
-        return crown_factor(depth_mm, designs.thickness_mm[:, None], radius_mm, crowns)
+        return self.plain.relative_error(designs, depth_mm, radius_mm) + self.factor(designs, depth_mm, radius_mm)[1]
 
 
 def under_square(family: Family) -> Family:
     """The family under a square punch; only that of crowns knows the corners."""
-    return cast(Family, SquareFamily(family)) if family.kind == "crowned" else family
+
+    def corners(designs: Designs, depth_mm: NDArray, radius_mm: float) -> tuple[NDArray, NDArray]:
+        crowns = {name: values[:, None] for name, values in designs.parameters.items()}
+        return crown_factor(depth_mm, designs.thickness_mm[:, None], radius_mm, crowns)
+
+    return cast(Family, ScaledFamily(family, corners)) if family.kind == "crowned" else family
+
+
+def with_elastic_law(family: Family, alpha: Quantity, inner: Callable[[Family], Family] | None = None) -> Family:
+    """The family, corrected by ``inner``, of a resin whose elastic law is not neo-Hookean."""
+
+    def stiffening(designs: Designs, depth_mm: NDArray, radius_mm: float) -> tuple[NDArray, NDArray]:
+        pads = range(len(designs.thickness_mm))
+        drop = np.array([mean_drop_mm(designs.shape(index), radius_mm) for index in pads])[:, None]
+        return elastic_factor(depth_mm, designs.thickness_mm[:, None], radius_mm, alpha, family.kind, drop)
+
+    return cast(Family, ScaledFamily(family if inner is None else inner(family), stiffening))
 
 
 def designable_kinds() -> tuple[str, ...]:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, accepts, unknown_name
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.scoring.crowns import crown_scatter
+from dummydesign.design.scoring.finite_strain import DEVIATES, finite_strain_of
 from dummydesign.design.scoring.outlook import LEAST, Match, Outlook, Scatter, outlook_of, smoothed
 from dummydesign.design.scoring.press_simulation import DEPTH_SHARE, PadBatch, SlabCurves, make_curves
 from dummydesign.design.scoring.windows import MARGIN, REACH, Batches, unlike, windows_of
@@ -427,8 +428,10 @@ def outlook_for(
     nodes = np.clip(nodes, space.radius_mm / largest, space.radius_mm / smallest)
     curves = make_curves(law, nodes, space.radius_mm, gel)
     middle = _centres([match], curves.take(np.array([1])), space)
-    around = windows_of(curves, np.repeat(middle, len(nodes)), centre, targets, sampling, 2 * MANY_NODES)
-    windows = windows_of(curves.take(np.array([1])), middle, batches, targets, sampling, MANY_NODES)
+    pad = make_slabs(curves, np.array([1]), space.resin, np.array([ratio]))
+    strain = finite_strain_of(pad, shape, space.base, targets, space.radius_mm), DEVIATES
+    around = windows_of(curves, np.repeat(middle, len(nodes)), centre, targets, sampling, 2 * MANY_NODES, *strain)
+    windows = windows_of(curves.take(np.array([1])), middle, batches, targets, sampling, MANY_NODES, *strain)
     error = relative_error_of(law, curves.limit_mm[1], thickness_mm, space.radius_mm)
     weighing = space.castings.weighing_spread(ratio, tolerances)
     crown = 0.0
@@ -439,10 +442,10 @@ def outlook_for(
     scatter = Scatter(
         float(np.hypot(np.hypot(weighing, error / HALF_WIDTH), crown)),
         float(np.hypot(weighing, space.puck_error)),
-        _shifts(around.usable[:, 0], around.log_young[0]),
+        _shifts(around.usable[: len(nodes), 0], around.log_young[0]),
     )
     limits, strict = targets.limits, targets.strict
-    return outlook_of(windows, around.of_pad(1), batches, centre, match, scatter, limits, strict)
+    return outlook_of(windows, around.take(slice(1, None, len(nodes))), batches, centre, match, scatter, limits, strict)
 
 
 def relative_error_of(law: ForceLaw, deepest_mm: float, thickness_mm: float, radius_mm: float) -> float:

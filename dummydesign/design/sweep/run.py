@@ -15,8 +15,8 @@ from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError,
 from dummydesign.core.progress import COMMAND_LINE
 from dummydesign.design.crown_array import pressed_alone
 from dummydesign.design.scoring.settings import verdict_limits
-from dummydesign.design.sweep.rows import RowsFile, Task, key_of, work
-from dummydesign.design.sweep.spec import Key, Study
+from dummydesign.design.sweep.rows import Task, key_of, work
+from dummydesign.design.sweep.spec import Study
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.force_law import ForceLaw
@@ -89,7 +89,7 @@ def completed(function: Callable[[Any], Any], tasks: Iterable[Any], executor: Ex
             except (DummydesignError, GeneratorExit):
                 raise
             except Exception as problem:
-                advice = "what was done is kept: run the same command with --resume"
+                advice = "run the same command again"
                 if COMMAND_LINE.get() is None:
                     # each process runs a script from its top again
                     advice += "; a script must start its work below: if __name__ == '__main__':"
@@ -107,7 +107,6 @@ def whatif(
     study: Study,
     law: ForceLaw | None = None,
     executor: Executor | None = None,
-    file: RowsFile | None = None,
     progress: Callable[[int, int], None] | None = None,
     targets: Targets | None = None,
 ) -> dict[str, Any]:
@@ -117,24 +116,13 @@ def whatif(
     start = time.perf_counter()
     resin = load_resin(study.resin)
     study.check(resin)
-    known: dict[Key, dict[str, Any]] = {} if file is None else file.rows
     targets = targets or targets_of(study)
-    tasks = tasks_of(study, resin, targets, known)
+    tasks = tasks_of(study, resin, targets)
     results = completed(work, tasks, executor) if law is None else (work(task, law) for task in tasks)
     if progress is not None:
-        results = _counted(results, study.size, len(set(known) & set(study.keys())), progress)
-    if file is None:
-        for rows in results:
-            known.update((key_of(row), row) for row in rows)
-        ordered = [known[key] for key in study.keys()]
-    else:
-        try:
-            for rows in results:
-                file.add(rows)
-        except BaseException:
-            file.close()
-            raise
-        ordered = file.finish()
+        results = _counted(results, study.size, progress)
+    known = {key_of(row): row for rows in results for row in rows}
+    ordered = [known[key] for key in study.keys()]
     notice = None if targets is None else targets.tissue.notice
     warnings = [] if notice is None else [{"code": notice[0], "message": notice[1]}]
     warnings += study_warnings(study, ordered)
@@ -142,9 +130,10 @@ def whatif(
 
 
 def _counted(
-    results: Iterable[list[dict[str, Any]]], size: int, done: int, progress: Callable[[int, int], None]
+    results: Iterable[list[dict[str, Any]]], size: int, progress: Callable[[int, int], None]
 ) -> Iterator[list[dict[str, Any]]]:
     """The same results, reported as they come."""
+    done = 0
     progress(done, size)
     for rows in results:
         done += len(rows)
@@ -171,13 +160,12 @@ def study_warnings(study: Study, rows: list[dict[str, Any]]) -> list[dict[str, s
     return notes
 
 
-def tasks_of(study: Study, resin: Resin, targets: Targets | None, done: Iterable[Key] = ()) -> Iterator[Task]:
-    """Cut a study into tasks, leaving out designs that are done.
+def tasks_of(study: Study, resin: Resin, targets: Targets | None) -> Iterator[Task]:
+    """Cut a study into tasks.
 
     By the table a task is a few thousand designs of one punch, condition and base; by finite elements it is
     one slab, solved once for all its ratios.
     """
-    done = set(done)
     ratios = np.array(study.ratio)
     young, beta = resin.young_MPa(ratios), resin.strengths(ratios)
     gel = (verdict_limits() if targets is None else targets.limits).gel_compression
@@ -185,10 +173,9 @@ def tasks_of(study: Study, resin: Resin, targets: Targets | None, done: Iterable
         for shapes, edge in _groups(study):
             designs = [
                 (which, thickness, column)
-                for which, shape in enumerate(shapes)
+                for which in range(len(shapes))
                 for thickness in study.thickness_mm
-                for column, ratio in enumerate(study.ratio)
-                if (punch, condition, base, shape, edge, thickness, ratio) not in done
+                for column in range(len(study.ratio))
             ]
             if study.fidelity == "table":
                 parts = [designs[first : first + CHUNK] for first in range(0, len(designs), CHUNK)]

@@ -30,7 +30,6 @@ from dummydesign.measurement.campaign import Campaign, PunchSpec, Trial
 from dummydesign.pad.force_source import has_square_factor
 from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.pad.pad_under_punch import Pad, Puck
-from dummydesign.pad.tables.shape import load_shape_table
 from dummydesign.pad.tables.slab import load_table
 
 # A press may end so much deeper than its law: the last secant is good for that.
@@ -145,12 +144,8 @@ def check_round(geometry: PadShape) -> None:
     """Refuse a shape whose force is not solved round."""
     if geometry.axisymmetric:
         return
-    rough = ""
-    if geometry.tabulated:
-        share = load_shape_table(geometry.name).provenance["error_of_95_percent"]
-        rough = f"its table ({100.0 * share:.1f} % at 95 %) is of one form of caps, a glued 14 x 14 mm punch, and "
     raise InputError(
-        f"shape = {geometry} is not round: {rough}its force under a punch is solved in space, minutes for each pad and "
+        f"shape = {geometry} is not round: its force under a punch is solved in space, minutes for each pad and "
         "for each change of it that an effect asks for, which the loop does not do; press a crowned, layered or "
         f"boned pad, or compare its traces with 'dummydesign predict --shape {geometry} --fidelity 3d'",
         "unsupported",

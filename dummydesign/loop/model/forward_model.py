@@ -114,10 +114,12 @@ class LawError:
     level: NDArray
     slope: NDArray
     curve: NDArray
+    reach: float = np.inf
+    """Depth over thickness to which the error was seen; deeper it is held."""
 
     def factor(self, share: NDArray) -> NDArray:
         """1 + level + slope s + curve s^2, s = (d/h) / 0.4, of relative depths (T, N)."""
-        s = share / REFERENCE_DEPTH
+        s = np.minimum(share, self.reach) / REFERENCE_DEPTH
         return 1.0 + self.level[:, None] + s * (self.slope[:, None] + s * self.curve[:, None])
 
 

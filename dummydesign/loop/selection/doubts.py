@@ -31,7 +31,7 @@ from dummydesign.loop.selection.doubt_words import (
     whole_pad,
 )
 from dummydesign.measurement.campaign import Campaign, Trial, held_force
-from dummydesign.measurement.ramp_detection import approach_velocity
+from dummydesign.measurement.ramp_detection import planned_velocity
 
 ODD_Z, FITS_Z = 6.0, 4.0
 """Standard deviations from which a press is odd, and up to which another label fits it."""
@@ -191,9 +191,12 @@ def labels_of(presses: Presses, fit: CampaignFit) -> Labels:
     """Read every press beside a base fit."""
     columns, spreads, between = gain_columns(presses)
     ramps = [press.ramp for press in presses.presses]
-    speeds = [approach_velocity(t.trace.time_s, t.trace.displacement_mm, r) for t, r in zip(presses.trials, ramps)]
-    held = [held_force(trial.trace, ramp) for trial, ramp in zip(presses.trials, ramps)]
     declared = np.array([trial.velocity_mm_s for trial in presses.trials])
+    speeds = [
+        planned_velocity(one.trace.time_s, one.trace.displacement_mm, ramp, planned)
+        for one, ramp, planned in zip(presses.trials, ramps, declared)
+    ]
+    held = [held_force(trial.trace, ramp) for trial, ramp in zip(presses.trials, ramps)]
     planned = np.array([trial.target_force_N or np.nan for trial in presses.trials])
     ln_target = np.log(np.maximum(held, 1e-6) / planned)
     speed = np.log(np.array(speeds) / declared)

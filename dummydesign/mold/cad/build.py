@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 from dummydesign.mold.cad.casting_box import add_lid, bolt_holes, casting_box, let_in_sheet, mould_tools
@@ -109,7 +108,7 @@ class Part:
 class Parts:
     """All parts of a mould and the tools they were cut with, for the checks.
 
-    ``with_bone`` is the pad with its bone, when it has one, ``placed`` the bone of a file; ``whole`` the parts of a
+    ``with_bone`` is the pad with its bone, when it has one; ``whole`` the parts of a
     printed mould in one.
     """
 
@@ -120,7 +119,6 @@ class Parts:
     tools: dict[str, list[Any]] = field(default_factory=dict)
     hull: Any = None
     with_bone: Any = None
-    placed: Any = None
     whole: Any = None
     _core: tuple[Any, Any] = (None, None)
 
@@ -164,17 +162,16 @@ class Parts:
         return self.spec.machines.print_scale if self.parts[name].is_printed else 1.0
 
 
-def build(spec: MouldSpec, bone_file: Path | None = None) -> Parts:
+def build(spec: MouldSpec) -> Parts:
     """Build every part that the specification asks for.
 
     Parts in use (pad, mould, lid, strike-off, tray, ...) share the mould's frame; parts of the casting
     boxes lie next to them in the assembly.
     """
-    placed = None if bone_file is None else single_solid(cq.Shape.importBrep(str(bone_file)))
     plan = layout(spec)
-    whole, bone = cavity_solid(spec.pad), bone_solid(spec.pad, placed)
+    whole, bone = cavity_solid(spec.pad), bone_solid(spec.pad)
     nominal = whole if bone is None else single_solid(whole.cut(bone))
-    made = Parts(spec, plan, nominal, placed=placed)
+    made = Parts(spec, plan, nominal)
     made.with_bone = None if bone is None else single_solid(whole.scale(plan.scale))
     made.add("pad", plan.at_places(single_solid(nominal.scale(plan.scale)))[0], "resin")
     shift = plan.flange.length_mm / 2 + plan.top.length_mm / 2 + 40.0
@@ -305,10 +302,8 @@ def cavity_solid(pad: PadGeometry) -> Any:
     return single_solid(block.fuse(*tops)) if tops else block
 
 
-def bone_solid(pad: PadGeometry, placed: Any = None) -> Any:
-    """Make the rigid bone below the free face, or None for a shape without one; ``placed`` is one from a file."""
-    if placed is not None:
-        return placed
+def bone_solid(pad: PadGeometry) -> Any:
+    """Make the rigid bone below the free face, or None for a shape without one."""
     return solids_of(pad.shape).bone(pad) if pad.shape.bone_height_mm else None
 
 

@@ -41,16 +41,6 @@ def cylinders(places: Iterable[PlanPoint], radius_mm: float, height_mm: float, z
     return [cq.Solid.makeCylinder(radius_mm, height_mm, cq.Vector(one.x_mm, one.y_mm, z_mm)) for one in places]
 
 
-def exact_volume_mm3(solid: Any) -> float:
-    """Volume by the kernel's adaptive integral; its plain one has fixed points a face, 0.2 % off on a ball of splines.
-
-    Whole faces come out to some 1e-12, those that are cut along a curve to some 1e-6.
-    """
-    properties = occ.GProp_GProps()
-    occ.BRepGProp.VolumeProperties_s(solid.wrapped, properties, 1e-6, True, False)
-    return float(properties.Mass())
-
-
 def rough_bounds(shape: Any) -> tuple[float, float, float, float, float, float]:
     """Bounds (x, y, z low, x, y, z high) that surely hold the shape, a hundred times faster than tight ones."""
     box = occ.Bnd_Box()

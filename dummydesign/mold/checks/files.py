@@ -17,7 +17,6 @@ from dummydesign.mold.checks.check import Check, above, below, equal, genera, sk
 from dummydesign.mold.files.step import canonical_step, read_step, time_stamp
 from dummydesign.mold.model.layout import Outline
 from dummydesign.mold.model.printed_parts import MOST_OVERHANG_MM2, STEEPEST_DEG
-from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.model.validate import spare_mm
 
 READER_LIMIT_S = 120
@@ -76,17 +75,10 @@ def _run(command: list[str]) -> str:
 # Volumes of solids with splines are integrals to some 2e-9 of themselves.
 STEP_VOLUME_REL, STEP_BOUNDS_MM, COLOUR_ABS, DENSITY_REL = 1e-8, 1e-5, 1e-6, 1e-6
 MESH_VOLUME_REL = 1e-3
-# A box is as wide as the tolerances with which a bone's facets were cut and sewn; they are not part of a STEP file.
-STEP_BONE_MM = 5e-3
 
 
-def check_step(
-    parts: Mapping[str, Part], files: Mapping[str, Path], assembly: Path, bone_mm3: float = 0.0
-) -> list[Check]:
-    """Read all STEP files again: names, solids, volumes, bounds, colours, materials, declared volumes.
-
-    ``bone_mm3`` is the error that a bone from a file may have in its volume; its tolerances widen the boxes too.
-    """
+def check_step(parts: Mapping[str, Part], files: Mapping[str, Path], assembly: Path) -> list[Check]:
+    """Read all STEP files again: names, solids, volumes, bounds, colours, materials, declared volumes."""
     volume = bounds = colour = density = 0.0
     wrong: list[str] = []
     names = 0
@@ -97,9 +89,8 @@ def check_step(
         names += len(copies) == 2 and all(copy.name == name for copy in copies)
         for copy in copies:
             true = part.volume_mm3
-            near = max(1.0, bone_mm3 / (STEP_VOLUME_REL * true))
             off = max(abs(copy.volume_mm3 / true - 1), abs((copy.declared_volume_mm3 or 0.0) / true - 1))
-            volume = max(volume, off / near)
+            volume = max(volume, off)
             bounds = max(bounds, *(abs(a - b) for a, b in zip(copy.bounds_mm, rough_bounds(part.solid))))
             colour = max(colour, *(abs(a - b) for a, b in zip(copy.colour or (9, 9, 9), part.material.colour)))
             density = max(density, abs((copy.density_g_per_cm3 or 0.0) / part.material.density_g_per_cm3 - 1))
@@ -109,7 +100,7 @@ def check_step(
         equal("step_names", names, len(parts), "parts found under their name alone and in the assembly"),
         equal("step_solids", len(wrong), 0, ", ".join(sorted(set(wrong)))),
         below("step_volume", volume, STEP_VOLUME_REL, "read again, and as declared in the file"),
-        below("step_bounds", bounds, STEP_BONE_MM if bone_mm3 else STEP_BOUNDS_MM, "mm"),
+        below("step_bounds", bounds, STEP_BOUNDS_MM, "mm"),
         below("step_colour", colour, COLOUR_ABS),
         below("step_density", density, DENSITY_REL),
     ]
@@ -162,11 +153,9 @@ def check_lying(made: Parts, files: Mapping[str, Path]) -> list[Check]:
         room = min(spare_mm(Outline(x1 - x0, y1 - y0, 0.0), machines.bed_mm), machines.printer_height_mm - z1)
         if room < spare:
             spare, names["spare"] = room, name
-        if not _bone_overhangs(made.spec, name) and (area := overhang_mm2(mesh)) > hanging:
+        if (area := overhang_mm2(mesh)) > hanging:
             hanging, names["hanging"] = area, name
     note = "mm2 flatter than 45 degrees off the bed"
-    if _bone_overhangs(made.spec, "carrier"):
-        note += "; the carrier's bone overhangs and is printed with support"
     worst = f", {names['hanging']}" if names["hanging"] else ""
     return [
         below("print_on_bed", low, ON_BED_MM, "mm, lowest point of the print files off the bed"),
@@ -176,11 +165,6 @@ def check_lying(made: Parts, files: Mapping[str, Path]) -> list[Check]:
 
 
 BED_SLACK_MM = 0.01
-
-
-def _bone_overhangs(spec: MouldSpec, name: str) -> bool:
-    """Whether a part carries a bone from a file that overhangs by its own shape."""
-    return name == "carrier" and spec.insert is not None and spec.insert.overhang
 
 
 def check_meshes(made: Parts, files: Mapping[str, Path]) -> list[Check]:

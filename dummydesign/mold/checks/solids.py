@@ -14,13 +14,13 @@ from dummydesign.mold.cad.build import CORE_MM, Parts
 from dummydesign.mold.cad.casting_box import to_casting
 from dummydesign.mold.cad.kernel import cq
 from dummydesign.mold.cad.label import label_bars
-from dummydesign.mold.cad.solids import drafted_prism, exact_volume_mm3, heights_over, rough_bounds
+from dummydesign.mold.cad.solids import drafted_prism, heights_over, rough_bounds
 from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import release
 from dummydesign.mold.checks.check import Check, above, below, equal, skipped
 from dummydesign.mold.model import layout as dimensions
 from dummydesign.mold.model.layout import Outline
-from dummydesign.mold.model.spec import Insert, PadGeometry
+from dummydesign.mold.model.spec import PadGeometry
 
 OFF_MM = 1e-4
 
@@ -88,18 +88,6 @@ def check_validity(made: Parts) -> list[Check]:
     return [equal("solids_valid", len(made.parts) - len(bad), len(made.parts), ", ".join(bad))]
 
 
-def volume_mm3(made: Parts, solid: Any) -> float:
-    """Volume of a solid, where it has the curves of a bone from a file by the adaptive integral."""
-    return float(solid.Volume()) if made.spec.insert is None else exact_volume_mm3(solid)
-
-
-def volume_limit(made: Parts, volume_mm3: float) -> float:
-    """Largest relative error of a volume: that of closed forms, or with a bone from a file what its force allows."""
-    bone = made.spec.insert
-    allowed_mm3 = 0.0 if bone is None else bone.volume_error_mm3(made.spec.pad.thickness_mm)
-    return max(VOLUME_REL, allowed_mm3 / volume_mm3)
-
-
 def check_volumes(made: Parts) -> list[Check]:
     """Cavity against what fills it, compensated pad against nominal pad, and the pad against its closed form."""
     spec, plan, pad = made.spec, made.plan, made.solid("pad")
@@ -108,17 +96,14 @@ def check_volumes(made: Parts) -> list[Check]:
     filled = made.cavity.Volume()
     what = "against pad" if made.with_bone is None else "against pad and bone"
     off = max(abs(one / filled - 1) for one in cavities)
-    whole = volume_mm3(made, pad)
-    near = volume_limit(made, whole)
-    added = spec.pad.shape.closed_form if spec.insert is None else ", less the placed bone as measured"
     return [
         below("cavity_volume", off, VOLUME_REL, f"cavity to the fill plane {what}"),
         below("compensation", abs(pad.Volume() / (made.pad_nominal.Volume() * plan.scale**3) - 1), VOLUME_REL),
         below(
             "closed_form",
-            abs(whole / dimensions.resin_volume_mm3(spec) - 1),
-            near,
-            f"drafted slab by Steiner and Pappus{added}",
+            abs(pad.Volume() / dimensions.resin_volume_mm3(spec) - 1),
+            VOLUME_REL,
+            f"drafted slab by Steiner and Pappus{spec.pad.shape.closed_form}",
         ),
     ]
 
@@ -292,15 +277,13 @@ def _box_gap_mm(one: Any, other: Any) -> float:
 
 
 PROFILE_MM, HEIGHT_MM, LEAST_POINTS = 1e-5, 1e-5, 12
-# The box round the splines of a bone from a file is known to a few thousandths; 0.005 mm are 0.1 % of 5 mm of gel.
-PLACED_MM = 0.005
 
 
 def check_shape(made: Parts) -> list[Check]:
     """Check what the slab does not have; nothing for a slab."""
     pad = made.spec.pad
     checks = []
-    if (pad.shape.relief_mm or pad.shape.bone_height_mm) and made.spec.insert is None:
+    if pad.shape.relief_mm or pad.shape.bone_height_mm:
         checks.append(face_profile(made))
     if pad.shape.bone_height_mm:
         checks += _bone(made)
@@ -346,53 +329,23 @@ def _bone(made: Parts) -> list[Check]:
     """The bone fills what the gel leaves free and keeps its cover over the tested face."""
     spec, plan = made.spec, made.plan
     exact = plan.scale**3 * dimensions.bone_volume_mm3(spec)
-    what = "against the closed form" if spec.insert is None else "against the placed file"
     bone = _below(made.solid("carrier"), made, plan.depth_mm)
-    whole = volume_mm3(made, made.solid("pad")) + bone
+    whole = made.solid("pad").Volume() + bone
     cover = plan.scale * (spec.pad.thickness_mm - spec.pad.shape.bone_height_mm)
     lowest = made.solid("carrier").BoundingBox().zmin
-    near = HEIGHT_MM if spec.insert is None else PLACED_MM
     filled = made.cavity.Volume()
     return [
-        below("bone_volume", abs(bone / exact - 1), volume_limit(made, exact), f"carrier below the fill plane, {what}"),
-        below("gel_and_bone", abs(whole / filled - 1), volume_limit(made, filled), "together against the cavity"),
-        below("bone_cover", abs(lowest - cover), near, f"mm off the cover of {cover:.3f} mm under the bone"),
-        *([] if spec.insert is None else [_kernel(made, spec.insert)]),
+        below("bone_volume", abs(bone / exact - 1), VOLUME_REL, "carrier below the fill plane, against its formula"),
+        below("gel_and_bone", abs(whole / filled - 1), VOLUME_REL, "together against the cavity"),
+        below("bone_cover", abs(lowest - cover), HEIGHT_MM, f"mm off the cover of {cover:.3f} mm under the bone"),
     ]
-
-
-def _kernel(made: Parts, insert: Insert) -> Check:
-    """The volume of a bone without a closed form against meshes that are refined until theirs stands."""
-    allowed_mm3 = insert.volume_error_mm3(made.spec.pad.thickness_mm)
-    meshed, error = meshed_volume_mm3(made.placed, 0.2 * allowed_mm3)
-    plain = made.placed.Volume() / insert.volume_mm3 - 1
-    note = f"meshes, standing to {error / meshed:.1g}; the kernel's plain volume is off by {plain:.1g}"
-    return below("bone_kernel", abs(meshed / insert.volume_mm3 - 1), volume_limit(made, insert.volume_mm3), note)
-
-
-MOST_ROUNDS = 5
-
-
-def meshed_volume_mm3(solid: Any, enough_mm3: float) -> tuple[float, float]:
-    """Volume of a solid by meshes of a quarter of the deflection each, until it stands, and its last change. [mm3]
-
-    What lies between chords and a curved face is proportional to the deflection: a quarter of it leaves a third of the
-    last change, which is added.
-    """
-    volume, limit, error = tessellate(solid, 0.05, 0.2).volume, math.inf, math.inf
-    for more in range(1, MOST_ROUNDS):
-        finer = tessellate(solid, 0.05 / 4**more, 0.2 / 2**more).volume
-        better = finer + (finer - volume) / 3
-        volume, limit, error = finer, better, abs(better - limit)
-        if error < enough_mm3:
-            break
-    return limit, error
 
 
 def _below(solid: Any, made: Parts, height_mm: float) -> float:
     """Volume of a solid between the mould's underside and a height. [mm3]"""
     floor = made.spec.body.floor_mm
-    return volume_mm3(made, solid.intersect(drafted_prism(made.plan.top.grown(5.0), height_mm + floor, 0.0, -floor)))
+    part = solid.intersect(drafted_prism(made.plan.top.grown(5.0), height_mm + floor, 0.0, -floor))
+    return float(part.Volume())
 
 
 def _layers(made: Parts) -> list[Check]:

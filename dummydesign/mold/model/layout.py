@@ -388,8 +388,8 @@ def resin_volume_mm3(spec: MouldSpec) -> float:
 
 
 def bone_volume_mm3(spec: MouldSpec) -> float:
-    """The finished bone in the gel: dome or bar in closed form, a bone from a file as measured. [mm3]"""
-    return spec.pad.shape.bone_volume_mm3(spec.pad) if spec.insert is None else spec.insert.volume_mm3
+    """The finished bone in the gel: dome or bar in closed form. [mm3]"""
+    return spec.pad.shape.bone_volume_mm3(spec.pad)
 
 
 def layer_volumes_mm3(spec: MouldSpec) -> tuple[float, float]:

@@ -31,7 +31,6 @@ from dummydesign.mold.model.spec import (
     Body,
     Box,
     Closure,
-    Insert,
     MouldSpec,
     PadGeometry,
     Pour,
@@ -93,7 +92,6 @@ def mould_spec(
     silicone: str | None = None,
     face_sheet_mm: float | None = None,
     count: int = 1,
-    insert: Insert | None = None,
 ) -> MouldSpec:
     """Put together and check the specification of a mould; machines and silicone are those of a preset by name."""
     kind, parameters = canonical_kind(kind, parameters)
@@ -127,7 +125,6 @@ def mould_spec(
         acceptance=read_numbers(Acceptance, top.table("acceptance", required=False)),
         surface=used.surface,
         count=count,
-        insert=insert,
     )
     validate(spec)
     return spec

@@ -1,130 +1,22 @@
-"""The specification of a mould: frozen, checked, hashed; kinds of pad, hardware, bone."""
+"""The specification of a mould: frozen, checked, hashed; kinds of pad, hardware."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import math
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from dummydesign.core.errors import InputError, out_of_range, unknown_name
+from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.core.parsing import PAD_THICKNESS, read_number
 from dummydesign.core.serialise import rebuild, to_plain
-from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, RIM_FREE_MM, THINNEST_COVER_MM
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import make_shape, read_shape, shape_kinds
 from dummydesign.mold.model.products import Machines, Plastic, Silicone, Surface
-
-LEAST_SEAT_MM2 = 20.0
-"""What of a bone must meet the plate that carries it."""
-THIN_LAYER = 3.0
-"""Power of the gel's thickness in its force at a given depth, at most: thin, glued, incompressible (squeeze film)."""
-FORCE_SHARE = 1e-3
-"""Change of the force below which the volume of a bone from a file is right (judgement: a tenth of a per cent)."""
-
-
-@dataclass(frozen=True)
-class Placing:
-    """How a file's solid becomes the bone: scaled, turned about x, y and z in this order, its tip set down.
-
-    The tip is the lowest point after turning; it lies over ``x_mm``, ``y_mm`` of the pad's middle and reaches
-    ``height_mm`` into the gel from the free face. What is above the free face is cut away.
-    """
-
-    height_mm: float
-    scale: float = 1.0
-    turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    x_mm: float = 0.0
-    y_mm: float = 0.0
-
-    def check(self, thickness_mm: float) -> None:
-        """Refuse numbers that place nothing."""
-        if not all(math.isfinite(value) for value in (self.scale, *self.turn_deg, self.x_mm, self.y_mm)):
-            raise InputError("scale, turn and place of the bone must be finite numbers", "out_of_range", "bone_place")
-        if not 1e-3 <= self.scale <= 1e3:
-            raise out_of_range("bone scale", f"{self.scale:g}", 0.001, 1000, "of the file's lengths, taken as mm")
-        most = thickness_mm - THINNEST_COVER_MM
-        if not 0.3 <= self.height_mm <= most:
-            raise out_of_range(
-                "bone height", f"{self.height_mm:g}", 0.3, f"{most:g}", f"{THINNEST_COVER_MM:g} mm of gel stay over it"
-            )
-
-
-@dataclass(frozen=True)
-class Insert:
-    """A placed bone: its file by name and hash, and what was measured on the solid. [mm]
-
-    ``seat_mm2`` meets the plate; ``reach`` are its bounds in x and y; ``off_dome_mm`` is the root mean square distance
-    of its underside from the dome that the finite elements take in its place; ``off_file_mm`` at most, and
-    ``off_file_rms_mm`` as root mean square, what the simplified triangles are off the ``triangles`` of the file, which
-    were ``mended`` in these words.
-    """
-
-    file: str
-    sha256: str
-    placing: Placing
-    volume_mm3: float
-    seat_mm2: float
-    x_low_mm: float
-    x_high_mm: float
-    y_low_mm: float
-    y_high_mm: float
-    off_dome_mm: float
-    off_file_mm: float = 0.0
-    overhang: bool = False
-    off_file_rms_mm: float = 0.0
-    triangles: int = 0
-    mended: str = ""
-
-    def check(self, length_mm: float, width_mm: float) -> None:
-        """Refuse a bone that sticks out of the gel or hardly meets its plate."""
-        for name, low, high, across in (
-            ("length", self.x_low_mm, self.x_high_mm, length_mm),
-            ("width", self.y_low_mm, self.y_high_mm, width_mm),
-        ):
-            room = across / 2 - RIM_FREE_MM
-            if low < -room or high > room:
-                raise InputError(
-                    f"bone '{self.file}' sticks out: along the {name} it lies from {low:.1f} to {high:.1f} mm of the "
-                    f"pad's middle, allowed is {-room:g} to {room:g} ({RIM_FREE_MM:g} mm of gel all round); scale or "
-                    "move it, or take a larger pad",
-                    "out_of_range",
-                    f"bone_{name}_mm",
-                    (low, high),
-                    (-room, room),
-                )
-        if self.seat_mm2 < LEAST_SEAT_MM2:
-            raise InputError(
-                f"bone '{self.file}' meets its plate with {self.seat_mm2:.1f} mm2, at least {LEAST_SEAT_MM2:g} are "
-                "needed: let it reach less deep into the gel (bone height) so that a wider section lies at the plate",
-                "out_of_range",
-                "bone_seat_mm2",
-                self.seat_mm2,
-                (LEAST_SEAT_MM2, None),
-            )
-
-    def volume_error_mm3(self, thickness_mm: float) -> float:
-        """Error of the volume that changes the force by :data:`FORCE_SHARE`, spread as a height over the seat."""
-        return FORCE_SHARE / THIN_LAYER * (thickness_mm - self.placing.height_mm) * self.seat_mm2
-
-    @property
-    def words(self) -> str:
-        """The warning that goes out with it."""
-        simpler = f"; {self.mended}" if self.mended else ""
-        if self.off_file_mm:
-            simpler += (
-                f"; its {self.triangles:,} triangles were simplified: {self.off_file_rms_mm:.3f} mm off (root "
-                f"mean square), {self.off_file_mm:.3f} mm at most"
-            )
-        return (
-            f"the bone comes from {self.file} (scale {self.placing.scale:g}); finite elements take the nearest "
-            f"dome in its place, which is {self.off_dome_mm:.2f} mm off its underside (root mean square){simpler}"
-        )
-
-
-USUAL_FILE = ("off_file_rms_mm", "triangles", "mended")
-"""Fields of a bone that are left out of a specification when its file needed nothing."""
 
 
 @dataclass(frozen=True)
@@ -201,6 +93,14 @@ class Aids:
 PUCK = "puck"
 
 
+def read_thickness(given: float | str) -> float:
+    """Read the thickness of the one pad that a mould is for. [mm]"""
+    if isinstance(given, Iterable) and (not isinstance(given, str) or "," in given):
+        message = f"thickness in mm = {given}: a mould is for one thickness; run 'dummydesign mold' once for each"
+        raise InputError(message, "not_a_number", "thickness_mm")
+    return read_number(given, PAD_THICKNESS)
+
+
 def read_kind(text: str) -> tuple[str, tuple[tuple[str, float], ...]]:
     """Read a shape as typed into name and parameters; a ``puck`` takes none."""
     name, _, rest = text.partition(":")
@@ -263,7 +163,7 @@ class PadGeometry:
 
     @property
     def least_gel_mm(self) -> float:
-        """Thinnest gel of the pad: beside a crown or a bump, over a bone, or a layer."""
+        """Thinnest gel of the pad: beside a crown, over a bone, or a layer."""
         return self.shape.least_gel_mm(self)
 
     @property
@@ -430,7 +330,6 @@ class MouldSpec:
     acceptance: Acceptance = Acceptance()
     surface: Surface | None = None
     count: int = 1
-    insert: Insert | None = None
 
     @property
     def is_printed(self) -> bool:
@@ -456,9 +355,6 @@ class MouldSpec:
         plain.setdefault("closure", None)
         for holder in [plain, *([plain["base"]] if self.base else [])]:
             holder["pour"] = without_usual(holder["pour"])
-        if self.insert is not None:
-            # Specifications of earlier versions keep their hash.
-            plain["insert"] = {key: value for key, value in plain["insert"].items() if value or key not in USUAL_FILE}
         if self.count == 1:
             del plain["count"]
         if not self.machines.layer_mm:

@@ -71,7 +71,7 @@ def _check_count(spec: MouldSpec) -> None:
         raise out_of_range("count", spec.count, 1, MOST_CAVITIES, "cavities of one mould")
     if spec.count > 1 and (spec.body.style == "lidded" or spec.base is not None or spec.pad.shape.bone_height_mm):
         what = "a lidded mould" if spec.body.style == "lidded" else f"a mould for {spec.pad.shape.name} pads"
-        message = f"count = {spec.count}: {what} has one cavity; cast the pads one after the other (--castings)"
+        message = f"count = {spec.count}: {what} has one cavity; cast the pads one after the other"
         raise InputError(message, "out_of_range", "count", spec.count, (1, 1))
 
 
@@ -119,11 +119,6 @@ def _check_shape(spec: MouldSpec, pad: PadGeometry) -> None:
     shape.check(pad.thickness_mm, pad.length_mm, pad.width_mm)
     if spec.body.style == "lidded" and shape.open_mould_only:
         raise InputError(f"{shape.open_mould_only}; use --preset open", "conflict", "preset", spec.preset)
-    if spec.insert is not None:
-        if not shape.bone_height_mm:
-            message = f"a bone from a file belongs to a boned pad; the shape is {shape.name}"
-            raise InputError(message, "not_applicable", "bone", spec.insert.file)
-        spec.insert.check(pad.length_mm, pad.width_mm)
     if (shape.layers() is None) != (spec.base is None):
         message = "a layered pad, and no other, needs a second resin for its base (base_ratio)"
         raise InputError(message, "inconsistent", "base_ratio")
@@ -315,8 +310,8 @@ TRIED = 3
 def turned_fits(spec: MouldSpec) -> bool:
     """Whether the same pad with length and width exchanged can be made; tried."""
     pad = spec.pad
-    # A bone and places of several crowns lie in the pad and would have to be turned with it.
-    if pad.length_mm == pad.width_mm or spec.insert is not None or len(pad.shape.places_mm) > 1:
+    # Places of several crowns lie in the pad and would have to be turned with it.
+    if pad.length_mm == pad.width_mm or len(pad.shape.places_mm) > 1:
         return False
     turned = replace(spec, pad=replace(pad, length_mm=pad.width_mm, width_mm=pad.length_mm))
     try:

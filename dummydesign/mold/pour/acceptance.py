@@ -48,8 +48,7 @@ def gauge_points(spec: MouldSpec) -> tuple[GaugePoint, ...]:
     """
     pad, shape = spec.pad, spec.pad.shape
     first = "middle" if shape.flat_top else "tip"
-    shift = (0.0, 0.0) if spec.insert is None else (spec.insert.placing.x_mm, spec.insert.placing.y_mm)
-    stands = [(x + shift[0], y + shift[1]) for x, y in shape.places_mm]
+    stands = shape.places_mm
     places = {first if len(stands) == 1 else f"{first}{i}": point for i, point in enumerate(stands, 1)}
     places |= {} if pad.is_puck else shape.gauge_places(pad)
     corner = _corner(spec)

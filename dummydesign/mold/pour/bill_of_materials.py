@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from dummydesign.mold.model.layout import DOWEL_MM, layout, parting_mm, sheet_outline
 from dummydesign.mold.model.spec import MouldSpec
@@ -28,34 +28,22 @@ def screw_length_mm(grip_mm: float) -> float:
 
 
 HEAD = ("what", "how much", "what for")
-ONCE, POUR, SHARED = "once", "pour", "shared"
-"""Needed for the mould, for every casting, or once for all moulds of a job."""
 
 
 @dataclass(frozen=True)
 class MaterialItem:
-    """One thing to buy or to have; ``form`` writes its amount. Of what is shared the larger amount is taken."""
+    """One thing to buy or to have; ``form`` writes its amount."""
 
     what: str
     amount: float
     form: str
     purpose: str
-    kind: str = ONCE
 
     @property
     def row(self) -> tuple[str, str, str]:
         """As it stands in a list."""
         hours = f"about {max(0.1, self.amount / GRAM_PER_HOUR):.1f} h of printing"
-        return self.what, self.form.format(abs(self.amount)), self.purpose or hours
-
-    def times(self, count: int) -> MaterialItem:
-        """For so many castings."""
-        return replace(self, amount=self.amount * count) if self.kind == POUR else self
-
-    def with_(self, other: MaterialItem) -> MaterialItem:
-        """Together with the same thing of another mould."""
-        both = max(self.amount, other.amount) if self.kind == SHARED else self.amount + other.amount
-        return replace(self, amount=both)
+        return self.what, self.form.format(self.amount), self.purpose or hours
 
 
 def materials(spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] | None = None) -> list[MaterialItem]:
@@ -77,8 +65,8 @@ def materials(spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] 
         pins = f"steel pins {DOWEL_MM:g} x {screw_length_mm(grip - NUT_MM)} mm"
         needs += [
             MaterialItem(pins, 2, "{:.0f}", "ring on base"),
-            MaterialItem("filler, abrasive paper to 400", 1, "a little", "faces against the pad", SHARED),
-            MaterialItem("hard wax and water-soluble film (PVA)", 1, "a little", "faces against the pad", SHARED),
+            MaterialItem("filler, abrasive paper to 400", 1, "a little", "faces against the pad"),
+            MaterialItem("hard wax and water-soluble film (PVA)", 1, "a little", "faces against the pad"),
         ]
     if box.face_sheet_mm:
         cut = sheet_outline(spec, arrangement)
@@ -90,27 +78,26 @@ def materials(spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] 
         for name, (pour, its_plan) in zip(("", " (base layer)"), pours_of(spec, plan))
     ]
     needs += [
-        MaterialItem(f"{what}{name}", mass, "{:.1f} g", "pad and witness", POUR)
+        MaterialItem(f"{what}{name}", mass, "{:.1f} g", "pad and witness")
         for name, _, mix in mixes
         for what, mass in mix.components
     ]
     foam = max(CUP_FACTOR * mix.total_g / pour.density_g_per_cm3 * 1e3 for _, pour, mix in mixes)
     cup = f"cups of {sold(CUPS_LITRE, foam * 1e-6):g} l"
-    needs.append(MaterialItem(cup, 2 * len(mixes), "{:.0f}", "mixing and pouring over", POUR))
+    needs.append(MaterialItem(cup, 2 * len(mixes), "{:.0f}", "mixing and pouring over"))
     if spec.body.style != "lidded" and not spec.pad.shape.bone_height_mm:
         film = f"release film, {arrangement.openings.length_mm + 40:.0f} x {arrangement.openings.width_mm + 40:.0f} mm"
-        needs.append(MaterialItem(film, len(mixes), "{:.0f}", "plate", POUR))
+        needs.append(MaterialItem(film, len(mixes), "{:.0f}", "plate"))
     else:
-        needs.append(MaterialItem("release agent", 1, "a little", "parting faces; never the tested face", SHARED))
-    # The finest level of a job counts.
-    needs.append(MaterialItem("spirit level or inclinometer", -plan.level_deg, "to {:.2f} deg", "level", SHARED))
+        needs.append(MaterialItem("release agent", 1, "a little", "parting faces; never the tested face"))
+    needs.append(MaterialItem("spirit level or inclinometer", plan.level_deg, "to {:.2f} deg", "level"))
     if spec.pour.cures_warm:
         hot = spec.pour.cure_temperature_C
-        needs.append(MaterialItem("vented oven", hot, "to {:.0f} C", "cure and drying", SHARED))
+        needs.append(MaterialItem("vented oven", hot, "to {:.0f} C", "cure and drying"))
     if spec.pour.cures_cold:
-        needs.append(MaterialItem("refrigerator", -spec.pour.cure_temperature_C, "at {:.0f} C", "cure", SHARED))
+        needs.append(MaterialItem("refrigerator", spec.pour.cure_temperature_C, "at {:.0f} C", "cure"))
     against = "resin" if spec.is_printed else "resin and silicone"
-    needs.append(MaterialItem("gloves, goggles, extraction", 1, "{:.0f} set", against, SHARED))
+    needs.append(MaterialItem("gloves, goggles, extraction", 1, "{:.0f} set", against))
     filament = spec.plastic.name.upper() if spec.plastic else "filament"
     gram = 1e-3 * FILLED_SHARE * (spec.plastic.density_g_per_cm3 if spec.plastic else 1.24)
     return needs + [
@@ -120,9 +107,5 @@ def materials(spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] 
 
 
 def bill_of_materials(needs: Iterable[MaterialItem]) -> list[tuple[str, str, str]]:
-    """Everything to buy or to have, as (what, how much, what for); equal things together, the first row the head."""
-    merged: dict[tuple[str, str], MaterialItem] = {}
-    for need in needs:
-        key = need.what, need.form
-        merged[key] = merged[key].with_(need) if key in merged else need
-    return [HEAD, *(need.row for need in merged.values())]
+    """Everything to buy or to have, as (what, how much, what for), the first row the head."""
+    return [HEAD, *(need.row for need in needs)]

@@ -39,7 +39,7 @@ GAUGE_MM = 0.05
 
 
 SCALE_G = 0.1
-"""Limit of a scale's error when none is given, as ``suggest --weighing``."""
+"""Limit of a scale's error when none is given, as ``suggest`` takes it."""
 
 
 @dataclass(frozen=True)

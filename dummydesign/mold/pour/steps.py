@@ -95,8 +95,7 @@ def plug_finish(spec: MouldSpec) -> str:
 
 def shape_mark(spec: MouldSpec) -> str:
     """One line on the shape for sheet and drawing, empty for a slab."""
-    mark = spec.pad.shape.mark(spec.pad, layout(spec).scale)
-    return mark if spec.insert is None else f"bone from {spec.insert.file}; for the model {mark}"
+    return spec.pad.shape.mark(spec.pad, layout(spec).scale)
 
 
 def by_difference(plan: PourPlan, why: str, count: int = 1) -> str:

@@ -109,18 +109,12 @@ def _relief(spec: MouldSpec) -> dict[str, str]:
         flat = formula.tip_flat_mm(shape.tip_radius_mm, layer)
         tip = f"its layers flatten the tip of radius {shape.tip_radius_mm:g} mm over {flat:.1f} mm"
     effect = "".join(f"; {words}" for words in (tip, tip_words(spec)) if words)
-    notes = {
+    return {
         "curved_master": f"the plug's top is curved: print it in layers of at most {layer:.2g} mm, sand or coat "
         f"the steps, or machine it{effect}",
         "thickness_varies": f"the pad is {pad.thickness_mm:g} mm thick at its highest point and {pad.least_gel_mm:g} "
         "mm beside it: pour by mass, not by depth",
     }
-    if shape.pockets:
-        notes["air_pockets"] = (
-            f"the {shape.pockets} pockets in the floor keep air: brush a thin coat of resin into "
-            "them first, or draw a vacuum on the filled mould"
-        )
-    return notes
 
 
 def _bone(spec: MouldSpec) -> dict[str, str]:
@@ -131,16 +125,8 @@ def _bone(spec: MouldSpec) -> dict[str, str]:
         "bone_air": "the plate shuts the mould: lower it tilted, one edge first, until all "
         f"{CARRIER_VENTS} vents show resin"
     }
-    if spec.insert is None:
-        if words := tip_words(spec):
-            notes["bone_height"] = f"measure the bone over its plate: {words}"
-        return notes
-    notes["bone_from_file"] = spec.insert.words
-    if spec.insert.overhang:
-        notes["bone_overhang"] = (
-            "parts of the bone look up towards its plate and keep air under them: wet them with "
-            "resin, lower the bone tilted and turn it while it sinks"
-        )
+    if words := tip_words(spec):
+        notes["bone_height"] = f"measure the bone over its plate: {words}"
     return notes
 
 

@@ -7,9 +7,6 @@ import math
 from dummydesign.mold.files.pour_sheet import SheetBlock, ratio_text, volume_blocks, weight_rows
 from dummydesign.mold.pour.bill_of_materials import (
     CUPS_LITRE,
-    ONCE,
-    POUR,
-    SHARED,
     MaterialItem,
     bill_of_materials,
     sold,
@@ -187,21 +184,19 @@ def needed(spec: PuckSpec, plan: PuckPlan) -> list[tuple[str, str, str]]:
     filament = spec.plastic.name.upper()
     wide = max(ring.diameter_mm for ring in spec.rings) + 60.0
     items = [_printed(filament, ring, ring.count * ring_mass_g(spec, ring)) for ring in spec.rings]
-    items += [MaterialItem(name, mass, "{:.1f} g", "pucks", POUR) for name, mass in plan.mix.components]
+    items += [MaterialItem(name, mass, "{:.1f} g", "pucks") for name, mass in plan.mix.components]
     cup = sold(CUPS_LITRE, CUP_FACTOR * plan.mix.total_g / spec.pour.density_g_per_cm3 * 1e-3)
     items += [
-        MaterialItem(f"cups of {cup:g} l", 2, "{:.0f}", "mixing and pouring over", POUR),
-        MaterialItem("foldback clips, 19 mm", 2 * spec.pucks, "{:.0f}", "ring halves", ONCE),
-        MaterialItem(
-            f"flat plates of glass, {wide:.0f} x {wide:.0f} mm", 2 * spec.pucks, "{:.0f}", "base, strike-off", ONCE
-        ),
-        MaterialItem("release film", 2 * spec.pucks, "{:.0f} pieces", "plates", POUR),
-        MaterialItem("hard wax, plasticine, abrasive paper to 400", 1, "a little", "ring", SHARED),
-        MaterialItem("silicone oil", 1, "a little", "plates of the press", SHARED),
-        MaterialItem("gloves, goggles, extraction", 1, "{:.0f} set", "resin", SHARED),
+        MaterialItem(f"cups of {cup:g} l", 2, "{:.0f}", "mixing and pouring over"),
+        MaterialItem("foldback clips, 19 mm", 2 * spec.pucks, "{:.0f}", "ring halves"),
+        MaterialItem(f"flat plates of glass, {wide:.0f} x {wide:.0f} mm", 2 * spec.pucks, "{:.0f}", "base, strike-off"),
+        MaterialItem("release film", 2 * spec.pucks, "{:.0f} pieces", "plates"),
+        MaterialItem("hard wax, plasticine, abrasive paper to 400", 1, "a little", "ring"),
+        MaterialItem("silicone oil", 1, "a little", "plates of the press"),
+        MaterialItem("gloves, goggles, extraction", 1, "{:.0f} set", "resin"),
     ]
     if spec.pour.cures_warm:
-        items.append(MaterialItem("vented oven", spec.pour.cure_temperature_C, "to {:.0f} C", "cure", SHARED))
+        items.append(MaterialItem("vented oven", spec.pour.cure_temperature_C, "to {:.0f} C", "cure"))
     return bill_of_materials(items)
 
 

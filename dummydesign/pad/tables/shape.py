@@ -4,9 +4,7 @@ Crowned pads: ln of F over Hertz's force of the tip, 16/9 E sqrt(R) d^1.5, as a 
 ln(b / a) and ln s, s = R c / b^2 (apex radius R, height c and foot radius b of the crown, thickness h, punch radius a),
 in pieces that are joined where the punch's edge is reached (:mod:`dummydesign.pad.tables.crowned`). At first
 touch it is 0. Layered and boned pads: ln of F over the force of
-the slab of the upper resin, which is taken from the slab's own table. Bumped pads, solved in space under a square
-punch: the same over Hertz's force of the middle cap, for caps of one proportion (``Bumped.proportioned``), counted
-against the volume that punch and field overlap by (:mod:`dummydesign.pad.tables.bumped`).
+the slab of the upper resin, which is taken from the slab's own table.
 """
 
 from __future__ import annotations
@@ -25,13 +23,12 @@ from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.pad_shape import PadShape, Similarity
 from dummydesign.geometry.shape_registry import shape_kinds
 from dummydesign.pad.force_law import BaseForceLaw, ForceAndStiffness
-from dummydesign.pad.tables.bumped import FieldResponse
 from dummydesign.pad.tables.crowned import CrownResponse
 from dummydesign.pad.tables.response_surface import Response
 from dummydesign.pad.tables.slab import load_table
 
 Array = np.ndarray
-Surface = Response | CrownResponse | FieldResponse
+Surface = Response | CrownResponse
 
 
 def tabulated_kinds() -> dict[str, Similarity]:
@@ -217,8 +214,8 @@ def load_shape_table(kind: str) -> ShapeTable:
 def from_dict(data: dict[str, Any]) -> ShapeTable:
     """Table from the content of its file."""
     surface = data["surface"]
-    form = next((form for form in (CrownResponse, FieldResponse) if fields(form)[0].name in surface), None)
-    if form is None:
+    parts = [part.name for part in fields(CrownResponse)]
+    if parts[0] not in surface:
         return fill_table(ShapeTable, data, response=fill_table(Response, surface))
-    pieces = {part.name: fill_table(Response, surface[part.name]) for part in fields(form)}
-    return fill_table(ShapeTable, data, response=form(**pieces))
+    pieces = {name: fill_table(Response, surface[name]) for name in parts}
+    return fill_table(ShapeTable, data, response=CrownResponse(**pieces))

@@ -170,8 +170,10 @@ def square_law(circle: ForceLaw, base: str, filleted: bool = False) -> ScaledLaw
 
 
 def circle_of(law: ForceLaw) -> ForceLaw:
-    """The law of the circle of the punch's area, under a square's factor or by itself."""
-    return law.law if isinstance(law, ScaledLaw) else law
+    """The law of the circle of the punch's area, without the factors of a square and of another elastic law."""
+    while isinstance(law, ScaledLaw):
+        law = law.law
+    return law
 
 
 def punch_law(circle: ForceLaw, punch: str, base: str = "bonded", filleted: bool = False) -> ForceLaw:

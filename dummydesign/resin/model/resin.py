@@ -120,6 +120,12 @@ SMALLEST_SPREAD = 0.005
 """A modulus is never believed to better than 0.5 % (one standard deviation), whatever a file claims."""
 
 
+PUCK_SCATTER = 0.02
+"""Scatter of ln modulus between pucks of one batch: assumed."""
+NEO_HOOKEAN = 2.0
+"""Exponent of the Ogden law that is the neo-Hookean one."""
+
+
 class Interval(NamedTuple):
     """A value with the ends of its 95 % interval."""
 
@@ -148,7 +154,7 @@ class PuckPoint:
 
     Several recordings have their hashes in one text, separated by blanks. ``plates`` is what was declared of them,
     ``seen_s`` are the shortest and longest time that its holds show, None without holds; ``arms`` what they showed,
-    strengths relative to the long-term modulus at the point's ratio.
+    strengths relative to the long-term modulus at the point's ratio; ``alpha`` the exponent of its Ogden law.
     """
 
     sha256: str
@@ -158,6 +164,7 @@ class PuckPoint:
     seen_s: tuple[float, float] | None = None
     arms: tuple[ResinArm, ...] = ()
     plates: str = ""
+    alpha: Quantity | None = None
 
     def has(self, sha256: str) -> bool:
         """Whether one of some recordings is among those of this puck."""
@@ -223,6 +230,7 @@ class Resin:
     the long-term Young's modulus, ``arms`` the relaxation at ``relaxation_ratio_ref``. ``posterior``
     holds joint draws of the law's parameters when points have updated it; ``prior_numbers`` and ``prior_relaxation``
     (arms and their ratio) are those before. ``joint_relaxation`` ties strengths to the modulus (a calibration's).
+    ``ogden_alpha`` is the exponent of the elastic law where pucks show another than neo-Hookean (2), else None.
     ``ratio_by`` is what parts are measured by (weight or volume), ``ratio_per`` whether the ratio is to the parts of
     the other components (others) or in 100 parts of the whole mix (mix). ``chemistry`` is empty where it is not known.
     """
@@ -249,6 +257,7 @@ class Resin:
     prior_numbers: Mapping[str, Quantity] | None = field(default=None, repr=False)
     prior_relaxation: tuple[tuple[ResinArm, ...], float] | None = field(default=None, repr=False)
     joint_relaxation: RelaxationGivenModulus | None = field(default=None, repr=False)
+    ogden_alpha: Quantity | None = None
     ratio_by: str = "weight"
     ratio_per: str = "others"
     chemistry: str = ""
@@ -545,6 +554,8 @@ class Resin:
             "relaxation": relaxation,
             "property": self.properties,
         }
+        if self.ogden_alpha is not None:
+            content["elastic"] = {"ogden_alpha": self.ogden_alpha}
         return to_plain(content | ({"point": self.points} if self.points else {}))
 
     def uncertain(self) -> list[str]:

@@ -47,6 +47,7 @@ KEYS = (
     "notes",
     "component",
     "modulus",
+    "elastic",
     "relaxation",
     "property",
     "point",
@@ -130,6 +131,7 @@ def read_resin(entry: Entry) -> Resin:
         points=tuple(map(_point, top.tables("point", required=False))),
         posterior=posterior,
         prior_numbers=prior,
+        ogden_alpha=_alpha(top.table("elastic", required=False).only(("ogden_alpha",)), "ogden_alpha"),
         prior_relaxation=_arms(before, low, high, ratio_ref) if "prior" in relaxation else None,
     )
     _check_physics(resin, top.table("modulus"))
@@ -201,14 +203,23 @@ def _point(table: TomlTable) -> Point:
     ratio, young = table.number("ratio"), _positive(table, "young_kPa")
     if "puck" not in table:
         return Point(ratio, young)
-    puck = table.table("puck").only(("sha256", "file", "diameter_mm", "height_mm", "seen_s", "arm", "plates"))
+    puck = table.table("puck").only(("sha256", "file", "diameter_mm", "height_mm", "seen_s", "arm", "plates", "alpha"))
     seen = puck.numbers("seen_s", None)
     if seen is not None and len(seen) != 2:
         raise puck.fault("seen_s", "must be the shortest and the longest time", "malformed")
     arms = tuple(ResinArm(arm.quantity("tau_s"), arm.quantity("beta")) for arm in puck.tables("arm", required=False))
     size = puck.number("diameter_mm"), puck.number("height_mm")
-    plates = puck.string("plates", "")
-    return Point(ratio, young, PuckPoint(puck.string("sha256"), puck.string("file"), *size, seen, arms, plates))
+    words, plates, alpha = (
+        (puck.string("sha256"), puck.string("file")),
+        puck.string("plates", ""),
+        _alpha(puck, "alpha"),
+    )
+    return Point(ratio, young, PuckPoint(*words, *size, seen, arms, plates, alpha))
+
+
+def _alpha(table: TomlTable, key: str) -> Quantity | None:
+    """Read the exponent of a one-term Ogden law; None without one."""
+    return _positive(table, key) if key in table else None
 
 
 def _check_physics(resin: Resin, modulus: TomlTable) -> None:

@@ -14,10 +14,11 @@ from dummydesign.core.files import output_folder
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.core.user_library import check_name, entries, hidden_by, user_folder
-from dummydesign.resin.model.resin import Interval, Point, PuckPoint, ResinArm, save_resin
+from dummydesign.resin.model.resin import Point, PuckPoint, ResinArm, save_resin
 from dummydesign.resin.model.resin_file import DEFAULT, KIND, load_resin, recording_sha256
-from dummydesign.resin.puck_test.plates import OPEN, Plates, read_plates
-from dummydesign.resin.update.modulus import known_puck, with_point, without_puck
+from dummydesign.resin.puck_test.contradictions import Contradiction, check_slips, pairs_of, warnings_of
+from dummydesign.resin.puck_test.plates import OPEN, OverFriction, Plates, read_plates
+from dummydesign.resin.update.modulus import known_puck, rebuild
 from dummydesign.resin.update.relaxation import ArmUpdate
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ class Compressed(Serialised):
 
     ``law`` is the elastic law that was fitted, ``plates`` what was declared of them, ``action`` is ``added``,
     ``unchanged`` (the resin has this puck at this ratio) or ``replaced`` (it had it at another ratio, size or other
-    plates, named in ``before``).
+    plates, named in ``before``). ``contradictions`` are numbers that must agree and do not.
     """
 
     name: str
@@ -60,17 +61,17 @@ class Compressed(Serialised):
     action: str
     before: str | None
     files: dict[str, str]
+    contradictions: tuple[Contradiction, ...] = ()
 
 
 @dataclass(frozen=True)
 class _Fit:
     """The fit of a puck's presses; a relaxation, with what the resin learns of it in ``puck``, with holds only."""
 
-    young_kPa: Interval
-    alpha: float
-    friction: Interval
+    known: OverFriction
     rmse_N: float
     puck: PuckPoint
+    levels: tuple[float, ...]
     relaxation: dict[str, Any] | None = None
     warnings: tuple[dict[str, str], ...] = ()
 
@@ -82,6 +83,18 @@ def loading(displacement_mm: Array, force_N: Array) -> tuple[Array, Array]:
     return depth, np.bincount(index, force_N[:end]) / np.bincount(index)
 
 
+def steps(displacement_mm: Array, force_N: Array, window: Window) -> tuple[Array, Array]:
+    """The first loading at zero and over a window: means over equal steps of displacement, for noise to fall."""
+    depth, load = loading(displacement_mm, force_N)
+    edges = np.linspace(window[0], min(window[1], float(depth[-1])), STEPS + 1)
+    work = np.r_[0.0, np.cumsum(0.5 * (load[1:] + load[:-1]) * np.diff(depth))]
+    mean = np.diff(np.interp(edges, depth, work)) / np.diff(edges)
+    # the force before the machine's zero is the same noise about the same zero
+    before = force_N[: int(np.argmax(displacement_mm > 0.0))]
+    zero = float(np.median(before)) if len(before) else float(np.interp(0.0, depth, load))
+    return np.r_[0.0, 0.5 * (edges[1:] + edges[:-1])], np.r_[zero, mean]
+
+
 def add_compression(
     file: str | Path | Sequence[str | Path],
     diameter_mm: float,
@@ -91,6 +104,7 @@ def add_compression(
     base: str | None = None,
     replace_own: bool = False,
     friction: str | float | None = None,
+    mass_g: float | None = None,
 ) -> Compressed:
     """Fit a puck's compression curves and keep the resin that its modulus makes of a law.
 
@@ -101,16 +115,20 @@ def add_compression(
     :mod:`dummydesign.resin.puck_test.relaxation_fit`: the modulus is then the long-term one, and the arms go into
     the resin by the rule of :mod:`dummydesign.resin.update.relaxation`. Several curves of one puck are fitted together.
 
-    ``friction`` declares the plates: ``lubricated``, ``bonded`` or a coefficient; without it the friction is open, and
-    what it leaves open is in the intervals. A declaration that the curves contradict is reported.
+    ``friction`` declares the plates: ``lubricated`` (a prior), ``bonded`` or a coefficient (exact); without it any
+    friction counts. Modulus and friction are medians over their intervals. A declaration that the curves contradict
+    is reported. ``mass_g`` is checked against density and size.
 
     Recordings that the resin has are known by their numbers: the same at the same ratio, size and plates change
-    nothing, else their points are replaced, as if they had not been there before.
+    nothing, else their points are replaced, as if they had not been there before. The order of pucks does not matter.
+
+    A modulus far from the resin's that a usual mistake explains (unit of the force, radius for diameter) is refused;
+    what else contradicts is in ``contradictions`` and in the first warnings.
     """
     from dummydesign.measurement.trace import read_trace
     from dummydesign.pad.tables.puck import table_for
 
-    for what, value in (("diameter_mm", diameter_mm), ("height_mm", height_mm)):
+    for what, value in (("diameter_mm", diameter_mm), ("height_mm", height_mm), ("mass_g", mass_g or 1.0)):
         if not (np.isfinite(value) and value > 0.0):
             raise out_of_range(what, value, "above 0", "any finite value")
     check_name("resin", name)
@@ -130,7 +148,9 @@ def add_compression(
     resin = load_resin(base or (name if known is not None else DEFAULT))
     resin.check_ratio(ratio)
     table = table_for(diameter_mm, height_mm)
-    traces = [read_trace(one) for one in ([file] if isinstance(file, str | Path) else file)]
+    given = [read_trace(one) for one in ([file] if isinstance(file, str | Path) else file)]
+    # their order does not matter
+    traces = sorted(given, key=lambda trace: (trace.name, recording_sha256(trace)))
     sha256 = [recording_sha256(trace) for trace in traces]
     if len(set(sha256)) < len(traces):
         raise InputError("a recording is listed twice; give each press once", "duplicate", "file")
@@ -148,38 +168,41 @@ def add_compression(
         fit = _fit_holds(traces, held, table, window, puck, plates)
     else:
         fit = _fit_loading(traces, table, window, puck, plates)
-    point = Point(ratio, Quantity(*fit.young_kPa, "fitted", source), fit.puck)
+    alpha = fit.known.alpha
+    kept = replace(fit.puck, alpha=Quantity(*alpha, "fitted", source))
+    point = Point(ratio, Quantity(*fit.known.young_kPa, "fitted", source), kept)
+    others = [one for one in resin.points if one.puck is None or not one.puck.has(puck.sha256)]
+    presses = [(trace.name, level) for trace, level in zip(traces, fit.levels)]
+    density = resin.property("density_g_per_cm3", ratio)
+    pairs = pairs_of(replace(resin, points=tuple(others)), point, presses, mass_g, density)
+    check_slips(pairs[0])
     path = user_folder() / KIND / f"{own.name if own else name}.toml"
     action, former = "added", None
     if before and before.puck:
-        was = before.puck
-        same = (before.ratio, was.diameter_mm, was.height_mm, was.plates, was.sha256) == (
-            ratio,
-            diameter_mm,
-            height_mm,
-            plates.name,
-            puck.sha256,
-        )
-        action = "unchanged" if same else "replaced"
-        if not same:
+        was, now = before.puck, (ratio, diameter_mm, height_mm, plates.name)
+        same = (before.ratio, was.diameter_mm, was.height_mm, was.plates) == now
+        action = "unchanged" if same and set(puck.sha256.split()) <= set(was.sha256.split()) else "replaced"
+        if action == "replaced":
             declared = f", plates {was.plates}" if was.plates else ""
             former = f"ratio {before.ratio:g}, {was.diameter_mm:g} x {was.height_mm:g} mm{declared}"
-    warnings, relaxation = (*fit.warnings, *_misfit(traces, window, fit.rmse_N)), fit.relaxation
+    contradictions, first = warnings_of(pairs, alpha.value)
+    warnings, relaxation = (*first, *fit.warnings, *_misfit(traces, window, fit.rmse_N)), fit.relaxation
     if action != "unchanged":
-        kept, updates, _ = with_point(without_puck(resin, puck.sha256) if before else resin, point, path.stem)
+        changed, became = rebuild(resin, [*others, point], path.stem)
+        updates = became.get(puck.sha256, ())
         warnings += tuple(_update_warning(one, traces, held, fit.puck) for one in updates if one.notice)
         warnings += () if own else tuple(hidden_by(KIND, "resin", name))
         if relaxation is not None:
             relaxation |= {"updates": [one.to_dict() for one in updates]}
-        save_resin(kept, output_folder(path.parent) / path.name)
+        save_resin(changed, output_folder(path.parent) / path.name)
     return Compressed(
         name,
         resin.name,
         ratio,
         point.young_kPa,
-        {"name": "ogden, one term", "alpha": fit.alpha},
+        {"name": "ogden, one term", "alpha": alpha.value, "alpha_low": alpha.low, "alpha_high": alpha.high},
         plates.name or None,
-        fit.friction._asdict(),
+        fit.known.friction._asdict(),
         fit.rmse_N,
         window,
         relaxation,
@@ -187,6 +210,7 @@ def add_compression(
         action,
         former,
         {"resin": str(path)},
+        contradictions,
     )
 
 
@@ -254,6 +278,8 @@ def _common_window(traces: Sequence[Trace], height_mm: float, table: PuckTable) 
 def _window(trace: Trace, height_mm: float, table: PuckTable) -> Window:
     """Compressions that are used. [mm]"""
     largest = float(np.max(trace.displacement_mm))
+    if largest >= height_mm:
+        raise out_of_range("displacement in mm", largest, 0, height_mm, f"{trace.name}: the puck's height")
     share = min(LAST_SHARE, float(table.compression[-1]) - 0.02)
     first, last = FIRST_SHARE * height_mm, min(share * height_mm, largest)
     if last < 4.0 * first:
@@ -301,18 +327,12 @@ def _fit_loading(
     from dummydesign.resin.puck_test.loading_fit import LoadingCurve, contradicts, fit_pucks
 
     first, last = window
-    curves = []
-    for trace in traces:
-        depth, load = loading(trace.displacement_mm, trace.force_N)
-        grid = np.concatenate([[0.0], np.linspace(first, min(last, float(depth[-1])), STEPS)])
-        curves.append(LoadingCurve(trace.name, "puck", grid, np.interp(grid, depth, load)))
+    curves = [LoadingCurve(one.name, "puck", *steps(one.displacement_mm, one.force_N, window)) for one in traces]
     fit = fit_pucks(curves, puck.diameter_mm, puck.height_mm, table, (first * (1 - 1e-9), last), plates)
-    young = Interval(fit.young_kPa, fit.young_low_kPa, fit.young_high_kPa)
-    friction = Interval(fit.friction, fit.friction_low, fit.friction_high)
     loads = np.concatenate([curve.load_N[1:] for curve in curves])
     rmse_N = fit.rmse * float(np.sqrt(np.mean(loads**2)))
     doubts = _doubted(plates, contradicts(fit.rmse, fit.rmse_open))
-    return _Fit(young, fit.alpha, friction, rmse_N, puck, warnings=doubts)
+    return _Fit(fit.known, rmse_N, puck, fit.levels, warnings=doubts)
 
 
 def _fit_holds(
@@ -353,4 +373,4 @@ def _fit_holds(
     warnings = tuple({"code": "not_identifiable", "message": message} for message in said)
     warnings += _doubted(plates, contradicts(fit.misfit, fit.misfit_open))
     puck = replace(puck, seen_s=fit.seen_s, arms=arms)
-    return _Fit(fit.young_kPa, fit.alpha, fit.friction, fit.rmse_N, puck, to_plain(relaxation), warnings)
+    return _Fit(fit.known, fit.rmse_N, puck, fit.levels, to_plain(relaxation), warnings)

@@ -5,10 +5,11 @@ form between frictionless plates and B the table of ``pad.tables.puck``; x_k is 
 begins. The machine's load is zeroed at x = 0, in the data and in the model alike. Modulus, stiffening and
 friction are common to all curves of the batch.
 
-A declaration of the plates (``puck_test.plates``) restricts the friction to its interval, with its chi square.
+A declaration of the plates (``puck_test.plates``) gives the friction a prior. Modulus, friction and alpha of a puck are
+then the medians over what prior and curves leave open (:func:`over_friction`).
 
-Intervals: errors are taken as fully correlated along a curve and among the repeats on one puck, so that each
-puck counts as ONE independent number, with the scatter between curves and the misfit of the law as its
+Intervals of :func:`fit_pucks`: errors are taken as fully correlated along a curve and among the repeats on one puck, so
+that each puck counts as ONE independent number, with the scatter between curves and the misfit of the law as its
 size. Whatever friction keeps the mean square misfit below its minimum + 3.84 s^2 / pucks belongs to the 95 %
 interval.
 """
@@ -27,12 +28,12 @@ from dummydesign.inference.least_squares import CHI_SQUARE_95, solve_by_differen
 from dummydesign.inference.noise import white_noise
 from dummydesign.measurement.ramp_detection import Hold
 from dummydesign.pad.tables.puck import PuckTable, friction_of, uniaxial
-from dummydesign.resin.puck_test.plates import OPEN, Plates
+from dummydesign.resin.model.resin import PUCK_SCATTER
+from dummydesign.resin.puck_test.plates import ALPHA_RANGE, OPEN, OverFriction, Plates, over_friction
 
 Array = np.ndarray
 
 GRIPS = np.linspace(0.0, 1.0, 26)
-ALPHA_RANGE = (1.0, 6.0)
 LARGEST_OFFSET = 0.04
 
 
@@ -52,7 +53,8 @@ class PuckFit:
 
     ``friction`` is infinite for plates that hold the faces (bonded). ``rmse`` is the root mean square of
     the relative misfit, ``profile`` what each friction would make of the batch: (friction, young_kPa, chi square above
-    the best). ``rmse_open`` is the misfit with the declared friction let go.
+    the best). ``rmse_open`` is the misfit with the declared friction let go, ``levels`` are ln of each curve's force
+    over the law's, ``known`` the spread when the friction is integrated over its prior.
     """
 
     young_kPa: float
@@ -69,12 +71,14 @@ class PuckFit:
     rmse_frictionless: float
     scatter: float
     profile: tuple[tuple[float, float, float], ...]
-    rmse_open: float = 0.0
+    rmse_open: float
+    levels: tuple[float, ...]
+    known: OverFriction
 
 
 @dataclass(frozen=True)
 class _Point:
-    """Best fit at one friction."""
+    """Best fit at one friction; ``spread`` are the standard deviations of ln modulus and alpha by the law's misfit."""
 
     grip: float
     log_young: float
@@ -82,6 +86,7 @@ class _Point:
     offsets: Array
     mean_square: float
     residuals: list[Array]
+    spread: Array
 
 
 def fit_pucks(
@@ -107,18 +112,21 @@ def fit_pucks(
             message = f"curve {curve.name}: needs 5 or more loads above 0 between {low:g} and {high:g} mm"
             raise InputError(message, "not_enough_data", "curve", curve.name)
         parts.append((curve.compression_mm[inside] / height_mm, load[inside] / area * 1e3))
-    points: list[_Point] = []
-    for grip in GRIPS[::-1]:
-        points.append(_best(parts, table, grip, points[-1] if points else None))
-    points.reverse()
-    if not plates:
-        return _summarise(curves, points, height_mm)
+    points = _profile(parts, table, GRIPS)
+    grips, prior = plates.nodes(GRIPS)
     free = min(points, key=lambda point: point.mean_square)
-    own: list[_Point] = []
-    for grip in plates.grips(GRIPS)[::-1]:
-        near = min(points, key=lambda point: abs(point.grip - grip))
-        own.append(_best(parts, table, float(grip), own[-1] if own else near))
-    return _summarise(curves, own[::-1], height_mm, plates, free)
+    return _summarise(curves, _profile(parts, table, grips, points) if plates else points, height_mm, prior, free)
+
+
+def _profile(
+    parts: list[tuple[Array, Array]], table: PuckTable, grips: Array, near: Sequence[_Point] = ()
+) -> list[_Point]:
+    """Best fits at some grips, by rising grip; the first begins at the nearest of those known."""
+    points: list[_Point] = []
+    for grip in grips[::-1]:
+        start = points[-1] if points else min(near, key=lambda point: abs(point.grip - grip), default=None)
+        points.append(_best(parts, table, float(grip), start))
+    return points[::-1]
 
 
 def _model(table: PuckTable, alpha: float, grip_value: float, compression: Array, offset: float) -> Array:
@@ -133,13 +141,13 @@ def _model(table: PuckTable, alpha: float, grip_value: float, compression: Array
 
 def _best(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float, guess: _Point | None) -> _Point:
     count = len(parts)
-    if guess is None:
-        c, stress = parts[0]
-        middle = len(c) // 2
-        model = _model(table, 2.0, grip_value, c[middle : middle + 1], 0.0)[0]
-        start = np.r_[np.log(stress[middle] / model), 2.0, np.zeros(count)]
-    else:
-        start = np.r_[guess.log_young, np.clip(guess.alpha, 1.01, 5.99), guess.offsets]
+    c, stress = parts[0]
+    middle = len(c) // 2
+    model = _model(table, 2.0, grip_value, c[middle : middle + 1], 0.0)[0]
+    starts = [np.r_[np.log(stress[middle] / model), 2.0, np.zeros(count)]]
+    if guess is not None:
+        # a neighbour may lie in another valley of alpha and offset
+        starts.append(np.r_[guess.log_young, np.clip(guess.alpha, 1.01, 5.99), guess.offsets])
     lower = np.r_[-20.0, ALPHA_RANGE[0], np.full(count, -LARGEST_OFFSET)]
     upper = np.r_[20.0, ALPHA_RANGE[1], np.full(count, LARGEST_OFFSET)]
 
@@ -147,39 +155,47 @@ def _best(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float,
         models = [np.exp(q[0]) * _model(table, q[1], grip_value, c, at) for (c, _), at in zip(parts, q[2:])]
         return [np.log(np.maximum(model, 1e-12) / stress) for model, (_, stress) in zip(models, parts)]
 
-    best = solve_by_differences(
-        lambda q: np.concatenate(residuals(q)), [start], lower, upper, scale=np.r_[0.1, 0.5, np.full(count, 0.003)]
-    ).parameters
+    solved = solve_by_differences(
+        lambda q: np.concatenate(residuals(q)), starts, lower, upper, scale=np.r_[0.1, 0.5, np.full(count, 0.003)]
+    )
+    best = solved.parameters
+    assert solved.jacobian is not None
     rest = residuals(best)
-    return _Point(grip_value, best[0], best[1], best[2:], float(np.mean(np.concatenate(rest) ** 2)), rest)
+    c = np.concatenate([c for c, _ in parts])
+    law = LEAST_MISFIT**2 * alike(c, ALIKE) + TABLE_ERROR**2 * np.eye(len(c))
+    # a contact known to no more than its bounds is a prior of them
+    bounds = np.diag(np.r_[0.0, 0.0, np.full(count, LARGEST_OFFSET**-2)])
+    spread = np.sqrt(np.diag(np.linalg.inv(solved.jacobian.T @ np.linalg.solve(law, solved.jacobian) + bounds)))[:2]
+    return _Point(grip_value, best[0], best[1], best[2:], float(np.mean(np.concatenate(rest) ** 2)), rest, spread)
 
 
 def _summarise(
-    curves: Sequence[LoadingCurve],
-    points: list[_Point],
-    height_mm: float,
-    plates: Plates = OPEN,
-    free: _Point | None = None,
+    curves: Sequence[LoadingCurve], points: list[_Point], height_mm: float, prior: Array, free: _Point
 ) -> PuckFit:
     """Intervals from the points of a profile; ``free`` is the best fit without the declaration of the plates."""
     pucks = len({curve.puck for curve in curves})
-    closest = min(points, key=lambda point: point.mean_square)
-    own = np.array([float(np.mean(rest)) for rest in closest.residuals])
-    scatter = float(np.std(own, ddof=1)) if len(own) > 1 else 0.02
-    variance = (scatter**2 + closest.mean_square) / pucks
-    surprise = [plates.surprise(point.grip) for point in points]
-    cost = [point.mean_square / variance + more for point, more in zip(points, surprise)]
-    best = points[int(np.argmin(cost))]
-    excess = [one - min(cost) for one in cost]
-    kept = within(excess)
+    best = min(points, key=lambda point: point.mean_square)
+    own = np.array([float(np.mean(rest)) for rest in best.residuals])
+    scatter = float(np.std(own, ddof=1)) if len(own) > 1 else PUCK_SCATTER
+    variance = (scatter**2 + best.mean_square) / pucks
+    excess = np.array([(point.mean_square - best.mean_square) / variance for point in points])
+    kept = within(excess.tolist())
     # One puck's modulus differs from another's: the mean of all is known to this.
-    around = [float(np.sqrt(variance * (CHI_SQUARE_95 - (excess[index] if plates else 0.0)))) for index in kept]
+    around = float(np.sqrt(CHI_SQUARE_95 * variance))
     logs = [points[index].log_young for index in kept]
-    profile = tuple((friction_of(p.grip), float(np.exp(p.log_young)), above) for p, above in zip(points, excess))
+    profile = tuple((friction_of(p.grip), float(np.exp(p.log_young)), float(one)) for p, one in zip(points, excess))
+    grips, young, alpha = np.array([(p.grip, p.log_young, p.alpha) for p in points]).T
+    young_spread, alpha_spread = np.array([point.spread for point in points]).T
+    known = over_friction(
+        grips,
+        excess + prior,
+        np.stack([young, np.hypot(np.sqrt(variance), young_spread)]),
+        np.stack([alpha, alpha_spread]),
+    )
     return PuckFit(
         young_kPa=float(np.exp(best.log_young)),
-        young_low_kPa=float(np.exp(min(log - one for log, one in zip(logs, around)))),
-        young_high_kPa=float(np.exp(max(log + one for log, one in zip(logs, around)))),
+        young_low_kPa=float(np.exp(min(logs) - around)),
+        young_high_kPa=float(np.exp(max(logs) + around)),
         alpha=best.alpha,
         friction=friction_of(best.grip),
         friction_low=friction_of(points[kept[0]].grip),
@@ -191,7 +207,9 @@ def _summarise(
         rmse_frictionless=float(np.sqrt(points[0].mean_square)),
         scatter=scatter,
         profile=profile,
-        rmse_open=float(np.sqrt((free or best).mean_square)),
+        rmse_open=float(np.sqrt(free.mean_square)),
+        levels=tuple((-own).tolist()),
+        known=known,
     )
 
 
@@ -313,15 +331,18 @@ def joined(presses: Sequence[PuckPress], name: str) -> Array:
     return np.concatenate([getattr(press, name) for press in presses])
 
 
+def alike(c: Array, length: float) -> Array:
+    """Correlation of what goes smoothly with the compression, over a length of it."""
+    return np.exp(-0.5 * ((c[:, None] - c) / length) ** 2)
+
+
 def covariance(presses: Sequence[PuckPress], height_mm: float, noise: PuckNoise) -> Array:
     """Covariance of the residuals of ln force at the bins of all presses of a puck, shape (bins, bins).
 
     Its law misfits alike in every press; noise and drift are each press's own, and so is :data:`REPEAT`.
     """
     c, force = joined(presses, "compression_mm") / height_mm, joined(presses, "force_N")
-    difference = c[:, None] - c
-    total = noise.misfit**2 * np.exp(-0.5 * (difference / ALIKE) ** 2)
-    total += RIPPLE**2 * np.exp(-0.5 * (difference / RIPPLE_LENGTH) ** 2)
+    total = noise.misfit**2 * alike(c, ALIKE) + RIPPLE**2 * alike(c, RIPPLE_LENGTH)
     white = np.concatenate([np.full(len(press.samples), press.white_N) for press in presses])
     total[np.diag_indices_from(total)] += white**2 / joined(presses, "samples") / force**2 + JITTER**2
     first = 0

@@ -3,27 +3,34 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.quantity import HALF_WIDTH, Quantity
+from dummydesign.core.quantity import Quantity, value_at
 from dummydesign.core.toml_schema import read_table
 from dummydesign.core.user_library import data_folder
 from dummydesign.pad.tables.puck import friction_of, grip
+from dummydesign.resin.model.resin import Interval
 
 Array = np.ndarray
 
 LUBRICATED, BONDED = "lubricated", "bonded"
 LARGEST = 5.0
-POINTS = 9
-"""Frictions at which a declared interval is profiled."""
+QUANTILES = (0.5, 0.025, 0.975)
+ALPHA_RANGE = (1.0, 6.0)
+"""Exponents of the Ogden law that are fitted."""
+POINTS, REACH = 9, 2.4
+"""Frictions at which a declared prior is profiled, and how many standard deviations to either side they reach."""
 
 
 @dataclass(frozen=True)
 class Plates:
-    """A declaration; ``friction`` is its 95 % interval, None where nothing was declared, infinite when bonded."""
+    """A declaration; ``friction`` is its prior, None where nothing was declared, infinite when bonded.
+
+    A number counts as exact, and so do bonded faces.
+    """
 
     name: str = ""
     friction: Quantity | None = None
@@ -38,31 +45,61 @@ class Plates:
             return "plate friction left open"
         return f"plates declared {self.name}" if self.name in (LUBRICATED, BONDED) else f"plate friction {self.name}"
 
-    def grips(self, free: Array) -> Array:
-        """Grips at which a fit profiles the friction: those of ``free`` without a declaration."""
+    def nodes(self, free: Array) -> tuple[Array, Array]:
+        """Grips at which a fit profiles the friction, rising, and what the prior adds to chi square at each.
+
+        Even in grip over ``free`` without a declaration, even in normal deviates of a declared interval.
+        """
         if self.friction is None:
-            return free
+            return free, np.zeros(len(free))
         if not self.friction.low < self.friction.high:
-            return np.array([float(grip(self.friction.value))])
-        away = np.linspace(-HALF_WIDTH, HALF_WIDTH, POINTS)
-        return grip(np.exp(np.log(self.friction.value) + away * np.where(away < 0.0, *self._spreads)))
-
-    def surprise(self, grip_value: float) -> float:
-        """Chi square of a grip under the declaration, 0 without one."""
-        if self.friction is None or not self.friction.low < self.friction.high:
-            return 0.0
-        away = math.log(friction_of(grip_value) / self.friction.value)
-        return float((away / self._spreads[0 if away < 0.0 else 1]) ** 2)
-
-    @property
-    def _spreads(self) -> tuple[float, float]:
-        """Standard deviations of ln friction below and above the value."""
-        assert self.friction is not None
-        low, value, high = (math.log(one) for one in (self.friction.low, self.friction.value, self.friction.high))
-        return (value - low) / HALF_WIDTH, (high - value) / HALF_WIDTH
+            return np.array([float(grip(self.friction.value))]), np.zeros(1)
+        away = np.linspace(-REACH, REACH, POINTS)
+        # log-normal to either side, of an assumed one too
+        return grip(value_at(replace(self.friction, kind="inferred"), away)), away**2
 
 
 OPEN = Plates()
+
+
+@dataclass(frozen=True)
+class OverFriction:
+    """What a puck says with its plates' friction integrated out: medians and 95 % intervals."""
+
+    young_kPa: Interval
+    friction: Interval
+    alpha: Interval
+
+
+def over_friction(grips: Array, chi_square: Array, log_young: Array, alpha: Array) -> OverFriction:
+    """Integrate what was fitted at each friction over the frictions.
+
+    Parameters
+    ----------
+    grips, chi_square : ndarray, shape (n,)
+        The nodes of :meth:`Plates.nodes`, and chi square of curves and prior there.
+    log_young, alpha : ndarray, shape (2, n)
+        Value and standard deviation at each; modulus in kPa.
+    """
+    density = np.exp(-0.5 * (chi_square - chi_square.min()))
+    weights = density * np.where((np.arange(len(grips)) % max(len(grips) - 1, 1) == 0) & (len(grips) > 1), 0.5, 1.0)
+    share = np.r_[0.0, np.cumsum(0.5 * (density[1:] + density[:-1]))]
+    frictions = np.interp(QUANTILES, share / share[-1], grips) if len(grips) > 1 else grips.repeat(3)
+    young = np.exp(_mixed(weights, *log_young))
+    return OverFriction(
+        Interval(*young.tolist()),
+        Interval(*map(friction_of, frictions.tolist())),
+        Interval(*np.clip(_mixed(weights, *alpha), *ALPHA_RANGE).tolist()),
+    )
+
+
+def _mixed(weights: Array, centre: Array, spread: Array) -> Array:
+    """Median and 95 % interval of a mixture of normal distributions."""
+    from scipy.special import ndtr
+
+    at = np.linspace(np.min(centre - 5.0 * spread), np.max(centre + 5.0 * spread), 4001)
+    share = weights @ ndtr((at - centre[:, None]) / spread[:, None]) / weights.sum()
+    return np.interp(QUANTILES, share, at)
 
 
 def read_plates(text: str | float | None) -> Plates:

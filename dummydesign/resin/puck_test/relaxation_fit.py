@@ -10,10 +10,10 @@ under the noise of the richest. Friction is profiled: from frictionless to bonde
 plates with its chi square. Presses of one puck are fitted together; each has its own contact offset.
 
 Intervals of times and strengths are those of the profile likelihood over friction, with the other parameters in
-their Gaussian approximation. Modulus and friction have the cautious ones of ``loading_fit``: how the law misfits
-along the compression is not known, so a puck counts as one independent number with that misfit and a scatter of 2 %
-as its size. (By the likelihood, with a smooth misfit of known length, they held the truth in 0.7 of the draws of a
-rougher one.) alpha has none: it takes up what the law misfits.
+their Gaussian approximation. Modulus, friction and alpha are medians over the friction, weighed as in ``loading_fit``:
+how the law misfits along the compression is not known, so a puck counts as one independent number with that misfit and
+a scatter of 2 % as its size. (By the likelihood, with a smooth misfit of known length, intervals held the truth in 0.7
+of the draws of a rougher one.)
 
 An arm whose time may be longer than the longest hold is not given a value. What it has not relaxed at the end of the
 file counts as stiffness, what it has is a strength of its own. The interval of the modulus goes down to where it would
@@ -28,18 +28,18 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache, partial
 
 import numpy as np
 
 from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.inference.least_squares import CHI_SQUARE_95, aicc, simplest, solve_by_differences, within
-from dummydesign.pad.tables.puck import PuckTable, friction_of, uniaxial
-from dummydesign.resin.model.resin import Interval
+from dummydesign.pad.tables.puck import PuckTable, uniaxial
+from dummydesign.resin.model.resin import PUCK_SCATTER, Interval
 from dummydesign.resin.puck_test import loading_fit as loading
 from dummydesign.resin.puck_test.loading_fit import PuckNoise, PuckPress, joined, whitener
-from dummydesign.resin.puck_test.plates import OPEN, Plates
+from dummydesign.resin.puck_test.plates import ALPHA_RANGE, OPEN, OverFriction, Plates, over_friction
 
 Array = np.ndarray
 
@@ -128,8 +128,8 @@ class PuckProblem:
         weak, strong = np.log(STRENGTHS)
         short, long = np.log(self.times)
         offsets = [loading.LARGEST_OFFSET] * len(self.presses)
-        low = [-20.0, loading.ALPHA_RANGE[0], *(-one for one in offsets), *[weak] * arms, *[short] * arms]
-        high = [20.0, loading.ALPHA_RANGE[1], *offsets, *[strong] * arms, *[long] * arms]
+        low = [-20.0, ALPHA_RANGE[0], *(-one for one in offsets), *[weak] * arms, *[short] * arms]
+        high = [20.0, ALPHA_RANGE[1], *offsets, *[strong] * arms, *[long] * arms]
         return np.array(low), np.array(high)
 
     def starts(self, arms: int, grip: float, count: int = 2) -> list[Array]:
@@ -190,7 +190,6 @@ def _smooth_log_factor(table: PuckTable, grip: float) -> Callable[[float, Array]
 
 
 MOST_ARMS = 3
-PUCK_SCATTER = 0.02
 GRIPS = np.linspace(0.0, 1.0, 11)
 COARSE = (0.0, 0.5, 1.0)
 WIDEST = 10.0
@@ -219,19 +218,19 @@ class PuckRelaxation:
 
     ``seen_s`` are the shortest and longest times that the presses show (:func:`_fastest_seen`, half of the longest
     hold). ``comparison`` gives rmse [N] and AICc for each number of arms. ``misfit`` is the rms of ln force over what
-    was fitted with the friction as declared, ``misfit_open`` with any friction.
+    was fitted with the friction as declared, ``misfit_open`` with any friction; ``levels`` are means of ln of each
+    press's force over the fit.
     """
 
-    young_kPa: Interval
-    alpha: float
-    friction: Interval
+    known: OverFriction
     arms: tuple[PuckArm, ...]
     seen_s: tuple[float, float]
     comparison: Comparison
     noise: PuckNoise
     rmse_N: float
-    misfit: float = 0.0
-    misfit_open: float = 0.0
+    levels: tuple[float, ...]
+    misfit: float
+    misfit_open: float
 
 
 def fit_relaxation(
@@ -251,7 +250,8 @@ def fit_relaxation(
     chosen = simplest(scores)
     noise = _noise(problem, rivals[chosen])
     problem.factor = whitener(presses, height_mm, noise)
-    profile = _profile(problem, plates.grips(GRIPS), rivals[chosen])
+    nodes, prior = plates.nodes(GRIPS)
+    profile = _profile(problem, nodes, rivals[chosen])
     misfits = [_misfit(problem, one) for one in profile]
     if plates:
         free = _profile(problem, np.array(COARSE), min(profile, key=lambda one: one.chi_square))
@@ -260,7 +260,7 @@ def fit_relaxation(
     comparison = {
         str(arms): {"rmse_N": _rmse(problem, trial), "aicc": scores[arms]} for arms, trial in sorted(rivals.items())
     }
-    return _summarise(problem, profile, comparison, noise, plates, misfit)
+    return _summarise(problem, profile, comparison, noise, prior, misfit)
 
 
 def _profile(problem: PuckProblem, grips: Array, start: FitTrial) -> list[FitTrial]:
@@ -283,6 +283,12 @@ def _misfit(problem: PuckProblem, trial: FitTrial) -> float:
     return float(np.sqrt(np.mean(problem.residual(trial.parameters, trial.grip) ** 2)))
 
 
+def _levels(problem: PuckProblem, trial: FitTrial) -> tuple[float, ...]:
+    """Mean of ln of each press's force over that of the fit."""
+    ends = np.cumsum([len(press.samples) for press in problem.presses])[:-1]
+    return tuple(-float(np.mean(part)) for part in np.split(problem.residual(trial.parameters, trial.grip), ends))
+
+
 def _rmse(problem: PuckProblem, trial: FitTrial) -> float:
     error = problem.predict(trial.parameters, trial.grip) - problem.force_N
     return float(np.sqrt(np.mean(error**2)))
@@ -299,10 +305,10 @@ def _summarise(
     profile: list[FitTrial],
     comparison: Comparison,
     noise: PuckNoise,
-    plates: Plates,
+    prior: Array,
     misfit: tuple[float, float],
 ) -> PuckRelaxation:
-    costs = [one.chi_square + plates.surprise(one.grip) for one in profile]
+    costs = [one.chi_square + more for one, more in zip(profile, prior)]
     best, least = profile[int(np.argmin(costs))], min(costs)
     places = within(costs)
     kept = [profile[index] for index in places]
@@ -333,47 +339,34 @@ def _summarise(
         )
         for arm, share in zip(parts, carried)
     )
-    young, friction = _elastic(problem, profile, best, plates)
+    known = _elastic(problem, profile, prior)
+    young = known.young_kPa
     slow_low = float(np.exp(low[0])) if stiff > 1.0 else young.low
     young = Interval(young.value * stiff, min(young.low, slow_low), young.high * stiff)
     return PuckRelaxation(
-        young,
-        float(q[1]),
-        friction,
+        replace(known, young_kPa=young),
         given,
         _seen(problem, best, given),
         comparison,
         noise,
         _rmse(problem, best),
+        _levels(problem, best),
         *misfit,
     )
 
 
-def _elastic(
-    problem: PuckProblem, profile: list[FitTrial], best: FitTrial, plates: Plates
-) -> tuple[Interval, Interval]:
-    """Modulus [kPa] and friction with cautious intervals: the puck is one independent number."""
-    squares = [_misfit(problem, one) ** 2 for one in profile]
-    own = squares[profile.index(best)]
-    variance = PUCK_SCATTER**2 + own
-    excess = [
-        (square - own) / variance + plates.surprise(one.grip) - plates.surprise(best.grip)
-        for square, one in zip(squares, profile)
-    ]
-    places = within(excess, 1.0, 0.0)
-    around = [np.sqrt(CHI_SQUARE_95 * variance)] * len(places)
-    if plates:
-        # an open friction hides what the elastic law leaves open; a declared one does not
-        law = [_spreads(profile[index])[0] ** 2 for index in places]
-        around = [
-            np.sqrt((variance + one) * (CHI_SQUARE_95 - max(excess[index], 0.0))) for index, one in zip(places, law)
-        ]
-    logs = [profile[index].parameters[0] for index in places]
-    low = min(log - one for log, one in zip(logs, around))
-    high = max(log + one for log, one in zip(logs, around))
-    young = Interval(*np.exp([best.parameters[0], low, high]).tolist())
-    kept = [profile[index] for index in places]
-    return young, Interval(*(friction_of(one.grip) for one in (best, kept[0], kept[-1])))
+def _elastic(problem: PuckProblem, profile: list[FitTrial], prior: Array) -> OverFriction:
+    """Modulus [kPa], friction and alpha over the friction: the puck is one independent number."""
+    squares = np.array([_misfit(problem, one) ** 2 for one in profile])
+    variance = PUCK_SCATTER**2 + squares.min()
+    law = np.array([_spreads(one)[:2] for one in profile]).T
+    young, alpha = np.array([one.parameters[:2] for one in profile]).T
+    return over_friction(
+        np.array([one.grip for one in profile]),
+        (squares - squares.min()) / variance + prior,
+        np.stack([young, np.sqrt(variance + law[0] ** 2)]),
+        np.stack([alpha, law[1]]),
+    )
 
 
 SHOWN = 0.05

@@ -16,9 +16,9 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import output_folder
 from dummydesign.core.quantity import Quantity, value_at
 from dummydesign.core.user_library import Entry, make_room, read_toml, user_folder
-from dummydesign.resin.model.resin import Point, Resin, save_resin
+from dummydesign.resin.model.resin import NEO_HOOKEAN, PUCK_SCATTER, Point, Resin, save_resin
 from dummydesign.resin.model.resin_file import KIND, Numbers, load_resin, read_points, read_resin
-from dummydesign.resin.update.relaxation import NOTE, Updated, update_relaxation
+from dummydesign.resin.update.relaxation import NOTE, ArmUpdate, update_relaxation
 
 CHAINS, STEPS, SEED = 400, 150, 7
 
@@ -39,7 +39,7 @@ def update_resin(resin: Resin, points: Sequence[Point], name: str, seed: int = S
     """
     if not points:
         raise InputError("no points: give at least one [[point]] with ratio and young_kPa", "missing", "point")
-    every = [*resin.points, *points]
+    every = in_order([*resin.points, *points])
     resin.check_ratio([point.ratio for point in every])
     prior = base_numbers(resin)
     names = [key for key, quantity in prior.items() if quantity.low < quantity.high]
@@ -52,17 +52,18 @@ def update_resin(resin: Resin, points: Sequence[Point], name: str, seed: int = S
         numbers = numbers_at(z)
         valid = np.broadcast_to(resin.law.valid(resin.ratio_min, numbers), (len(z),))
         with np.errstate(divide="ignore", invalid="ignore"):
-            total = -0.5 * np.sum((_misfit(resin, every, numbers) / widening) ** 2, axis=-1)
+            total = -0.5 * np.sum((_misfit(resin, every, numbers) @ whiten.T / widening) ** 2, axis=-1)
         return np.where(valid & np.isfinite(total), total, -np.inf)
 
+    whiten = np.linalg.inv(np.linalg.cholesky(correlation(every)))
     widening, best = 1.0, np.zeros(len(names))
     for _ in range(2):  # a second pass when the first shows that the points must be widened
         z = _sample(log_likelihood, len(names), seed)
         best = z[int(np.argmax(log_likelihood(z) - 0.5 * np.sum(z**2, axis=1)))]
         misfit = _misfit(resin, every, numbers_at(best[None, :]))
-        if widening > 1.0 or not _too_far(misfit):
+        if widening > 1.0 or not _too_far(whiten @ misfit):
             break
-        widening = max(math.sqrt(float(np.mean(misfit**2))), 1.0)
+        widening = max(math.sqrt(float(np.mean((whiten @ misfit) ** 2))), 1.0)
     draws = numbers_at(z)
     central = {key: float(value[0]) for key, value in numbers_at(best[None, :]).items()}
     title = f"{base_title(resin)}, updated by {len(every)} measured point{'s' if len(every) > 1 else ''}"
@@ -101,6 +102,15 @@ def _misfit(resin: Resin, points: Sequence[Point], numbers: dict[str, NDArray]) 
     with np.errstate(divide="ignore"):
         misfit = (np.log(young) - [p.log_young for p in points]) / [p.spread for p in points]
     return misfit[0] if len(misfit) == 1 else misfit
+
+
+def correlation(points: Sequence[Point]) -> NDArray:
+    """Correlation of the errors of ln E: pucks between plates declared alike share all but their own scatter."""
+    shared = np.array(
+        [math.sqrt(max(1.0 - (PUCK_SCATTER / one.spread) ** 2, 0.0)) if one.puck else 0.0 for one in points]
+    )
+    alike = np.array([[bool(a.puck and b.puck and a.puck.plates == b.puck.plates) for a in points] for b in points])
+    return np.outer(shared, shared) * alike + np.diag(1.0 - shared**2)
 
 
 def _sample(log_likelihood: Callable[[NDArray], NDArray], size: int, seed: int) -> NDArray:
@@ -158,7 +168,8 @@ def contradictions(
     notices = []
     for first, second in combinations(sorted(points, key=lambda point: point.ratio), 2):
         step = second.log_young - first.log_young
-        spread = math.hypot(first.spread, second.spread)
+        own = np.array([first.spread, -second.spread])
+        spread = math.sqrt(own @ correlation([first, second]) @ own)
         same = math.isclose(first.ratio, second.ratio, abs_tol=0.5 * resin.ratio_step)
         if same and abs(step) > 2.6 * spread:
             notices.append(f"{_text(first)} and {_text(second)} differ by more than their intervals allow")
@@ -179,23 +190,30 @@ def _text(point: Point) -> str:
     return f"{point.young_kPa.value:g} kPa at ratio {point.ratio:g}"
 
 
-def with_point(resin: Resin, point: Point, name: str) -> Updated:
-    """Update the law by a point, and the relaxation by what its puck's holds showed."""
-    changed = update_resin(resin, [point], name)
-    if point.puck is None or point.puck.seen_s is None:
-        return changed, (), ()
-    return update_relaxation(changed, point.puck.arms, point.ratio, point.puck.seen_s)
+def in_order(points: Sequence[Point]) -> list[Point]:
+    """Points in an order of their own, whatever the one in which they came."""
+    return sorted(points, key=lambda one: (one.ratio, one.puck.sha256 if one.puck else "", one.young_kPa.value))
 
 
-def known_puck(resin: Resin, sha256: str) -> Point | None:
-    """The point of a resin that came from one of these recordings."""
-    return next((point for point in resin.points if point.puck and point.puck.has(sha256)), None)
+def rebuild(resin: Resin, points: Sequence[Point], name: str) -> tuple[Resin, dict[str, tuple[ArmUpdate, ...]]]:
+    """Begin again from the base with these points; also what became of its arms by each puck's recordings.
+
+    The order of the points does not matter: law, relaxation and elastic law are updated in :func:`in_order`.
+    """
+    base = without_points(resin)
+    changed = update_resin(base, points, name) if points else base
+    alphas = [point.puck.alpha for point in changed.points if point.puck and point.puck.alpha]
+    changed, updates = replace(changed, ogden_alpha=pooled_alpha(alphas)), {}
+    for puck, ratio in ((point.puck, point.ratio) for point in changed.points):
+        if puck is not None and puck.seen_s is not None:
+            changed, updates[puck.sha256], _ = update_relaxation(changed, puck.arms, ratio, puck.seen_s)
+    return changed, updates
 
 
-def without_puck(resin: Resin, sha256: str) -> Resin:
-    """Begin again from the base and add every other point in its order."""
+def without_points(resin: Resin) -> Resin:
+    """The base of a resin, as it was before any point."""
     arms, ratio_ref = resin.prior_relaxation or (resin.arms, resin.relaxation_ratio_ref)
-    base = replace(
+    return replace(
         resin,
         title=base_title(resin),
         numbers=base_numbers(resin),
@@ -206,12 +224,35 @@ def without_puck(resin: Resin, sha256: str) -> Resin:
         arms=arms,
         relaxation_ratio_ref=ratio_ref,
         prior_relaxation=None,
+        ogden_alpha=None,
         notes=tuple(note for note in resin.notes if not note.startswith(NOTE)),
     )
-    for point in resin.points:
-        if point.puck is None or not point.puck.has(sha256):
-            base = with_point(base, point, resin.name)[0]
-    return base
+
+
+def pooled_alpha(alphas: Sequence[Quantity]) -> Quantity | None:
+    """Exponent of the elastic law that pucks share; None where its interval holds neo-Hookean (2).
+
+    Weighed by inverse variance, but no better known than by one puck: what its law misfits is common to all.
+    """
+    if not alphas:
+        return None
+    weights = np.array([(one.high - one.low) ** -2 for one in alphas])
+    value = float(weights @ [one.value for one in alphas] / weights.sum())
+    best = alphas[int(np.argmax(weights))]
+    low, high = value + best.low - best.value, value + best.high - best.value
+    source = "; ".join(sorted({one.source for one in alphas}))
+    return None if low <= NEO_HOOKEAN <= high else Quantity(value, low, high, "fitted", source)
+
+
+def known_puck(resin: Resin, sha256: str) -> Point | None:
+    """The point of a resin that came from one of these recordings."""
+    return next((point for point in resin.points if point.puck and point.puck.has(sha256)), None)
+
+
+def without_puck(resin: Resin, sha256: str) -> Resin:
+    """Begin again from the base and add every other point."""
+    others = [point for point in resin.points if point.puck is None or not point.puck.has(sha256)]
+    return rebuild(resin, others, resin.name)[0]
 
 
 def add_resin(file: str | Path, replace_own: bool = False) -> tuple[Resin, Path]:

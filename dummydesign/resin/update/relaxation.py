@@ -4,7 +4,7 @@ The base's arms are carried to the puck's ratio, with what is not known of its l
 
 - a measured arm takes the place of the base's nearest one within a factor of three in time where that is a guess
   (assumed or inferred): a guess has no weight beside a measurement. Where the base's is measured too, the posterior
-  of ln beta is normal, with weights 1 / variance of both. The time is the new one. Where the two miss each other by
+  of ln beta is normal, with weights 1 / variance of both, and so is that of ln tau. Where the two miss each other by
   more than 2.6 of their joint standard deviation, both are widened until they agree (Birge ratio) and this is
   reported;
 - a measured arm without a counterpart is taken as measured;
@@ -82,6 +82,8 @@ def update_relaxation(resin: Resin, measured: Sequence[ResinArm], ratio: float, 
             known = resin.arms[index].beta
             if known.kind not in GUESSES:
                 value, widening = _combined(carried, own)
+                times = (Interval(one.value, one.low, one.high) for one in (resin.arms[index].tau_s, tau))
+                tau = Quantity(*_combined(*times)[0], tau.kind, tau.source)
                 came_from, source = "both", f"{source}; before ({known.source}) by inverse variance of ln beta"
                 if widening > 1.0:
                     notice = (

@@ -29,7 +29,6 @@ from dummydesign.studio.widgets import html, open_page
 
 PATIENCE_S = 2.0
 """How long a pad must stay chosen before it is solved in the background. [s]"""
-COMPARED = "designs/compared"
 PRESS_HEAD = ("steady N", "mm/s", "depth mm", "pad peak N", "subjects N", "")
 
 
@@ -175,15 +174,15 @@ class Search:
 
 
 class DesignList:
-    """The designs of the project: open one again, or hold several side by side."""
+    """The designs of the project: open one again, or draw several over each other."""
 
     def __init__(self, root: Path, state: Callable[[], State]) -> None:
         self.root, self.state = root, state
         self.stamps: list[tuple[Path, int]] | None = None
         self.box = widgets.area("designs")
         self.chosen = widgets.select_several("Designs to compare", {}, [], "to-compare")
-        self.work = JobPanel(root, "compare-designs", "Compare them", self.words, self.show, self.belongs)
-        self.chosen.on_value_change(self.work.renew)
+        self.drawn = html("").props('data-test="compared"').style("width:100%")
+        self.chosen.on_value_change(self.draw)
         self.renew()
         ui.timer(2.0, self.renew)
 
@@ -215,26 +214,12 @@ class DesignList:
         folders = [one.folder for one in designs]
         kept = [name for name in self.chosen.value if name in folders]
         self.chosen.set_options({one: one for one in folders}, value=kept if len(kept) > 1 else folders[-2:])
-        self.work.renew()
+        self.draw()
 
-    def words(self) -> list[str]:
-        """The comparison as a command."""
-        if len(self.chosen.value) < 2:
-            raise InputError("choose two designs or more to compare them", "not_enough_data", "designs")
-        return ["compare-designs", *self.chosen.value, "--out", COMPARED, "--replace"]
-
-    def belongs(self, job: jobs.Job, words: list[str]) -> bool:
-        """Whether a comparison is of the designs that are chosen."""
-        same = {word for word in job.words if word.startswith("designs/")} - {COMPARED} == set(self.chosen.value)
-        # each comparison takes the place of the one before
-        return same and (not job.answer or jobs.holds_answer(self.root, COMPARED, job.answer))
-
-    def show(self, job: jobs.Job) -> None:
-        """The page of the comparison."""
-        report = job.answer.get("files", {}).get("report")
-        if report:
-            widgets.tell_changes(self.root, f"{COMPARED}/{MANIFEST}", "Compare again.")
-            widgets.shown_file(f"/files/{report}", "designs side by side")
+    def draw(self) -> None:
+        """Draw the steady curves of the designs that are chosen over each other."""
+        plot = figures.designs_plot(self.root, self.chosen.value)
+        self.drawn.set_content("" if plot is None else plot.html())
 
 
 def predict_words(state: State, **more: str) -> list[str]:

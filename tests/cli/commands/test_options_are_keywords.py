@@ -74,14 +74,15 @@ def test_a_calibration_none_is_none_and_a_red_pad_is_an_answer_that_is_refused(m
 
         return function
 
-    for cad in (None, True):
+    monkeypatch.setattr("dummydesign.design.suggestion.mould_command", lambda answer: "dummydesign mold 5")
+    for cad in (True, False):
         monkeypatch.setattr(designs, "answer_request", made(False))
         with raises_code("no_acceptable_pad", "verdict") as caught:
             suggest.run(namespace(tissue="palm", calibration="none", cad=cad, out=None, replace=False))
-        assert ("--cad" in str(caught.value)) is (cad is None)
+        assert ("dummydesign mold 5" in str(caught.value)) is cad
     assert seen == {"calibration": None}
     monkeypatch.setattr(designs, "answer_request", made(True))
-    assert suggest.run(namespace(tissue="palm", calibration="c.json", cad=None, out=None, replace=False))["verdict"]
+    assert suggest.run(namespace(tissue="palm", calibration="c.json", cad=True, out=None, replace=False))["verdict"]
     assert seen == {"calibration": "c.json"}
 
 
@@ -133,4 +134,4 @@ def test_numbers_of_whatif_are_read_as_its_defaults():
     parser = argparse.ArgumentParser()
     whatif.add_arguments(parser)
     options = parser.parse_args(["--thickness", "5:15:5"])
-    assert options.velocity_mm_s == "10,250" and options.workers == 1 and not options.resume
+    assert options.velocity_mm_s == "10,250" and options.workers == 1

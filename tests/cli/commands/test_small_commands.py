@@ -62,6 +62,10 @@ def test_doctor_names_what_is_missing_with_its_remedy(monkeypatch, rows, ready, 
         (None, "-"),
         ({}, "-"),
         ({**PAD, "verdict": "not_settled"}, "Measure first; slab; 5 mm, ratio 15"),
+        (
+            {**PAD, "verdict": "not_settled", "usable_fraction": 0.62, "correction_factor": 1.07},
+            "Measure first; 62 % usable; x 1.07; slab; 5 mm, ratio 15",
+        ),
         ({"thickness_mm": 10.0}, "-"),
         ({"verdict": "explained", "effects": ["adhesion", "inertia"]}, "explained; adhesion, inertia"),
         ({"effects": []}, "no effect"),
@@ -71,7 +75,7 @@ def test_history_says_in_a_few_words_what_an_answer_came_to(summary, words):
     row = {"date": "2026-01-02T03:04:05+00:00", "command": "suggest", "folder": "designs/a", "summary": summary}
     result = {"inputs": {"folder": "."}, "answers": [row]}
     line = history.render(result).splitlines()[-1]
-    assert line.endswith(f"designs/a{' ' * 19} {words}") or line.split(None, 4)[-1] == words
+    assert line.split(None, 4)[-1] == words
     assert "2026-01-02 03:04" in line and history.render_details(result) == history.render(result)
 
 
@@ -203,16 +207,16 @@ def test_forces_of_the_shapes_are_those_of_the_test_and_a_fifth_of_the_lowest():
 
 
 @pytest.mark.parametrize(
-    ("acceptable", "shape", "named"), [(False, "bumped:1", True), (True, "bumped:1", False), (False, "slab", False)]
+    ("acceptable", "shape", "named"), [(False, "boned:1", True), (True, "boned:1", False), (False, "slab", False)]
 )
 def test_a_pad_with_a_better_score_that_is_not_acceptable_is_named(acceptable, shape, named):
     rows = [
-        {"shape": shape, "kind": "bumped", "total": 0.8, "acceptable": acceptable},
+        {"shape": shape, "kind": "boned", "total": 0.8, "acceptable": acceptable},
         {"shape": "slab", "kind": "slab", "total": 0.6, "acceptable": True},
-        {"shape": None, "kind": "boned", "total": 0.0, "acceptable": False},
+        {"shape": None, "kind": "layered", "total": 0.0, "acceptable": False},
     ]
     lines = suggest_text._passed_over({"shapes": rows, "recommendation": {"shape": "slab"}})
-    assert bool(lines) is named and all("--shape bumped" in line for line in lines)
+    assert bool(lines) is named and all("--shape boned" in line for line in lines)
 
 
 def test_the_version_is_that_of_the_package_and_of_its_changelog():

@@ -20,7 +20,6 @@ ABSENT = (
     "pad.solve",
     "pad.tables.shape",
     "pad.tables.crowned",
-    "pad.tables.bumped",
     "pad.tables.response_surface",
     "mold.cad",
     "mold.checks",

@@ -101,14 +101,14 @@ def test_depths_have_units_as_thicknesses_do(typed):
 
 def test_units_are_taken_by_edges_studies_and_moulds():
     from dummydesign.core.parsing import parse_limits, read_numbers
-    from dummydesign.mold.batch import read_thicknesses
+    from dummydesign.mold.model.spec import read_thickness
 
     sharp, same = (dummydesign.predict(10, young_kPa=30, depth_mm=1, edge_radius_mm=e).to_dict() for e in (1.0, "1mm"))
     assert sharp["force_N"] == same["force_N"]
     assert read_numbers("5mm,1cm", "thickness in mm") == (5.0, 10.0)
     assert read_numbers("5mm:6mm:0.5", "thickness in mm") == (5.0, 5.5, 6.0)
     assert parse_limits("5mm:1cm", "thickness in mm") == (5.0, 10.0)
-    assert read_thicknesses("5mm,1cm") == (5.0, 10.0)
+    assert read_thickness("1cm") == 10.0
     with raises_code("unknown_unit", "thickness_mm"):
         read_numbers("5N", "thickness in mm")
 
@@ -237,5 +237,5 @@ def test_a_value_that_nothing_solves_is_not_sent_to_another_solver(option, value
 
 def test_a_warning_has_its_sentence_under_both_names_of_the_contract(capsys):
     found = answered(capsys, *ELASTIC, "--force", "5", "--velocity", "10")
-    assert found["warnings"] and all(one["text"] == one["message"] for one in found["warnings"])
+    assert found["warnings"] and all(set(one) == {"code", "message"} for one in found["warnings"])
     assert dummydesign.predict(10, young_kPa=30, force_N=5, velocity_mm_s=10).to_dict()["warnings"] == found["warnings"]

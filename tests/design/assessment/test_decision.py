@@ -84,12 +84,12 @@ def test_every_kind_is_listed_with_its_level_and_share_and_kinds_without_a_pad_w
 
 def test_misfits_are_the_reason_only_where_the_recommended_pad_has_the_least():
     rows = [
-        {"kind": kind, "shape": kind, "misfit_rms_ln_force": m} for kind, m in (("bumped", 0.46), ("crowned", 0.05))
+        {"kind": kind, "shape": kind, "misfit_rms_ln_force": m} for kind, m in (("layered", 0.46), ("crowned", 0.05))
     ]
     given = {"inputs": {"force_N": [5.0, 15.0]}, "choice": {"text": "least beyond its limits"}}
     told = {
-        kind: why_text({"shapes": rows, "recommendation": {"shape": kind}, **given}) for kind in ("bumped", "crowned")
+        kind: why_text({"shapes": rows, "recommendation": {"shape": kind}, **given}) for kind in ("layered", "crowned")
     }
-    assert told["bumped"] == "least beyond its limits"
-    assert "0.05 (bumped 0.46)" in told["crowned"] and "0.5 to 15 N" in told["crowned"]
-    assert why_text({"shapes": rows[:1], "recommendation": {"shape": "bumped"}, **given}) == "least beyond its limits"
+    assert told["layered"] == "least beyond its limits"
+    assert "0.05 (layered 0.46)" in told["crowned"] and "0.5 to 15 N" in told["crowned"]
+    assert why_text({"shapes": rows[:1], "recommendation": {"shape": "layered"}, **given}) == "least beyond its limits"

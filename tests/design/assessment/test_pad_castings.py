@@ -10,19 +10,18 @@ from dummydesign.design.assessment.pad_castings import verdict_of_design
 from dummydesign.design.scoring.castings import (
     COUNT,
     FORCE_LAW,
-    GROUPS,
     MAKING,
     MODULUS,
     RELAXATION,
     RESIN,
-    TISSUE,
     Castings,
     Tolerances,
 )
+from dummydesign.design.scoring.finite_strain import EXACT
 from dummydesign.design.scoring.press_simulation import steady_depth
-from dummydesign.design.scoring.verdict import CLASSES, classes_of, readings_of
+from dummydesign.design.scoring.verdict import CLASSES, readings_of
 from dummydesign.resin import load_resin
-from tests.support.cast_pads import SHARP, cast_pad, known, space_of
+from tests.support.cast_pads import SHARP, cast_pad, kinds_of, known, space_of
 from tests.support.refusal import raises_code
 
 PAD = 10.0, 15.3
@@ -74,7 +73,8 @@ def test_with_everything_known_all_castings_are_the_central_pad(resin, castings)
 
 
 def test_with_everything_known_all_castings_press_as_the_central_pad(cast):
-    every, own = vars(cast.readings(OURS)), vars(readings_of(cast.candidate.evaluation, cast.candidate.index))
+    own = cast.finite_strain.judged(readings_of(cast.candidate.evaluation, cast.candidate.index))
+    every, own = vars(cast.readings(OURS)), vars(own)
     for name, values in every.items():
         np.testing.assert_array_equal(values, np.tile(values[0], (COUNT, 1)))
         np.testing.assert_allclose(values[0], own[name], rtol=0.02)
@@ -165,13 +165,9 @@ def test_a_resin_that_is_known_draws_as_one_whose_groups_are_frozen(resin, casti
             np.testing.assert_allclose(first.beta, second.beta, rtol=1e-12)
 
 
-def test_the_tissue_is_a_group_that_no_pour_depends_on(castings):
-    assert GROUPS == (*OURS, TISSUE) and same(pours(castings, (TISSUE,)), pours(castings))
-
-
 def test_castings_without_errors_are_the_pad_in_every_share(cast):
     own = Castings(known(cast.castings.resin))
-    sharp = dataclasses.replace(cast, castings=own, tolerances=SHARP)
+    sharp = dataclasses.replace(cast, castings=own, tolerances=SHARP, finite_strain=EXACT)
     sharp.__dict__["error"] = 0.0
     found = verdict_of_design(sharp)
     assert sorted(found.castings.values()) == [0.0, 0.0, 0.0, 0.0, 1.0]
@@ -184,7 +180,7 @@ def test_a_share_of_1200_castings_scatters_by_at_most_a_point_and_a_half_between
     shares = []
     for seed in range(20):
         one = dataclasses.replace(cast, castings=Castings(cast.castings.resin, seed=100 + seed))
-        kinds = classes_of(one.every, cast.space.targets)
+        kinds = kinds_of(one)
         shares.append([(kinds == place).mean() for place in range(len(CLASSES))])
     scatter = np.std(shares, axis=0, ddof=1)
     shares = np.mean(shares, axis=0)

@@ -6,6 +6,7 @@ import pytest
 from dummydesign.design.assessment.pad_castings import PadCastings, pour_yield
 from dummydesign.design.pad_evaluator import one_pad
 from dummydesign.design.scoring.castings import Castings, Tolerances
+from dummydesign.design.scoring.finite_strain import EXACT
 from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search.slabs import SearchSpace
@@ -38,7 +39,7 @@ def study(layer_law, resin, targets, tolerances, **drawn):
     )
     candidate = one_pad(layer_law, space, 5.5, 15.3).candidate
     outlook = outlook_at(15.3, castings.n)
-    return pour_yield(PadCastings(castings, layer_law, candidate, space, tolerances, outlook))
+    return pour_yield(PadCastings(castings, layer_law, candidate, space, tolerances, outlook, EXACT))
 
 
 def test_without_any_error_all_pours_are_the_nominal_one(layer_law, exact_resin, targets):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from dummydesign.core.quantity import Quantity
-from dummydesign.design.assessment.pad_castings import poured_slabs
 from dummydesign.design.pad_evaluator import law_of_shape
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
@@ -18,7 +17,7 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.tables.shape import TabulatedShapeLaw, load_shape_table
 from dummydesign.resin import load_resin
-from tests.support.cast_pads import space_of
+from tests.support.cast_pads import poured_slabs, space_of
 
 RADIUS = 14.0 / np.sqrt(np.pi)
 PADS = [("crowned:2.4,3.5,7.8", 11.0), ("crowned:2,4.3,7.8", 13.5), ("crowned:21.2,2,9.4", 4.5), ("crowned:10,2", 5.0)]
@@ -104,7 +103,6 @@ def test_a_slab_draws_no_crown_and_what_it_draws_does_not_depend_on_one(castings
     assert plain.crowns is None and len(crowned.crowns.higher_mm) == castings.n
     frozen = castings.pours(10.0, 15.3, Tolerances(60.0, crown=crown_making()), known=(MAKING,))
     assert frozen.crowns is None
-    np.testing.assert_array_equal(crowned.first(3).crowns.higher_mm, crowned.crowns.higher_mm[:3])
 
 
 def test_pours_of_a_crown_have_a_curve_each_and_without_errors_of_the_crown_that_of_their_thickness(space):

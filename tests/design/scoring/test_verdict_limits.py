@@ -143,12 +143,6 @@ def test_a_suggestion_reads_the_limits_before_any_work(own_file):
         read_problem(Request("forefinger", shape="slab", verify=False))
 
 
-@pytest.mark.parametrize("count", [0, -1, 1, 400, 1199, 100_001])
-def test_too_few_castings_for_a_percentage_are_refused(count):
-    with raises_code("out_of_range", "castings"):
-        read_problem(Request("forefinger", shape="slab", verify=False, castings=count))
-
-
 @pytest.mark.parametrize(
     ("table", "value", "allowed"),
     [

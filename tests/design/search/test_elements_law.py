@@ -67,13 +67,6 @@ def test_deeper_than_was_asked_the_table_goes_on_with_the_last_factor_and_its_ow
     assert failed.depth_limit_mm(H, RADIUS) == pytest.approx(2.0), "where the solve failed nothing is known deeper"
 
 
-def test_a_field_of_caps_is_solved_at_sixteen_depths_as_each_is_a_solve_in_space(shares):
-    text = "bumped:pitch=5,radius=2.91,height=1.24,grade=0.34"
-    table = FamilyLaw(load_family("bumped"), read_shape(text), 5.0, cast=True)
-    share = shares(text, table, 5.0, 1.0, 1.5)
-    assert len(share) == 16 and share[-1] * 5.0 == pytest.approx(BEYOND * 1.5)
-
-
 def test_a_design_that_could_not_be_solved_deep_enough_says_why():
     from dummydesign.design.suggest import of_shape
 

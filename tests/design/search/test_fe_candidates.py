@@ -12,8 +12,8 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.design.search import fe_candidates
 from dummydesign.design.search.fe_candidates import (
     BEYOND,
-    FIELD_SHARES,
     SPACING,
+    SPATIAL_SHARES,
     ElementsLaw,
     _inputs,
     _law,
@@ -21,9 +21,6 @@ from dummydesign.design.search.fe_candidates import (
     solved_shares,
 )
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
-from dummydesign.geometry.shapes.bumped import Bumped
-from dummydesign.pad.tables.bumped import edge_left
-from dummydesign.pad.tables.shape import load_shape_table
 from tests.support.refusal import raises_code
 
 
@@ -125,9 +122,9 @@ def test_a_design_is_solved_in_even_steps_to_a_third_beyond_its_deepest_press(fl
     assert held[-1] == pytest.approx(0.3)
 
 
-def test_caps_are_solved_at_sixteen_shares_of_the_last_depth():
+def test_what_is_not_round_is_solved_at_sixteen_shares_of_the_last_depth():
     shares = solved_shares(shaped(axisymmetric=False), space())
-    np.testing.assert_allclose(shares, FIELD_SHARES * BEYOND * 0.3)
+    np.testing.assert_allclose(shares, SPATIAL_SHARES * BEYOND * 0.3)
     assert len(shares) == 16 and shares[0] == pytest.approx(0.04 * shares[-1])
 
 
@@ -170,38 +167,14 @@ def test_a_round_solve_keeps_where_the_face_has_touched_in_millimetres(monkeypat
     np.testing.assert_allclose(made["touch"], [[1.0, 2.0], [3.0, 7.0], [0.01, 0.02]])
 
 
-def test_a_field_with_a_table_is_solved_on_its_grid_in_units_of_the_thickness(monkeypatch):
-    from dummydesign.pad.spatial import shaped_pad
-
-    asked = []
-
-    def press(shape, thickness, shares, grid):
-        asked.append((thickness, shares))
-        return shares[:2], 3.0 * shares[:2], "stopped"
-
-    monkeypatch.setattr(shaped_pad, "press_field", press)
-    table, field = load_shape_table("bumped"), Bumped.proportioned(4.5, 0.64)
-    pad = SimpleNamespace(geometry=field, thickness_mm=8.0)
-    made = fe_candidates._solve_field(pad, np.array([0.8, 1.6, 2.4]))
-    np.testing.assert_allclose(asked[0][1], [0.1, 0.2, 0.3])
-    assert asked[0][0] == 8.0 and made["notes"] == ("stopped",)
-    np.testing.assert_allclose(made["depth_mm"], [0.8, 1.6])
-    np.testing.assert_allclose(made["force_N"], [0.3, 0.6])
-    # The error of the cells, and what a sharp edge may carry more once the face is near it.
-    edge = made["error_N"] / made["force_N"] - np.interp([0.1, 0.2], table.error_depth, table.solve_error)
-    fall = field.drop_mm(np.full(99, 7.0), np.linspace(0.0, 7.0, 99)).min() / 8.0
-    np.testing.assert_allclose(edge, edge_left(np.array([0.1, 0.2]), fall), atol=0.01)
-    assert 0.0 < edge[0] < edge[1] == pytest.approx(0.15)
-
-
-def test_a_field_without_a_table_is_solved_under_the_square_of_fourteen_millimetres(monkeypatch):
+def test_what_is_not_round_is_solved_under_the_square_of_fourteen_millimetres(monkeypatch):
     from dummydesign.pad.spatial import shaped_pad
 
     asked = []
     monkeypatch.setattr(shaped_pad, "solve_shaped_block", lambda pad, depth: asked.append(pad) or SimpleNamespace(a=1))
     monkeypatch.setattr(fe_candidates, "Pad", lambda *given, **more: SimpleNamespace(given=given, **more))
-    pad = SimpleNamespace(geometry=SimpleNamespace(tabulated=False), thickness_mm=8.0)
-    assert fe_candidates._solve_field(pad, np.array([0.8])) == {"a": 1}
+    pad = SimpleNamespace(geometry=None, thickness_mm=8.0)
+    assert fe_candidates._solve_in_space(pad, np.array([0.8])) == {"a": 1}
     assert asked[0].sides_mm == (14.0, 14.0) and asked[0].given[:2] == (8.0, 1.0)
 
 
@@ -311,7 +284,7 @@ def test_a_slab_is_designed_by_its_table_and_wins_unsolved(leading):
 
 
 def test_fields_of_caps_are_solved_where_no_round_pad_was_searched(leading):
-    caps = law_of_outlook(1, 0.9, "bumped", axisymmetric=False)
+    caps = law_of_outlook(1, 0.9, "lattice", axisymmetric=False)
     designs, order = leading((caps, (1, 0.9)), (law_of_outlook(2, 0.5), (2, 0.5)))
     assert order == [1] and designs[0].solved and designs[-1] is caps
     assert leading((caps, (1, 0.8)))[1] == [0]

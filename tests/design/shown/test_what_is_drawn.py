@@ -80,7 +80,8 @@ def answer(tolerance=0.2, weighing=0.1, **more):
         "resin": Resin(),
         "radius_mm": 7.9,
         "best": SimpleNamespace(ratio=15.0, thickness_mm=10.0),
-        "request": SimpleNamespace(thickness_tolerance_mm=tolerance, weighing_g=weighing),
+        "request": None,
+        "castings": SimpleNamespace(tolerances=SimpleNamespace(thickness_mm=tolerance, weighing_g=weighing)),
         "batch": {"components": components},
         "targets": SimpleNamespace(protocol=NAGOYA_PROTOCOL, sampling=Sampling(), limits=verdict_limits()),
     }

@@ -25,6 +25,7 @@ from dummydesign.pad import force_source as elastic
 from dummydesign.pad.axisymmetric.case import PadCurve
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.tables.slab import load_table
+from dummydesign.pad.tables.square import crown_factor
 
 CROWN = read_shape("crowned:radius=20,height=3,foot=11")
 
@@ -55,7 +56,8 @@ def shaped(campaigns):
     """A campaign of slabs whose pads of 15 mm are declared crowned."""
     campaign = read_campaign(campaigns("none", 401))
     trials = [replace(t, geometry=CROWN) if t.thickness_mm == 15.0 else t for t in campaign.trials]
-    return replace(campaign, trials=tuple(trials))
+    punch = replace(campaign.punch, shape="round", side_mm=None, diameter_mm=2.0 * campaign.punch.radius_mm)
+    return replace(campaign, trials=tuple(trials), punch=punch)
 
 
 def asked(law, trials, share=0.2):
@@ -66,7 +68,7 @@ def asked(law, trials, share=0.2):
 def test_each_trial_has_the_law_of_its_own_pad(shaped, closed_form):
     law = law_of(shaped)
     assert isinstance(law, CampaignForceLaw) and law.shape == "shaped"
-    slab = SlabLaw(load_table("bonded"), shaped.punch.radius_mm, True)
+    slab = SlabLaw(load_table("bonded"), shaped.punch.radius_mm, False)
     for trial, area in zip(shaped.trials, asked(law, shaped.trials)):
         h = np.array([[trial.thickness_mm]])
         if trial.geometry.plain:
@@ -75,6 +77,15 @@ def test_each_trial_has_the_law_of_its_own_pad(shaped, closed_form):
             pad = SimpleNamespace(base="bonded", poisson=0.5, young_MPa=1.0, thickness_mm=15.0)
             assert area == pytest.approx(hertz(pad, 3.0), rel=1e-4)
     assert len(closed_form) == 1, "one pad is solved once, whatever is pressed on it"
+
+
+def test_a_square_punch_on_a_crown_has_the_crowns_factor(shaped, closed_form):
+    square = replace(shaped, punch=replace(shaped.punch, shape="square", side_mm=14.0, diameter_mm=None))
+    only = tuple(t for t in shaped.trials if not t.geometry.plain)[:1]
+    round_, own = (asked(law_of(replace(one, trials=only)), only, 0.3)[0] for one in (shaped, square))
+    factor, error = crown_factor(4.5, 15.0, 14.0 / np.sqrt(np.pi), dict(CROWN.parameters))
+    assert own / round_ == pytest.approx(float(factor), rel=2e-3) and abs(factor - 1.0) > 2e-3
+    assert law_of(replace(square, trials=only)).error_priors[0][0] > law_of(shaped).error_priors[0][0] and error > 0.0
 
 
 def test_pads_of_one_thickness_and_two_shapes_are_two_pads(shaped, closed_form):

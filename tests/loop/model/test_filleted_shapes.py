@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from dummydesign.geometry.shapes.boned import Boned
-from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.loop.model import campaign_force_law
@@ -110,7 +109,7 @@ BOWL = Boned(20.0, 3.0, 9.0)
         ("bonded", "frictionless", CROWN, False),
         ("bonded", "friction:0.3", CROWN, False),
         ("friction:0.3", "bonded", CROWN, False),
-        ("bonded", "bonded", Bumped(5.0, 2.0, 1.0), False),
+        ("bonded", "bonded", Crowned(10.0, 2.0, ridge=1.0), False),
     ],
 )
 def test_a_fillet_is_taken_where_the_elements_solve_it_and_refused_elsewhere(campaign, base, contact, shape, solved):

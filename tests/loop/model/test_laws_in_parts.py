@@ -271,8 +271,11 @@ def test_a_pad_is_solved_to_the_first_depth_beyond_what_was_pressed_by_a_tenth(m
     law = campaign_law._solved(campaign, [trial(9.0, depth=0.1), trial(9.0, depth=0.9 * depth)], "shaped", 0.0, print)
     wanted = share or campaign_law.MAX_DEPTH_OVER_THICKNESS
     assert made[0][0] == pytest.approx(9.0 * wanted) and made[0][2] > 0.0
-    # a square on a pad whose own factor is not solved is taken for the circle of its area
-    assert law.error_priors == error_priors(SLAB_ERROR, 0.02, True, 0.0)
+    assert law.error_priors == error_priors(SLAB_ERROR, 0.02, False, 0.0)
+    # a square on a pad whose own factor is not tabulated is taken for the circle of its area
+    two_layers = read_shape("layered:top=3,modulus_ratio=0.3")
+    layered = campaign_law._solved(campaign, [trial(9.0, geometry=two_layers)], "shaped", 0.0, print)
+    assert layered.error_priors == error_priors(SLAB_ERROR, 0.02, True, 0.0)
     other = SimpleNamespace(pad=pad, punch=SimpleNamespace(**{**vars(punch), "shape": "round"}))
     round_law = campaign_law._solved(other, [trial(9.0)], "shaped", 0.0, print)
     assert round_law.error_priors == error_priors(SLAB_ERROR, 0.02, False, 0.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import tomllib
 from collections import Counter
@@ -14,9 +15,14 @@ import numpy as np
 import pytest
 
 from dummydesign.cli.entry import run
+from dummydesign.loop.data.trials import make_presses
+from dummydesign.loop.fitting.fit import fit_base
+from dummydesign.loop.model.campaign_law import tabulated_law
+from dummydesign.loop.selection.doubts import ODD_SPEED, labels_of
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.measurement.campaign_plan import DEFAULT_FORCES_N, FRESH_REST_S, PlanSettings, file_name, make_plan
 from dummydesign.measurement.campaign_status import check_campaign
+from dummydesign.measurement.motion import contact_velocity, ramp_and_hold
 from dummydesign.tissue.comparison import PressTest, missing_of
 from tests.support.pressed_plan import press_campaign
 from tests.support.refusal import raises_code
@@ -156,6 +162,42 @@ def test_the_loop_finds_the_modulus_of_a_planned_and_pressed_campaign_and_no_eff
     found = json.loads(capsys.readouterr().out)
     young = found["after"]["parameters"]["young_kPa"]
     assert found["verdict"] == "none" and young["low"] < 27.0 < young["high"]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_presses_are_planned_at_speeds_that_are_reached_and_are_taken_at_those_and_at_the_asked(seed, tmp_path, capsys):
+    draw = np.random.default_rng([58, seed])
+    folder, thick, young = tmp_path / "c", draw.uniform(5.0, 15.0), draw.uniform(25.0, 80.0)
+    forces = ",".join(f"{force:.2f}" for force in draw.uniform(1.0, 6.0, 2))
+    speed, braking = draw.uniform(220.0, 400.0), 30_000.0
+    words = ["--pads", f"{thick:.2f}", "--young", f"{young:.1f}", "--force", forces, "--velocity", f"10,{speed:.0f}"]
+    found = asked(capsys, "new", str(folder), *words, "--ages", "7,9", "--no-power")
+    slower = [row for row in found["trials"] if row["velocity_mm_s"] < row["asked_velocity_mm_s"]]
+    said = [one["message"] for one in found["warnings"] if one["code"] == "speed_not_reached"]
+    assert len(slower) >= 2 and len(said) == 1
+    text, page = ((folder / name).read_text() for name in ("campaign.toml", "sheet.html"))
+    assert said[0] in text and said[0] in page
+    for row in found["trials"]:
+        depth = row["expected_depth_mm"]
+        motion = ramp_and_hold(row["asked_velocity_mm_s"], depth, row["hold_s"], braking)
+        first = motion.displacement_mm[1] / motion.time_s[1]
+        # the speed of the first step, of a punch that brakes a little less than at touch
+        assert row["velocity_mm_s"] == pytest.approx(first, rel=0.02)
+        assert float(contact_velocity(np.inf, depth, braking)) >= row["velocity_mm_s"]
+        force = row["target_force_N"] * motion.displacement_mm / depth
+        rows = np.column_stack([motion.time_s, motion.displacement_mm, force])
+        np.savetxt(folder / row["file"], rows, "%.6f", ",", header="time_s,displacement_mm,force_N", comments="")
+    for planned in (text, re.sub(r"velocity_mm_s = (?!10\.0)\S+", f"velocity_mm_s = {speed:.0f}.0", text)):
+        (folder / "campaign.toml").write_text(planned.replace("unload = true", "unload = false"))
+        assert check_campaign(folder).wrong == ()
+        presses = make_presses(read_campaign(folder))
+        # repeats of a condition are one cell
+        assert np.bincount(presses.cell).tolist() == [2] * 4
+        fit = fit_base(presses, tabulated_law(read_campaign(folder)), 1e-3 * young)
+        assert np.abs(labels_of(presses, fit).ln_speed).max() < 0.5 * ODD_SPEED
+    (folder / "campaign.toml").write_text(text.replace("velocity_mm_s = 10.0", "velocity_mm_s = 20.0"))
+    wrong = {one["file"] for one in check_campaign(folder).wrong if "mm/s" in one["message"]}
+    assert wrong == {row["file"] for row in found["trials"] if row["velocity_mm_s"] == 10.0}
 
 
 def test_what_is_wrong_is_named_with_its_file(mine, capsys):

@@ -65,13 +65,10 @@ def test_every_part_has_a_drawing_without_texts_on_each_other(open_parts, crowne
         *(("slab", t, preset) for t in (3.0, 5.0, 12.5, 20.0, 30.0) for preset in ("open", "lidded")),
         ("crowned:10,2", 5.0, "lidded"),
         ("crowned:10,2,0,1", 12.5, "open"),
-        ("bumped:12,5,1,0,1", 12.5, "open"),
-        ("bumped:12,5,1,0,1", 30.0, "lidded"),
         ("layered:8,0.4", 20.0, "open"),
         ("boned:20,6", 12.5, "open"),
         ("boned:20,6,0,1", 30.0, "open"),
         ("crowned:10,2", 3.5, "open"),
-        ("bumped:5,2.91,1.24,0.34", 5.0, "printed"),
     ],
 )
 def test_drawings_are_sound_for_every_shape_preset_and_thickness(shape, thickness, preset):

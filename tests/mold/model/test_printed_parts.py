@@ -120,7 +120,6 @@ CASES = [
     ("printed", "layered:3,0.4", {}),
     ("printed", "boned:20,4", {}),
     ("printed", "slab", {"count": 3}),
-    ("open", "bumped:13,6,1.5", {}),
     ("open", "crowned:radius=12,height=1.5,foot=6,sites_along=2,pitch_along=30", {}),
 ]
 

@@ -28,7 +28,7 @@ FOREFINGER = shape_spec("crowned:21.2,2,9.4", 4.5)
 SITES = shape_spec("crowned:10,2,6,0,2,1,20", 6.0)
 CROWNED = [PALM, FOREFINGER, SITES, shape_spec("crowned:5.1,3.8,7.8", 10.0), shape_spec("crowned:4,2,4", 8.0)]
 FLAT = [shape_spec("slab", 10.0), shape_spec("boned:20,6", 15.0), shape_spec("layered:6,0.4", 15.0)]
-UNKNOWN = [*FLAT, shape_spec("bumped:13,6,1.5", 15.0), shape_spec("crowned:3,8,9,1", 15.0)]
+UNKNOWN = [*FLAT, shape_spec("crowned:3,8,9,1", 15.0)]
 
 
 def cast(spec, more=None, **off):

@@ -31,8 +31,6 @@ SHAPES = {
     "crowned:3,8,9": ["tip", "shoulder", *CORNERS],
     "crowned:3,8,9,1": ["tip", "shoulder", *CORNERS],
     "crowned:3,2,3,0,2,1,15": ["tip1", "tip2", "shoulder", *CORNERS],
-    "bumped:13,6,1.5": ["tip", "between", "shoulder", *CORNERS],
-    "bumped:5,3,1": ["tip", "shoulder", *CORNERS],
     "layered:6,0.4": ["middle", *CORNERS],
     "boned:20,6": ["middle", *CORNERS],
 }

@@ -177,14 +177,12 @@ def test_the_command_makes_checked_files_of_several_pucks_with_one_sheet(tmp_pat
     "words, named",
     [
         (["--count", "2"], "--count"),
-        (["--castings", "3"], "--castings"),
         (["--shape", "crowned:20,2"], "--shape"),
         (["--length", "100"], "--length"),
         (["--width", "80mm"], "--width"),
         (["--base-ratio", "20"], "--base-ratio"),
         (["--face-sheet", "3"], "--face-sheet"),
-        (["--bone", "b.stl", "--bone-height", "4"], "--bone, --bone-height"),
-        (["--bone-scale", "2", "--bone-turn", "0,0,9", "--bone-at", "1,0"], "--bone-scale, --bone-turn, --bone-at"),
+        (["--machine", "m", "--silicone", "s"], "--machine, --silicone"),
     ],
 )
 def test_what_belongs_to_pads_is_refused_beside_a_puck(words, named, capsys):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from dummydesign.geometry.shapes.boned import Boned
-from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.geometry.shapes.slab import Slab
@@ -226,7 +225,6 @@ def test_grid_lines_meet_kinks_and_interfaces_and_follow_the_wanted_sizes():
 @pytest.mark.parametrize(
     ("shape", "changes", "code"),
     [
-        (Bumped(6.0, 3.0, 1.0), {}, "unsupported"),
         (Crowned(10.0, 2.5, ridge=1.0), {}, "unsupported"),
         (Crowned(10.0, 2.5), {"condition": "glue"}, "unknown_name"),
         (Crowned(10.0, 2.5), {"condition": "friction:9"}, "unknown_name"),

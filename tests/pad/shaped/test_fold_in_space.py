@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.pad.axisymmetric.case import Case
@@ -19,7 +18,6 @@ from dummydesign.pad.spatial.shaped_pad import (
     Load,
     SpatialFace,
     axis_lines,
-    field_problem,
     lattice_triangles,
     pierced,
     shaped_problem,
@@ -29,7 +27,6 @@ from dummydesign.pad.spatial.shaped_pad import (
 )
 
 STEEP = Crowned(2.0, 6.0, 2.2)
-FIELD = Bumped.proportioned(5.0, 0.3)
 CASTABLE = read_shape("crowned:4.434,5.76,6.221")
 
 
@@ -148,17 +145,6 @@ def test_a_face_that_has_passed_a_plane_of_symmetry_has_met_its_mirror_image():
     assert found.meeting(-0.1, whole.ravel()) is not None
     # What touches the punch does not count: there the sharp edge may crumple a cell.
     assert found.meeting(0.2, whole.ravel()) is None
-
-
-def test_the_half_of_a_folded_field_beyond_the_diagonal_is_the_mirror_image_of_the_other():
-    problem, found = field_problem(FIELD, 6.0, 2)
-    assert len(found._swapped) > 0 and len(found._triangles) > len(problem.solid.mesh.dofs)
-    rng = np.random.default_rng(3)
-    for points in (found.rest, found._points(rng.normal(0.0, 0.01, problem.solid.mesh.size))):
-        here = points.reshape(*found._nodes.shape, 3)
-        assert here.swapaxes(0, 1)[..., [1, 0, 2]] == pytest.approx(here, abs=1e-9)
-    corners = found.rest.reshape(*found._nodes.shape, 3)[::2, ::2].reshape(-1, 3) * 6.0
-    assert corners[:, 2] == pytest.approx(-FIELD.drop_mm(corners[:, 0], corners[:, 1]), abs=1e-6)
 
 
 def test_a_watch_says_between_which_depths_and_where_and_says_it_again():

@@ -1,4 +1,4 @@
-"""Pads in space on few cells: meshes in closed form, curves from made-up paths, a crown and a field that scale."""
+"""Pads in space on few cells: meshes in closed form, curves from made-up paths, a crown that scales."""
 
 from __future__ import annotations
 
@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 from dummydesign.geometry.shapes.boned import Boned
-from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.geometry.shapes.slab import Slab
@@ -20,19 +18,14 @@ from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import ForcePath
 from dummydesign.pad.spatial import round_twin, shaped_pad
 from dummydesign.pad.spatial.shaped_pad import (
-    HALF_SIDE_MM,
     GridFineness,
     Load,
     axis_lines,
-    field_lines,
-    field_problem,
     levels,
-    press_field,
     shaped_problem,
     solve_path,
     solve_shaped_block,
 )
-from dummydesign.pad.tables.shape import TabulatedShapeLaw
 
 FEW = GridFineness(3, slope=1.0, height_growth=2.0)
 CROWN = Crowned(10.0, 2.0)
@@ -212,7 +205,7 @@ def test_a_round_pad_is_asked_in_a_meridian_plane_under_the_circle_of_the_punch_
     for other in (
         load(half=(7.0, 7.0), offset=(1.0, 0.0)),
         load(Slab(), half=(7.0, 7.0)),
-        load(Bumped.proportioned(5.0, 0.3), half=(7.0, 7.0)),
+        load(Crowned(10.0, 2.0, ridge=1.0), half=(7.0, 7.0)),
         load(half=(7.0, 7.0), slab=(9.2, 9.2)),
     ):
         assert shaped_pad._round_twin(other, depths) is None
@@ -256,42 +249,3 @@ def test_what_is_not_corrected_doubts_its_edge_from_where_the_face_is_near_it():
     assert centred == pytest.approx([0.0, 0.0, 0.0664, 0.0814, 0.03], abs=1e-4)
     assert on_top == pytest.approx([0.15, 0.15, 0.1329, 0.0814, 0.03], abs=1e-4)
     assert beside[0] == 0.0 < beside[1] < on_top[1] and centred[2] < beside[2]
-
-
-FIELD = Bumped.proportioned(5.0, 0.3)
-
-
-def test_a_field_on_the_fewest_cells_carries_what_its_table_says():
-    """The force over the modulus, in mm2; the table states up to some per cent, cells as large as half a pitch more."""
-    depth = np.array([0.05, 0.1])
-    reached, area, stop = press_field(FIELD, 6.0, depth, 1)
-    assert stop is None and reached == pytest.approx(depth)
-    law = TabulatedShapeLaw(FIELD)
-    assert area == pytest.approx(law.force(6.0 * depth, 6.0, 1.0, PUNCH_RADIUS_MM), rel=0.05)
-
-
-@pytest.mark.parametrize("pitch", [3.0, 5.0, 9.0])
-@pytest.mark.parametrize("cells", [1, 2])
-def test_lines_of_a_field_lie_over_middles_and_half_way_between_and_at_the_edge_of_the_punch(pitch, cells):
-    rim = 0.5
-    lines = field_lines(pitch, rim, cells)
-    half = shaped_pad.HALF_SIDE_MM
-    assert lines[0] == 0.0 and np.all(np.diff(lines) > 0.0)
-    for edge in (half - rim, half + rim):
-        assert np.abs(lines - edge).min() < 1e-9
-    cell = 0.5 * min(pitch, 8.0) / cells
-    for mark in 0.5 * pitch * np.arange(1, int(2.0 * (half + pitch) / pitch) + 1):
-        if not half - rim <= mark <= half + rim and min(abs(mark - half - rim), abs(mark - half + rim)) > 0.4 * cell:
-            assert np.abs(lines - mark).min() < 1e-9
-    under = lines[lines <= half]
-    assert np.diff(under).max() <= 1.31 * cell and np.diff(lines)[0] <= 0.8 * cell
-
-
-@pytest.mark.parametrize("thickness", [3.0, 6.0, 12.0])
-def test_lines_of_a_field_s_cells_lie_at_both_ends_of_the_punch_s_rim_at_every_thickness(thickness):
-    problem, _ = field_problem(FIELD, thickness, 1)
-    nodes = problem.solid.mesh.nodes
-    ends = problem.punch.core[0], HALF_SIDE_MM / thickness + problem.punch.rim
-    assert problem.punch.rim * thickness == pytest.approx(shaped_pad.RIM * min(HALF_SIDE_MM, thickness))
-    for end in ends:
-        assert np.abs(nodes[0][nodes[2] < -0.99] - end).min() < 1e-6

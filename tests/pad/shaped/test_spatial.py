@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from dummydesign.geometry.shapes.boned import Boned
-from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.geometry.shapes.slab import Slab
@@ -147,14 +146,6 @@ def test_a_crown_on_large_cells_in_space_is_within_its_error_of_one_under_a_shar
     flat = solve_shaped_pad(pad, depth)
     assert np.all(np.abs(space.force_N / flat.force_N - 1.0) < space.error_N / space.force_N)
     assert space.force_N[1:] == pytest.approx(flat.force_N[1:], rel=0.025)
-
-
-@pytest.mark.slow
-def test_caps_far_apart_on_a_thin_pad_add_up():
-    """Nine caps 8 mm apart on 1.8 mm of gel carry nine times what one does, within 3 %."""
-    depths, punch, grid = [0.05, 0.1], (12.0, 12.0), GridFineness(12, slope=1.0)
-    nine, one = (pressed(Bumped(8.0, 3.0, 1.2, 0.0, rings), 3.0, depths, punch, grid) for rings in (1.0, 0.0))
-    assert nine == pytest.approx(9.0 * one, rel=0.03)
 
 
 @pytest.mark.slow

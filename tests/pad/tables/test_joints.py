@@ -12,7 +12,6 @@ import pytest
 
 from dummydesign.core.user_library import table_path
 from dummydesign.pad.tables import puck
-from dummydesign.pad.tables.bumped import HEIGHT_OVER_PITCH, PLACES, SMALLEST
 from dummydesign.pad.tables.filleted import FILLETS, load_filleted
 from dummydesign.pad.tables.shape import load_shape_table
 from dummydesign.pad.tables.slab import load_table
@@ -48,24 +47,6 @@ def test_a_shaped_pad_meets_no_step(kind, coordinate):
     function, points = shaped(kind, 61 + coordinate)
     assert len(points) > PATHS / 2
     assert steps_along(function, points, coordinate).max() < ALLOWED
-
-
-def built(points):
-    """Number of caps under the punch of a field that are high enough to be built."""
-    height = HEIGHT_OVER_PITCH * points[:, 1]
-    own = [height * (1.0 - points[:, 2] * (i * i + j * j)) for i, j, _ in PLACES]
-    return sum((one >= SMALLEST).astype(int) for one in own)
-
-
-@pytest.mark.parametrize("coordinate", range(4))
-def test_a_field_of_caps_meets_a_step_only_where_a_cap_is_built_or_not(coordinate):
-    function, points = shaped("bumped", 811 + coordinate)
-    end = points.copy()
-    end[:, coordinate] *= 1.04
-    steps = steps_along(function, points, coordinate)
-    same = built(points) == built(end)
-    assert same.sum() > PATHS / 4
-    assert steps[same].max() < ALLOWED
 
 
 @pytest.mark.parametrize("base", ["bonded", "sliding"])

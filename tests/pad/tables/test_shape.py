@@ -10,7 +10,6 @@ import pytest
 from dummydesign.core.user_library import data_folder
 from dummydesign.geometry.dimensions import EXTENT_OVER_RADIUS
 from dummydesign.geometry.shapes.boned import Boned
-from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.geometry.shapes.slab import Slab
@@ -26,12 +25,10 @@ from tests.support.refusal import raises_code
 FOLDER = data_folder() / "materials" / "tables"
 DESIGNS = designs()
 KINDS = list(tabulated_kinds())
-ROUND = [kind for kind in KINDS if kind != "bumped"]
 SHAPES = {
     "crowned": Crowned(10.0, 3.0, 8.0),
     "layered": Layered(4.0, 0.3),
     "boned": Boned(9.1, 3.5, 7.2),
-    "bumped": Bumped.proportioned(5.0, 0.25),
 }
 
 
@@ -62,7 +59,7 @@ def test_the_stated_error_is_what_fresh_solves_show(kind):
     assert len(miss) >= 12 and np.isfinite(miss).mean() > 0.7
 
 
-@pytest.mark.parametrize("kind", ROUND)
+@pytest.mark.parametrize("kind", KINDS)
 def test_a_solve_of_another_shape_agrees_within_the_stated_error(kind):
     shape, h = SHAPES[kind], 9.0
     press = Case(RADIUS_MM / h, EXTENT_OVER_RADIUS * RADIUS_MM / h, shape=shape, thickness_mm=h)
@@ -136,7 +133,7 @@ def test_inputs_of_a_shape_are_those_of_the_design(kind):
     point = design.fresh(1)[0]
     shape, h = design.shape(point)
     inputs = ratios(shape, h, RADIUS_MM)
-    plain = {"crowned": [1, 3], "bumped": [2]}.get(kind, [1])
+    plain = {"crowned": [1, 3]}.get(kind, [1])
     expected = np.exp(point)
     expected[plain] = point[plain]
     assert inputs == pytest.approx(expected)
@@ -144,7 +141,7 @@ def test_inputs_of_a_shape_are_those_of_the_design(kind):
 
 @pytest.mark.parametrize(
     "shape",
-    [Slab(), Crowned(10.0, 2.5, ridge=1.0), Boned(30.0, 3.0, 6.0), Bumped(5.0, 4.0, 1.2, 0.3)],
+    [Slab(), Crowned(10.0, 2.5, ridge=1.0), Boned(30.0, 3.0, 6.0)],
 )
 def test_shapes_without_a_table_are_refused(shape):
     with raises_code("not_tabulated"):
@@ -170,24 +167,3 @@ def test_a_response_surface_finds_a_smooth_function_again():
     ahead, _ = surface.along(surface.at_levels(new), place, (np.sqrt(depth) + 1e-6) ** 2 + np.zeros((20, 1)))
     assert slope == pytest.approx((ahead - value) / 1e-6, abs=1e-3)
     assert np.allclose(surface.limit(new), 0.6)
-
-
-def test_caps_start_as_one_cap_by_hertz_and_are_stiffer_once_more_of_them_are_touched():
-    law, field = TabulatedShapeLaw(SHAPES["bumped"]), SHAPES["bumped"]
-    depth = np.array([1e-4, 0.5 * field.grade_mm, 3.0 * field.grade_mm])
-    over = law.force(depth, 9.0, 0.03, RADIUS_MM) / (16.0 / 9.0 * 0.03 * np.sqrt(field.radius_mm) * depth**1.5)
-    force, stiffness = law.force_and_stiffness(depth[:1], 9.0, 0.03, RADIUS_MM)
-    assert depth[:1] * stiffness / force == pytest.approx(1.5, abs=0.02)
-    assert over[0] == pytest.approx(1.0, abs=0.05) and over[2] > 2.0 * over[0]
-
-
-@pytest.mark.slow
-def test_a_field_of_caps_solved_in_space_agrees_with_its_table_within_the_stated_error():
-    """The whole error of the table: docs/shapes-model.md."""
-    from dummydesign.pad.spatial.shaped_pad import COARSE, press_field
-
-    field, h = Bumped.proportioned(5.2, 0.3), 8.0
-    depth, area, _ = press_field(field, h, np.array([0.1, 0.2, 0.3, 0.4]), COARSE)
-    law = TabulatedShapeLaw(field)
-    miss = np.abs(law.force(depth * h, h, 1.0, RADIUS_MM) / area - 1.0)
-    assert np.all(miss < law.relative_error(depth * h, h, RADIUS_MM))

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.pad.tables.puck import friction_of, grip, load_puck_table
 from dummydesign.resin.puck_test.loading_fit import GRIPS, contradicts, fit_pucks
-from dummydesign.resin.puck_test.plates import LUBRICATED, OPEN, read_plates
+from dummydesign.resin.puck_test.plates import LUBRICATED, OPEN, over_friction, read_plates
 from tests.resin.puck_test.test_loading_fit import WINDOW, made
 from tests.support.refusal import raises_code
 
@@ -23,20 +24,35 @@ def test_a_declaration_is_read_and_a_wrong_one_refused():
             read_plates(text)
 
 
-def test_the_ends_of_the_declared_interval_are_two_standard_deviations_away():
+def test_lubricated_plates_have_a_prior_whose_median_and_ends_are_those_of_the_file():
+    quantity = read_plates(LUBRICATED).friction
+    grips, prior = read_plates(LUBRICATED).nodes(GRIPS)
+    frictions = [friction_of(one) for one in grips]
+    assert np.interp([HALF_WIDTH**2, 0.0], prior[4:], frictions[4:]) == pytest.approx(
+        [quantity.high, quantity.value], rel=0.02
+    )
+    assert grips.min() < float(grip(quantity.low)) and grips.max() > float(grip(quantity.high))
+    assert read_plates("bonded").nodes(GRIPS)[0].tolist() == [1.0] and OPEN.nodes(GRIPS)[0] is GRIPS
+    assert not OPEN.nodes(GRIPS)[1].any()
+
+
+def test_a_flat_likelihood_leaves_the_priors_median_and_interval():
+    """Modulus linear in the deviate of the friction: its median is that of the median friction."""
     plates = read_plates(LUBRICATED)
-    quantity = plates.friction
-    for end in (quantity.low, quantity.high):
-        assert plates.surprise(float(grip(end))) == pytest.approx(HALF_WIDTH**2, rel=1e-9)
-    assert plates.surprise(float(grip(quantity.value))) == pytest.approx(0.0, abs=1e-12)
-    grips = plates.grips(GRIPS)
-    assert [friction_of(grips[end]) for end in (0, -1)] == pytest.approx([quantity.low, quantity.high])
-    assert read_plates("bonded").grips(GRIPS).tolist() == [1.0] and OPEN.grips(GRIPS) is GRIPS
-    assert OPEN.surprise(0.3) == read_plates("bonded").surprise(1.0) == 0.0
+    grips, prior = plates.nodes(GRIPS)
+    away = np.sign(np.arange(len(grips)) - 4) * np.sqrt(prior)
+    young = np.stack([np.log(30.0) - 0.02 * away, np.full(len(grips), 0.01)])
+    known = over_friction(grips, prior, young, np.ones((2, len(grips))))
+    assert known.young_kPa.value == pytest.approx(30.0, rel=1e-3)
+    half_width = 0.5 * math.log(known.young_kPa.high / known.young_kPa.low)
+    assert half_width == pytest.approx(HALF_WIDTH * math.hypot(0.02, 0.01), rel=0.06)
+    assert known.friction.value == pytest.approx(plates.friction.value, rel=0.02)
+    assert known.friction.low == pytest.approx(plates.friction.low, rel=0.2)
+    assert known.friction.high == pytest.approx(plates.friction.high, rel=0.1)
 
 
 def half(fit):
-    return 0.5 * math.log(fit.young_high_kPa / fit.young_low_kPa)
+    return 0.5 * math.log(fit.known.young_kPa.high / fit.known.young_kPa.low)
 
 
 @pytest.mark.slow
@@ -47,7 +63,8 @@ def test_declared_plates_narrow_the_modulus_and_hold_the_truth(plates, declared)
     curves, table = made(30.0, 2.0, plates, [("A1", 0.1, 1.0)]), load_puck_table()
     free = fit_pucks(curves, 50.0, 30.0, table, WINDOW)
     fit = fit_pucks(curves, 50.0, 30.0, table, WINDOW, read_plates(declared))
-    assert fit.young_low_kPa < 30.0 < fit.young_high_kPa and free.young_low_kPa < 30.0 < free.young_high_kPa
+    for one in (fit.known.young_kPa, free.known.young_kPa):
+        assert one.low < 30.0 < one.high
     assert half(fit) < 0.65 * half(free)
     assert not contradicts(fit.rmse, fit.rmse_open)
 

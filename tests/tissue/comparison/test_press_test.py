@@ -8,10 +8,10 @@ import pytest
 from dummydesign.api.traces import compare
 from dummydesign.cli.entry import run
 from dummydesign.design.measured_pad import verdict_of_traces
-from dummydesign.measurement.motion import Motion, ramp_and_hold
+from dummydesign.measurement.motion import Motion, contact_velocity, ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.comparison import PressTest, compare_traces, presses_of
+from dummydesign.tissue.comparison import PressTest, compare_traces, missing_of, presses_of
 from dummydesign.tissue.model.laws.ode import ODE
 from tests.support.refusal import raises_code
 
@@ -73,6 +73,23 @@ def test_a_test_of_one_force_and_speed_judges_that_press_alone(palm):
     assert judged.peaks == 2 and "not pressed" not in judged.text
     assert found.result["steady_state_range"]["span_N"] == [2.0, 4.0] and found.grid_N[-1] == 4.0
     assert found.result["steady_state_range"]["above_5N_fraction"] == 1.0
+
+
+def test_a_press_that_brakes_from_contact_on_is_of_the_tests_speed_that_it_cannot_reach(palm):
+    depth = 0.4
+    assert contact_velocity(250.0, depth, 30_000.0) < 160.0
+    for sent in (158.0, 75.0):
+        motion = ramp_and_hold(sent, depth, 2.0)
+        trace = Trace("press.csv", motion.time_s, motion.displacement_mm, 5.0 * motion.displacement_mm / depth)
+        for known, test in (((10.0, 250.0), PressTest()), ((), PressTest(velocities_mm_s=(250.0,)))):
+            if sent < 100 and test.velocities_mm_s:
+                with raises_code("nothing_found"):
+                    presses_of([trace], test, known)
+                continue
+            reduced = presses_of([trace], test, known)[1]
+            assert reduced[0].velocity_mm_s == pytest.approx(250.0 if sent > 100 else sent, rel=0.05)
+            said = missing_of(reduced, test, known)
+            assert ("250" in said) == (sent < 100)
 
 
 @pytest.mark.slow

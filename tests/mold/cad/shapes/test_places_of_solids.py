@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from dummydesign.mold.cad.shapes import FlatSolids, boned, bumped, crowned, solids_of
+from dummydesign.mold.cad.shapes import FlatSolids, boned, crowned, solids_of
 from tests.support.mould_checks import shape_spec
 
 
@@ -34,7 +34,7 @@ def made(monkeypatch):
 
         return make
 
-    for module in (boned, bumped, crowned):
+    for module in (boned, crowned):
         for kind in ("cap", "ridge"):
             if hasattr(module, f"{kind}_solid"):
                 monkeypatch.setattr(module, f"{kind}_solid", maker(kind))
@@ -47,17 +47,6 @@ def test_a_bone_stands_on_the_free_face():
     # its tip lies below the tested face by what is left of the gel
     assert bone.kind == "cap" and bone.given == (pad.shape.conic, pytest.approx(9.0))
     assert boned.SOLIDS.tops(pad) == [] and crowned.SOLIDS.bone(pad) is None
-
-
-def test_bumps_of_one_height_are_made_once_and_their_tips_stand_below_the_highest(made):
-    pad = shape_spec("bumped:13,6,1.5,0.2", 12.0).pad
-    caps = bumped.SOLIDS.tops(pad)
-    heights = [height for *_, height in pad.shape.caps_mm()]
-    assert len(caps) == len(heights) and len(made) == len(set(heights)) > 1
-    for cap, (x, y, height) in zip(caps, pad.shape.caps_mm()):
-        # tip on z = 0 for the highest, all feet on the flat
-        assert cap.at == pytest.approx((x, y, pad.face_height_mm - height))
-        assert cap.given[0].height_mm == pytest.approx(height)
 
 
 def test_crowns_stand_at_their_sites_and_are_made_once(made):
@@ -81,5 +70,5 @@ def test_a_slab_adds_nothing_and_each_shape_has_its_own():
     slab = shape_spec("slab", 10.0).pad
     plain = solids_of(slab.shape)
     assert type(plain) is FlatSolids and plain.tops(slab) == [] and plain.bone(slab) is None
-    for text, module in (("boned:20,6", boned), ("bumped:13,6,1.5,0.2", bumped), ("crowned:10,2", crowned)):
+    for text, module in (("boned:20,6", boned), ("crowned:10,2", crowned)):
         assert solids_of(shape_spec(text, 15.0).pad.shape) is module.SOLIDS

@@ -45,9 +45,10 @@ from dummydesign.loop.fitting.candidates import first_fit, modest
 from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit, fit_base, fit_with_noise, prior_precision
 from dummydesign.loop.fitting.noise import make_whitener
 from dummydesign.loop.fitting.screening import Projection, Screened, change_by, project, screen, starts_of
-from dummydesign.loop.model.campaign_law import law_of, start_young_kPa, within_reach
+from dummydesign.loop.model.campaign_law import law_of, within_reach
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import BASE, LAW_TERMS, readings
+from dummydesign.loop.model.material import material_of
 from dummydesign.loop.run import close_loop
 from dummydesign.loop.selection.cross_validation import assess, effect_intervals
 from dummydesign.measurement.campaign import Campaign
@@ -151,7 +152,7 @@ def prepare(campaign: Campaign, new: Campaign) -> Prepared:
     """Fit the base and see which effects the campaign can show."""
     law = law_of(campaign)
     campaign, presses, _ = within_reach(campaign, make_presses(campaign), law)
-    base = fit_base(presses, law, 1e-3 * start_young_kPa(campaign))
+    base = fit_base(presses, law, 1e-3 * material_of(campaign).young_kPa)
     usable = [one for one in known_effects() if not (one.unavailable(presses, law) or one.unseen(presses))]
     return Prepared(campaign, new, base, tuple(usable))
 

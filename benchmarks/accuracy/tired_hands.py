@@ -25,7 +25,8 @@ from benchmarks.rows import keep_row, read_rows, scratch
 from dummydesign.core.errors import InputError
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.fitting.fit import fit_base
-from dummydesign.loop.model.campaign_law import law_of, start_young_kPa, within_reach
+from dummydesign.loop.model.campaign_law import law_of, within_reach
+from dummydesign.loop.model.material import material_of
 from dummydesign.loop.selection.doubts import doubts_of
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import campaign_generator, independent_generator
@@ -169,7 +170,7 @@ def run_one(number: int, seed: int, folder: Path) -> dict[str, Any]:
         campaign = read_campaign(folder / "a")
         law, every = law_of(campaign), make_presses(campaign)
         _, presses, _ = within_reach(campaign, every, law)
-        fit = fit_base(presses, law, 1e-3 * start_young_kPa(campaign))
+        fit = fit_base(presses, law, 1e-3 * material_of(campaign).young_kPa)
         base_s, began = time.process_time() - began, time.process_time()
         doubts = doubts_of(campaign, every, fit)
     except InputError as problem:

@@ -110,7 +110,8 @@ def _expected(
     material: nothing without a law."""
     from dummydesign.core.errors import NoAnswerError
     from dummydesign.core.progress import write_progress
-    from dummydesign.loop.planning import at_reached_speed, expected_presses, material_of
+    from dummydesign.loop.model.material import material_of
+    from dummydesign.loop.planning import at_reached_speed, expected_presses
     from dummydesign.measurement.motion import DECELERATION_MM_S2
 
     what = "force" if plan[0].by_depth else "depth"
@@ -223,11 +224,11 @@ def _power(
     plan: tuple[Planned, ...], campaign: Campaign, seed: int
 ) -> tuple[dict[str, Any] | None, list[dict[str, str]]]:
     """The effects that the plan can detect; a warning for a set-up without a tabulated force."""
-    from dummydesign.loop.model.campaign_law import start_young_kPa
+    from dummydesign.loop.model.material import material_of
     from dummydesign.loop.planning import plan_power
 
     try:
-        power = plan_power(plan, campaign, 1e-3 * start_young_kPa(campaign), seed)
+        power = plan_power(plan, campaign, 1e-3 * material_of(campaign).young_kPa, seed)
     except InputError as problem:
         message = f"which effects this plan can detect is not known for this pad and punch: {problem}"
         return None, [{"code": "no_power", "message": message}]

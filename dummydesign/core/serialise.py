@@ -31,7 +31,7 @@ def to_plain(value: Any) -> Any:
 
 
 # Answers whose fields changed their meaning.
-VERSIONS = {"suggest": 2}
+VERSIONS = {"suggest": 2, "loop": 2}
 
 
 def json_text(command: str, result: Mapping[str, Any]) -> str:

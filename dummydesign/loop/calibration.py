@@ -13,10 +13,8 @@ from dummydesign.loop.data.reduction import HOLD, PRE, RISE, UNLOADING
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.effects.learned import Learned
 from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit
-from dummydesign.loop.model.campaign_law import start_young_kPa
 from dummydesign.loop.model.effect import SetupLaw
 from dummydesign.loop.model.forward_model import (
-    BASE,
     LAW_TERMS,
     Active,
     BaseParameters,
@@ -24,6 +22,7 @@ from dummydesign.loop.model.forward_model import (
     parameter_names,
     simulate,
 )
+from dummydesign.loop.model.material import material_of
 from dummydesign.loop.pad_scatter import carried_share, recorded_spread
 from dummydesign.loop.result import LoopResult
 from dummydesign.loop.selection.cross_validation import pad_spreads, widened
@@ -76,11 +75,12 @@ class Posterior:
 def posterior_of(fit: CampaignFit, lack_ratio: float | None = None) -> Posterior:
     """Posterior of the base and effect parameters of a fit, law errors and contact shifts integrated out."""
     pairs = [(p, one.values[p.name]) for one in fit.active for p in one.effect.parameters]
-    mean = np.r_[fit.vector[:BASE], [np.log(value) if p.log else value for p, value in pairs]]
+    count = fit.problem.base_count
+    mean = np.r_[fit.vector[:count], [np.log(value) if p.log else value for p, value in pairs]]
     mean[0] += np.log(1e3)  # MPa to kPa
-    scale = np.r_[np.ones(BASE), [1.0 if p.log else p.typical for p, _ in pairs]]
+    scale = np.r_[np.ones(count), [1.0 if p.log else p.typical for p, _ in pairs]]
     own = widened(fit, lack_ratio)[: len(mean), : len(mean)] * np.outer(scale, scale)
-    names = parameter_names([one.effect for one in fit.active])
+    names = parameter_names(fit.problem.prior.arms, [one.effect for one in fit.active])
     level, *rest = pad_spreads(fit)
     # what records say of these pads is not known of the next one
     level = float(np.hypot(level, recorded_spread(fit.problem.presses)))
@@ -237,7 +237,7 @@ def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Cali
         if use.any():
             left[name] = float(np.sqrt(np.average(fit.residual[use] ** 2, weights=presses.samples[use])))
     pad = {
-        "young_kPa_expected": start_young_kPa(result.campaign),
+        "young_kPa_expected": material_of(result.campaign).young_kPa,
         "resin": result.campaign.pad.resin,
         "ratio": result.campaign.pad.ratio,
         "base": result.campaign.pad.base,

@@ -20,15 +20,13 @@ from dummydesign.loop.data.pad_modulus_factors import USUAL
 from dummydesign.loop.effects.learned import Learned, SmoothChange, followed_by
 from dummydesign.loop.effects.registry import known_effects
 from dummydesign.loop.model.forward_model import (
-    BASE,
-    HIGH,
     LAW_TERMS,
-    LOW,
-    NAMES,
     Active,
     BaseParameters,
+    base_names,
     parameter_names,
 )
+from dummydesign.loop.model.material import widest_bounds
 
 SCHEMA = "dummydesign.calibration/1"
 VERDICTS = ("effect", "none", "unexplained", "ambiguous")
@@ -187,7 +185,7 @@ def _calibration(data: _Entry) -> Calibration:
 
 def _posterior(table: _Entry, after: Model) -> Posterior:
     """Mean and covariance of the corrected model's parameters; the intervals in the file are for its reader."""
-    names, forms = parameter_names([one.effect for one in after.active]), _forms(after)
+    names, forms = parameter_names(after.base.count, [one.effect for one in after.active]), _forms(after)
     held = [name for name in names if name not in forms or name in table["names"].of(list)]
     if table["names"].value != held:
         raise _Fault(f"posterior.names must be {', '.join(names)}")
@@ -216,7 +214,7 @@ def _forms(after: Model) -> dict[str, tuple[float, float]]:
     """Usual value and standard deviation of each parameter of form, as a posterior keeps them."""
     pairs = [(one.effect, p) for one in after.active for p in one.effect.parameters]
     values = [(np.log(p.null), p.spread) if p.log else (p.null, p.spread * p.typical) for _, p in pairs if p.of_form]
-    names = parameter_names([one.effect for one in after.active])[BASE:]
+    names = parameter_names(0, [one.effect for one in after.active])[1:]
     return dict(zip([name for name, (_, p) in zip(names, pairs) if p.of_form], values))
 
 
@@ -245,12 +243,10 @@ def _model(data: _Entry) -> Model:
 
 
 def _base(table: _Entry) -> BaseParameters:
-    units = (1e3, 1.0, 1.0, 1.0, 1.0)
-    young, tau_1, beta_1, tau_2, beta_2 = (
-        table[key].number(float(unit * np.exp(low)), float(unit * np.exp(high)))
-        for key, unit, low, high in zip(NAMES, units, LOW, HIGH)
-    )
-    return BaseParameters(1e-3 * young, (tau_1, tau_2), (beta_1, beta_2))
+    count = sum(key.startswith("beta_") for key in table.of(dict))
+    low, high = (1e3 ** (np.arange(1 + 2 * count) == 0) * np.exp(ends) for ends in widest_bounds(count))
+    young, *arms = (table[key].number(*ends) for key, *ends in zip(base_names(count), low.tolist(), high.tolist()))
+    return BaseParameters(1e-3 * young, tuple(arms[::2]), tuple(arms[1::2]))
 
 
 def _effects(entries: _Entry) -> tuple[Active, ...]:

@@ -13,9 +13,8 @@ from dummydesign.loop.data.reduction import UNLOADING
 from dummydesign.loop.data.trials import SAME_DEPTH, Presses, stack
 from dummydesign.loop.fitting.candidates import USUAL_POSITION_MM
 from dummydesign.loop.fitting.fit import CampaignFit
-from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
-from dummydesign.loop.model.forward_model import BASE, LAW_TERMS
+from dummydesign.loop.model.forward_model import LAW_TERMS
 from dummydesign.measurement.campaign import Trial
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.sensor import Lowpass
@@ -257,9 +256,8 @@ def next_measurement(
     rivals = [predicted(one) for one in others]
     noise = first.sizes.noise
     gaps = np.zeros(len(chosen))
-    slope = CampaignProblem(planned, first.problem.law).slope(
-        np.r_[first.vector[:BASE], np.zeros(LAW_TERMS * len(planned.pads))], forces
-    )
+    plain = replace(first.problem, presses=planned, effects=())
+    slope = plain.slope(np.r_[first.vector[: plain.base_count], np.zeros(LAW_TERMS * len(planned.pads))], forces)
     cover = planned.bins.covariance(noise, np.where(planned.used, slope, 0.0))
     new = still_new(presses, chosen, planned, min(noise.position_mm, USUAL_POSITION_MM))
     for row in np.nonzero(new.any(axis=1))[0]:

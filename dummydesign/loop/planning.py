@@ -27,9 +27,10 @@ from dummydesign.loop.fitting.noise import NoiseSizes
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.fitting.screening import change_by, project, starts_of
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
-from dummydesign.loop.model.campaign_law import pad_of, start_young_kPa, tabulated_law
+from dummydesign.loop.model.campaign_law import pad_of, tabulated_law
 from dummydesign.loop.model.effect import SetupLaw
 from dummydesign.loop.model.forward_model import simulate
+from dummydesign.loop.model.material import Material, material_of
 from dummydesign.loop.next_measurement import HOLD_S, LUBRICATED, PossiblePress, options, planned_presses, planned_trace
 from dummydesign.loop.result import LoopResult
 from dummydesign.measurement.campaign import Campaign, Trial
@@ -41,26 +42,10 @@ from dummydesign.pad.pad_under_punch import Pad, Puck
 from dummydesign.pad.predict import depth_for_steady_force, motion_on_curve
 
 if TYPE_CHECKING:
-    from dummydesign.pad.material.relaxation import PronyTerm
+    pass
 
 
 LEAST_HOLD_S = 1e-3
-
-
-@dataclass(frozen=True)
-class Material:
-    """Long-term modulus with its 95 % interval and the relaxation; ``source`` says where they come from. [kPa]"""
-
-    young_kPa: float
-    low_kPa: float
-    high_kPa: float
-    prony: tuple[PronyTerm, ...]
-    source: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain values."""
-        young = {"value": self.young_kPa, "low": self.low_kPa, "high": self.high_kPa}
-        return {"young_kPa": young, "prony": [term.to_dict() for term in self.prony], "source": self.source}
 
 
 @dataclass(frozen=True)
@@ -90,22 +75,6 @@ class Expected:
             "beyond_depth_limit": self.beyond,
             "may_go_beyond_depth_limit": self.may_go_beyond,
         }
-
-
-def material_of(campaign: Campaign) -> Material:
-    """Return the nominal modulus and relaxation of a campaign's pads."""
-    pad, value = campaign.pad, start_young_kPa(campaign)
-    if pad.resin is None or pad.ratio is None:
-        return Material(value, value, value, (), "given, no interval known")
-    from dummydesign.resin import load_resin
-
-    resin = load_resin(pad.resin)
-    resin.check_ratio(pad.ratio)
-    prony = resin.prony(pad.ratio)
-    if pad.young_kPa_nominal is not None:
-        return Material(value, value, value, prony, f"given, no interval known; relaxation of {resin.name}")
-    modulus = resin.modulus_kPa(pad.ratio)
-    return Material(value, modulus.low, modulus.high, prony, modulus.source)
 
 
 def expected_presses(
@@ -336,7 +305,7 @@ def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, 
     law = tabulated_law(campaign)
     trials = planned_trials(plan, law, young_MPa, np.random.default_rng(seed))
     presses = make_presses(replace(campaign, trials=trials))
-    problem = CampaignProblem(presses, law)
+    problem = CampaignProblem(presses, law, prior=material_of(campaign).prior)
     usual = NoiseSizes(NOISE, *(prior[0] for prior in law.error_priors))
     vector = start_vector(problem, young_MPa)
     fit = fit_at(problem, vector, problem.predict(vector), usual)

@@ -15,7 +15,7 @@ import numpy as np
 from dummydesign.core.errors import InputError
 from dummydesign.core.serialise import Serialised
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise
-from dummydesign.loop.model.forward_model import BASE, parameter_names
+from dummydesign.loop.model.forward_model import parameter_names
 from dummydesign.loop.selection.cross_validation import widened
 from dummydesign.measurement.campaign import Campaign
 
@@ -109,8 +109,12 @@ def join(fit: CampaignFit, prior: Calibration, lack_ratio: float | None = None) 
 
 def _shared(fit: CampaignFit, known: tuple[str, ...]) -> list[tuple[int, str, float, float]]:
     """Entry in the vector, name in the posterior, unit per coordinate and value at coordinate 0 of what is shared."""
-    names = parameter_names(fit.problem.effects)
-    shared = [(entry, names[entry], 1.0, 0.0) for entry in range(BASE)]
+    problem = fit.problem
+    names = parameter_names(problem.prior.arms, problem.effects)
+    base = names[: problem.base_count]
+    # arms of another number are other arms: only the modulus is then shared
+    same = sum(name.startswith("log beta_") for name in known) == problem.prior.arms
+    shared = [(entry, name, 1.0, 0.0) for entry, name in enumerate(base if same else base[:1])]
     shared[0] = (0, names[0], 1.0, float(np.log(1e3)))  # MPa to kPa
     for effect in fit.problem.effects:
         for entry, p in zip(fit.problem.entries[effect.name], effect.parameters):

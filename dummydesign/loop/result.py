@@ -14,6 +14,7 @@ from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.next_measurement import NextMeasurement
 from dummydesign.loop.pad_scatter import pad_scatter
 from dummydesign.loop.prior import PooledFit
+from dummydesign.loop.selection.as_designed import AsDesigned
 from dummydesign.loop.selection.cross_validation import AssessedModel, effect_intervals, lack_of_fit
 from dummydesign.loop.selection.doubt_words import Doubt
 from dummydesign.loop.selection.explanations import Among, Explanation, residual_N
@@ -52,6 +53,8 @@ class LoopResult(EffectModel):
     warnings: tuple[dict[str, str], ...]
     joined: PooledFit | None
     doubts: tuple[Doubt, ...] = ()
+    designed: AsDesigned | None = None
+    """The design's own prediction; None where the campaign declares no material with intervals."""
 
 
 def result_dict(result: LoopResult) -> dict[str, Any]:
@@ -64,6 +67,7 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
         "answer": answer_of(result),
         "doubts": to_plain(result.doubts),
         "worth": [asdict(worth_of(result, effect)) for effect in effects],
+        "as_designed": to_plain(result.designed),
         "base": result.base.to_dict(),
         "verdict": result.verdict,
         "effects": [_effect(accepted, result) for accepted in result.effects],
@@ -168,6 +172,8 @@ def answer_of(result: LoopResult) -> list[str]:
         first = _ambiguity_text(result.among)
     elif result.verdict == "none":
         first = "Nothing is missing: the model describes the campaign down to its noise."
+        if result.designed is not None and result.designed.held:
+            first += " As designed: modulus and relaxation lie within the declared intervals."
     elif result.verdict == "effect":
         them = "it" if len(names) == 1 else "them"
         first = f"The model lacked {listed(names)}; with {them} the residual is noise."
@@ -186,6 +192,11 @@ def answer_of(result: LoopResult) -> list[str]:
         lines += [_effect_text(result, one.candidate.effect, one.confounded_with) for one in result.effects]
     else:
         lines += [_explanation_text(one) for one in result.among.found[:SHOWN]]
+    if result.designed is not None:
+        lines.append(
+            f"The design's own prediction is {result.designed.rmse_N:.3g} N off (rms), nothing fitted; the refitted "
+            f"material {result.base.errors.train_N:.3g} N."
+        )
     before, left = result.base.errors.heldout_N, after.errors.heldout_N
     if left is not None and before is not None:
         change = f"falls from {before:.3g} to {left:.3g} N" if result.effects else f"is {left:.3g} N"
@@ -230,19 +241,21 @@ def read_as_words(data: dict[str, Any]) -> list[str]:
 
 def answer_rows(data: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
     """Head and rows of errors and parameters before and after; of an effect's parameters its name comes last."""
-    rows = []
+    rows, designed = [], data["as_designed"]
     for name, label in (("train", "fitted"), ("heldout", "left out")):
-        errors = [data[model]["error"][f"{name}_rmse_N"] for model in ("base", "after")]
+        models = (designed, data["base"], data["after"])
+        errors = [None if one is None else one["error"][f"{name}_rmse_N"] for one in models]
         rows.append([f"error N, {label}", *("-" if error is None else f"{error:.4f}" for error in errors)])
     for name, after in data["after"]["parameters"].items():
         values = (data["base"]["parameters"][name]["value"], *(after[end] for end in ("value", "low", "high")))
-        rows.append([name, *(f"{value:.4g}" for value in values)])
+        declared = [f"{designed['parameters'][name]:.4g}"] if designed else ["-"]
+        rows.append([name, *declared, *(f"{value:.4g}" for value in values)])
     for effect in data["effects"]:
         rows += [
-            [name, "-", *(f"{value[end]:.4g}" for end in ("value", "low", "high")), f"({effect['name']})"]
+            [name, "-", "-", *(f"{value[end]:.4g}" for end in ("value", "low", "high")), f"({effect['name']})"]
             for name, value in effect["parameters"].items()
         ]
-    return ["", "base", "corrected", "95 % low", "95 % high"], rows
+    return ["", "designed", "base", "corrected", "95 % low", "95 % high"], rows
 
 
 SHOWN = 4

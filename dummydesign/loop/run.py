@@ -20,13 +20,15 @@ from dummydesign.loop.effects.registry import known_effects, refuse_unsound
 from dummydesign.loop.fitting.candidates import EffectCandidate
 from dummydesign.loop.fitting.fit import fit_base, with_rough_law
 from dummydesign.loop.fitting.noise import repeat_pairs
-from dummydesign.loop.model.campaign_law import law_of, start_young_kPa, within_reach
+from dummydesign.loop.model.campaign_law import law_of, within_reach
 from dummydesign.loop.model.effect import Effect, SetupLaw
 from dummydesign.loop.model.forward_model import readings
+from dummydesign.loop.model.material import material_of
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.pad_scatter import known_pads
 from dummydesign.loop.prior import PooledFit, check_prior, join, with_prior_effects
 from dummydesign.loop.result import EffectModel, LoopResult, listed, named
+from dummydesign.loop.selection.as_designed import AsDesigned, as_designed
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.doubts import doubt_warnings, doubts_of, without_doubted
 from dummydesign.loop.selection.explanations import explain, one_shape
@@ -133,13 +135,14 @@ def close_loop(
     law = law_of(campaign, progress)
     declared, every = campaign, make_presses(campaign)
     campaign, presses, beyond = within_reach(declared, every, law)
+    material = material_of(campaign)
     with processor_budget(budget_s) as budget:
-        first = fit_base(presses, law, 1e-3 * start_young_kPa(campaign), progress)
+        first = fit_base(presses, law, 1e-3 * material.young_kPa, progress, material.prior)
         progress("checking the labels of the presses")
         # a label that is wrong is no effect, and would be taken for one
         doubts = doubts_of(declared, every, first)
         campaign, presses, first = without_doubted(campaign, presses, first, doubts)
-        base = assess(first)
+        base, designed = assess(first), as_designed(first)
         available, untested = _available(presses, law)
         seen = diagnose(base.fit)
         explained = _explain(base, seen, available, progress)
@@ -147,7 +150,11 @@ def close_loop(
     if law.shape == "cylinder":
         base, answer = _of_pucks(base, answer, available, progress)
     plain, learnt = answer.after.fit, answer.learnt
-    doubt = doubt_of(plain, answer.selection.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
+    doubt = (
+        doubt_of(plain, answer.selection.rivals)
+        if learnt is None
+        else doubt_of_curve(plain.problem.base_count, learnt.effect.shape.flat)
+    )
     after = replace(answer.after, fit=with_rough_law(plain, doubt))
     base = after if plain is base.fit else base
     joined = None
@@ -163,7 +170,12 @@ def close_loop(
     stopped = f"{budget_s:g} s of processor time" if budget.ran_out else ""
     better = _better_alone(answer.selection, after) if answer.among is None else ()
     labels = doubt_warnings(doubts, presses)
-    warnings = (*labels, *_warnings(campaign, presses, beyond, stopped, answer, joined), *better)
+    warnings = (
+        *_contradicted(designed),
+        *labels,
+        *_warnings(campaign, presses, beyond, stopped, answer, joined),
+        *better,
+    )
     return LoopResult(
         **{**vars(answer), "after": after},
         campaign=campaign,
@@ -175,7 +187,18 @@ def close_loop(
         warnings=warnings,
         joined=joined,
         doubts=doubts,
+        designed=designed,
     )
+
+
+def _contradicted(designed: AsDesigned | None) -> Iterator[dict[str, str]]:
+    """Numbers of the declared material that the presses contradict."""
+    for one in () if designed is None else designed.contradicted:
+        message = (
+            f"{one.name} is {one.declared:.4g} as declared, {one.refitted:.4g} in these presses "
+            f"({one.distance:.1f} standard deviations): check resin and ratio of the campaign"
+        )
+        yield {"code": "material_contradicted", "message": message}
 
 
 def _explain(

@@ -16,11 +16,14 @@ from dummydesign.design.calibrated import with_calibration
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.effects.registry import EFFECTS
-from dummydesign.loop.model.forward_model import HIGH, LOW, Active, BaseParameters
+from dummydesign.loop.model.forward_model import Active, BaseParameters
+from dummydesign.loop.model.material import widest_bounds
 from dummydesign.loop.run import replay
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.resin import load_resin
 from tests.support.refusal import raises_code
+
+LOW, HIGH = widest_bounds(2)
 
 JUNK = [
     None,

@@ -26,7 +26,7 @@ def small(campaigns, tmp_path_factory):
 def test_loop_writes_report_and_calibration_and_replay_reads_it(small, tmp_path, capsys):
     assert cli.run(["loop", str(small), "--out", str(tmp_path), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert found["schema"] == "dummydesign.loop/1" and found["verdict"] == "none"
+    assert found["schema"] == "dummydesign.loop/2" and found["verdict"] == "none"
     made = {p.name for p in tmp_path.iterdir()}
     assert {"calibration.json", "report.html", "report.pdf"} <= made
     assert made - {"calibration.json", "report.html", "report.pdf", "manifest.json"} == {"report.csv"}
@@ -52,7 +52,7 @@ def test_bad_input_ends_in_one_line_and_status_two(small, tmp_path, capsys):
 
 
 def test_a_campaign_may_name_resin_and_ratio_instead_of_a_modulus(small, tmp_path):
-    from dummydesign.loop.model.campaign_law import start_young_kPa
+    from dummydesign.loop.model.material import material_of
     from dummydesign.measurement.campaign_file import read_campaign
 
     for path in small.iterdir():
@@ -60,4 +60,4 @@ def test_a_campaign_may_name_resin_and_ratio_instead_of_a_modulus(small, tmp_pat
     text = (tmp_path / "campaign.toml").read_text().splitlines()
     text = ['resin = "polyurethane-nagoya"' if line.startswith("young_kPa_nominal") else line for line in text]
     (tmp_path / "campaign.toml").write_text("\n".join(text))
-    assert 5.0 < start_young_kPa(read_campaign(tmp_path)) < 100.0
+    assert 5.0 < material_of(read_campaign(tmp_path)).young_kPa < 100.0

@@ -10,8 +10,11 @@ import pytest
 from dummydesign.loop.calibration import Calibration, Model, Posterior
 from dummydesign.loop.calibration_file import _Entry, _Fault, _shown, read_calibration, write_calibration
 from dummydesign.loop.effects.registry import effect_named
-from dummydesign.loop.model.forward_model import HIGH, LOW, Active, BaseParameters, parameter_names
+from dummydesign.loop.model.forward_model import Active, BaseParameters, parameter_names
+from dummydesign.loop.model.material import widest_bounds
 from tests.support.refusal import raises_code
+
+LOW, HIGH = widest_bounds(2)
 
 
 def test_a_number_lies_within_its_ends_and_a_millionth_of_their_range():
@@ -38,7 +41,7 @@ def test_a_value_is_shown_short_and_by_its_kind():
 
 def whole():
     active = (Active(effect_named("contact_offset"), {"offset_mm": 0.1}),)
-    names = tuple(parameter_names([active[0].effect]))
+    names = tuple(parameter_names(2, [active[0].effect]))
     cover = np.diag([0.01, 0.02, 0.03, 0.04, 0.05, 0.06]) ** 2
     cover[0, 1] = cover[1, 0] = 1e-4
     known = Posterior(names, np.arange(6.0), cover, (0.01, 0.02, 0.03))
@@ -92,7 +95,7 @@ def damaged(tmp_path, change):
         lambda d: d["after"]["law_error"].__setitem__("carried_to_other_pads", 1.1),
         lambda d: d["after"]["law_error"].__setitem__("shape", [""]),
         lambda d: d["after"]["base"].__setitem__("young_kPa", 1e3 * float(np.exp(HIGH[0])) * 1.01),
-        lambda d: d["after"]["base"].__setitem__("tau_1_s", float(np.exp(LOW[1])) * 0.99),
+        lambda d: d["after"]["base"].__setitem__("tau_1_s", float(np.exp(LOW[1])) * 0.5),
         lambda d: d["after"]["effects"].append(d["after"]["effects"][0]),
         lambda d: d["after"]["effects"][0].__setitem__("name", "unheard_of"),
         lambda d: d.__setitem__("noise_floor_N", -0.1),

@@ -15,6 +15,7 @@ from dummydesign.loop.effects.registry import EFFECTS, effect_named
 from dummydesign.loop.fitting.fit import prior_precision
 from dummydesign.loop.model.effect import Arm
 from dummydesign.loop.model.forward_model import parameter_names, relax
+from dummydesign.loop.model.material import UNDECLARED
 from dummydesign.loop.selection.search import LAW_ERROR, doubt_of
 from dummydesign.loop.selection.verdict import EACH_PARAMETER
 from tests.support.made_calibration import calibration, effect
@@ -30,7 +31,8 @@ def test_a_form_has_its_usual_value_at_coordinate_zero_and_is_never_a_size(one, 
 
 
 def test_only_forms_and_the_law_error_have_priors():
-    problem = SimpleNamespace(effects=(effect_named("friction_hysteresis"),), thicknesses=np.array([5.0, 10.0]))
+    effects = (effect_named("friction_hysteresis"),)
+    problem = SimpleNamespace(effects=effects, thicknesses=np.array([5.0, 10.0]), prior=UNDECLARED)
     forms = [one.spread**-2.0 for one in effect_named("friction_hysteresis").parameters[1:]]
     sizes = SimpleNamespace(law=(0.1, 0.2, 0.5))
     expected = [*[0.0] * 6, *forms, 100.0, 100.0, 25.0, 25.0, 4.0, 4.0]
@@ -41,7 +43,7 @@ def test_only_forms_and_the_law_error_have_priors():
 def written(tmp_path):
     """A calibration's file as a table, and a function that reads it when it was changed."""
     made = calibration(effect("friction_hysteresis", friction_fraction=0.05))
-    names = tuple(parameter_names([made.after.active[0].effect]))
+    names = tuple(parameter_names(2, [made.after.active[0].effect]))
     made = replace(made, posterior=replace(made.posterior, names=names))
     path = write_calibration(made, tmp_path / "calibration.json")
 
@@ -109,7 +111,9 @@ def test_tension_is_seen_beyond_the_noise_and_a_drift_of_the_zero_is_none():
 def model(log_young, variance=0.0, effects=()):
     vector = np.array([log_young, 0.0, 0.0, 0.0, 0.0])
     covariance = np.diag([variance, 0.0, 0.0, 0.0, 0.0])
-    return SimpleNamespace(vector=vector, covariance=covariance, active=(), problem=SimpleNamespace(effects=effects))
+    return SimpleNamespace(
+        vector=vector, covariance=covariance, active=(), problem=SimpleNamespace(effects=effects, base_count=5)
+    )
 
 
 def test_rivals_widen_the_modulus_by_their_weight_and_the_law_by_its_error():

@@ -16,7 +16,8 @@ from dummydesign.loop.calibration import Calibration, Model, Posterior, model_of
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
-from dummydesign.loop.model.forward_model import BASE, Active, BaseParameters, LawError
+from dummydesign.loop.model.forward_model import Active, BaseParameters, LawError, parameter_names
+from dummydesign.loop.model.material import UNDECLARED
 from dummydesign.loop.next_measurement import (
     BACK_MM_S,
     HOLD_S,
@@ -33,6 +34,8 @@ from dummydesign.pad.tables.slab import load_table
 from tests.support import puck_presses as pucks
 from tests.support.puck_presses import clean_fit
 from tests.support.refusal import raises_code
+
+BASE = len(UNDECLARED.mean)
 
 
 def prior_of(found, mean=None, covariance=None):
@@ -99,6 +102,7 @@ def test_effects_of_the_pad_are_shared_in_their_own_units():
         "contact_offset.offset_mm",
         *(f"{'log ' if p.log else ''}strain_stiffening.{p.name}" for p in effects[2].parameters),
     )
+    names = (*parameter_names(2, ()), *names)
     rows = _shared(SimpleNamespace(problem=problem), names)
     assert rows[0] == (0, "log young_kPa", 1.0, pytest.approx(np.log(1e3)))
     taken = {name: (entry, unit, zero) for entry, name, unit, zero in rows[BASE:]}
@@ -111,7 +115,7 @@ def test_effects_of_the_pad_are_shared_in_their_own_units():
                 for coordinate in (0.0, 0.7):
                     value = p.typical * np.exp(coordinate) if p.log else p.null + p.typical * coordinate
                     assert at == entry and zero + unit * coordinate == pytest.approx(np.log(value) if p.log else value)
-    assert not _shared(SimpleNamespace(problem=problem), ())[BASE:]
+    assert not _shared(SimpleNamespace(problem=problem), ())[1:]
 
 
 def test_a_prior_of_another_ratio_is_refused_beyond_a_thousandth():

@@ -17,6 +17,7 @@ from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.model.forward_model import Active, BaseParameters
+from dummydesign.loop.model.material import UNDECLARED
 from dummydesign.loop.selection.cross_validation import jackknife
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.resin import load_resin
@@ -156,7 +157,7 @@ def test_units_of_an_effect_are_those_of_its_parameters(monkeypatch):
         sizes=SimpleNamespace(law=(0.1, 0.2, 0.3)),
         active=(Active(tilt, {tilt.parameters[0].name: tilt.parameters[0].to_value(2.0)}),),
         joined=True,
-        problem=SimpleNamespace(presses=SimpleNamespace(trials=())),
+        problem=SimpleNamespace(presses=SimpleNamespace(trials=()), base_count=5, prior=UNDECLARED),
     )
     monkeypatch.setattr("dummydesign.loop.calibration.pad_spreads", lambda found: found.sizes.law)
     known = posterior_of(fit)

@@ -12,8 +12,9 @@ from dummydesign.loop.calibration import Calibration, model_of
 from dummydesign.loop.data.trials import stack
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.model.base_law import PuckLaw
-from dummydesign.loop.model.campaign_law import law_of, start_young_kPa, within_reach
+from dummydesign.loop.model.campaign_law import law_of, within_reach
 from dummydesign.loop.model.forward_model import Active
+from dummydesign.loop.model.material import material_of
 from dummydesign.loop.run import replay
 from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec
 from tests.support import puck_presses as pucks
@@ -90,10 +91,12 @@ def test_too_few_presses_within_their_law_are_refused():
 
 def test_the_law_of_pucks_knows_what_is_not_known_of_their_heights_and_moduli():
     trials = pucks.planned().trials
-    assert law_of(campaign_of(trials)) == PuckLaw(pucks.DIAMETER_MM) and start_young_kPa(campaign_of(trials)) == 50.0
+    assert (
+        law_of(campaign_of(trials)) == PuckLaw(pucks.DIAMETER_MM) and material_of(campaign_of(trials)).young_kPa == 50.0
+    )
     read = [replace(trial, thickness_sd_mm=0.03 * trial.thickness_mm, young_factor_sd=0.04) for trial in trials]
     level, slope, curve = law_of(campaign_of(read)).error_priors
     (own, spread), *others = PuckLaw(pucks.DIAMETER_MM).error_priors
     assert level == (pytest.approx(np.hypot(own, 0.05)), spread) and [slope, curve] == list(others)
     with raises_code("missing", "pad.young_kPa_nominal"):
-        start_young_kPa(campaign_of(trials, None))
+        material_of(campaign_of(trials, None))

@@ -169,6 +169,8 @@ def test_evidence_apart_counts_only_bins_that_the_form_error_of_another_effect_d
     vector = np.r_[np.zeros(5), 100.0, size]
 
     class Problem(CampaignProblem):
+        centre = np.zeros(7)
+
         def predict(self, at):
             return jacobian @ at
 

@@ -47,7 +47,7 @@ def render(result: dict[str, Any]) -> str:
 
     head, body = answer_rows(result)
     rows = [
-        f"  {row[0]:<20} " + " ".join(f"{cell:>9}" for cell in row[1:5]) + "".join(f"  {word}" for word in row[5:])
+        f"  {row[0]:<20} " + " ".join(f"{cell:>9}" for cell in row[1:6]) + "".join(f"  {word}" for word in row[6:])
         for row in (head, *body)
     ]
     coming, read_as = result["next_measurement"], read_as_words(result)
@@ -64,7 +64,7 @@ def render(result: dict[str, Any]) -> str:
 
 
 ERRORS = [
-    ("", "label", "<8"),
+    ("", "label", "<12"),
     ("fitted N", "train_rmse_N", ">9.4f"),
     ("held-out N", "heldout_rmse_N", ">11.4f"),
     ("noise floor N", "noise_floor_N", ">14.4f"),
@@ -96,7 +96,8 @@ def render_details(result: dict[str, Any]) -> str:
             lines.append(f"  equally good explanations: {', '.join(effect['confounded_with'])}")
         if effect["family"]:
             lines.append(f"  indistinguishable in this campaign: {', '.join(effect['family'])}")
-    lines += table([{"label": label, **result[label]["error"]} for label in ("base", "after")], ERRORS)
+    models = [label for label in ("as_designed", "base", "after") if result[label]]
+    lines += table([{"label": label, **result[label]["error"]} for label in models], ERRORS)
     before = result["base"]["parameters"]
     lines += table(
         [

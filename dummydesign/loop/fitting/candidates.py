@@ -12,7 +12,6 @@ from dummydesign.loop.fitting.fit import CampaignFit, fit, fit_with_noise, with_
 from dummydesign.loop.fitting.noise import NoiseSizes
 from dummydesign.loop.fitting.screening import Screened, screen
 from dummydesign.loop.model.effect import Effect
-from dummydesign.loop.model.forward_model import BASE
 
 ROUGH = 0.5  # gain in chi-square at which a first fit ends: what is compared are tens
 USUAL_POSITION_MM = 0.02  # contact scatter of a usual robot
@@ -41,11 +40,12 @@ def first_fit(campaign_fit: CampaignFit, one: Screened) -> CampaignFit:
     The score is that with contact scatter and law error of its own, the fit moved there to first order.
     """
     problem, at = campaign_fit.problem.plus(one.effect), campaign_fit.problem.fixed
+    count = problem.base_count
     # to first order a large effect is overestimated
     first = float(np.clip(one.coordinate, -8.0, 8.0))
     tried = []
-    for logs in one.effect.base_starts(campaign_fit.vector[:BASE].copy()):
-        vector = np.r_[logs, campaign_fit.vector[BASE:at], one.start, campaign_fit.vector[at:]]
+    for logs in one.effect.base_starts(campaign_fit.vector[:count].copy()):
+        vector = np.r_[logs, campaign_fit.vector[count:at], one.start, campaign_fit.vector[at:]]
         vector[at] = first if abs(first) > 0.05 else 0.3 * float(one.start[0])
         tried.append(fit(problem, vector, campaign_fit.sizes, 16, ROUGH))
     return with_sizes(min(tried, key=lambda trial: trial.chi2))

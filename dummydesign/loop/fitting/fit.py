@@ -14,7 +14,8 @@ from dummydesign.loop.fitting.noise import NoiseSizes, SizeLikelihood, estimate_
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.base_law import USUAL_ROUGHNESS
 from dummydesign.loop.model.effect import SetupLaw
-from dummydesign.loop.model.forward_model import BASE, LAW_TERMS, Active, BaseParameters
+from dummydesign.loop.model.forward_model import LAW_TERMS, Active, BaseParameters
+from dummydesign.loop.model.material import UNDECLARED, BasePrior
 
 NORMAL_95 = 1.959964
 
@@ -60,17 +61,19 @@ class CampaignFit:
 
 
 def start_vector(problem: CampaignProblem, young_MPa: float) -> NDArray:
-    """Usual parameters of a soft gel, effects at null."""
-    strength = 1e-3 if problem.presses.elastic_only else 0.3
-    base = BaseParameters(young_MPa, (0.07, 1.5), (strength, strength)).to_logs()
+    """Relaxation as declared, or that of a usual gel; effects at null."""
+    base = problem.prior.mean.copy()
+    base[0] = np.log(young_MPa)
+    if problem.presses.elastic_only:
+        base[2::2] = np.log(1e-3)
     null = [p.to_coordinate(p.null) for effect in problem.effects for p in effect.parameters]
     return np.r_[base, null, np.zeros(LAW_TERMS * len(problem.thicknesses))]
 
 
 def prior_precision(problem: CampaignProblem, sizes: NoiseSizes) -> NDArray:
-    """Inverse prior variances of the vector: of the law error, and of parameters of form."""
+    """Inverse prior variances of the vector: of the material, of parameters of form, and of the law error."""
     forms = [p.spread**-2.0 for effect in problem.effects for p in effect.parameters]
-    return np.r_[np.zeros(BASE), forms, np.repeat(np.array(sizes.law) ** -2.0, len(problem.thicknesses))]
+    return np.r_[problem.prior.spread**-2.0, forms, np.repeat(np.array(sizes.law) ** -2.0, len(problem.thicknesses))]
 
 
 def fit(
@@ -79,7 +82,7 @@ def fit(
     """Levenberg-Marquardt with a given noise."""
     low, high = problem.bounds()
     begin = np.clip(start, low, high)
-    root = np.sqrt(prior_precision(problem, sizes))
+    root, centre = np.sqrt(prior_precision(problem, sizes)), problem.centre
     used = problem.presses.used
     whiten = make_whitener(problem.presses, sizes.noise, problem.slope(begin, problem.predict(begin)))
     kept: dict[bytes, NDArray] = {}
@@ -92,7 +95,7 @@ def fit(
 
     def residual(vector: NDArray) -> NDArray:
         error = np.where(used, forces_at(vector) - problem.presses.force_N, 0.0)
-        return np.r_[whiten(error).ravel(), root * vector]
+        return np.r_[whiten(error).ravel(), root * (vector - centre)]
 
     def jacobian(vector: NDArray) -> NDArray:
         change = problem.jacobian(vector, forces_at(vector))
@@ -101,8 +104,11 @@ def fit(
 
     vector = solve_marquardt(residual, jacobian, begin, low, high, problem.frozen(), iterations, enough, TRUSTED)
     forces = forces_at(vector)
-    if vector[1] > vector[3] and low[3] <= vector[1] and vector[3] <= high[1]:
-        vector = vector[[0, 3, 4, 1, 2, *range(BASE, len(vector))]]  # the fast arm first
+    if not problem.prior.declared:
+        arms = vector[1 : problem.base_count].reshape(-1, 2)
+        ordered = np.r_[vector[0], arms[np.argsort(arms[:, 0])].ravel(), vector[problem.base_count :]]
+        if np.all((low <= ordered) & (ordered <= high)):
+            vector = ordered  # the fast arm first
     return fit_at(problem, vector, forces, sizes)
 
 
@@ -116,7 +122,7 @@ def fit_at(problem: CampaignProblem, vector: NDArray, forces: NDArray, sizes: No
     whiten = make_whitener(problem.presses, sizes.noise, slope)
     turned = whiten(jacobian).reshape(-1, len(vector))
     covariance = np.linalg.pinv(turned.T @ turned + np.diag(prior), rcond=1e-12, hermitian=True)
-    chi2 = float((whiten(residual) ** 2).sum() + (prior * vector**2).sum())
+    chi2 = float((whiten(residual) ** 2).sum() + (prior * (vector - problem.centre) ** 2).sum())
     return CampaignFit(problem, vector, sizes, residual, slope, forces, jacobian, covariance, chi2, float("nan"))
 
 
@@ -134,8 +140,8 @@ def size_likelihood(campaign_fit: CampaignFit) -> SizeLikelihood:
     turned, shift = whiten(fit.jacobian).reshape(-1, len(fit.vector)), whiten(fit.slope)
     dense = np.column_stack([whiten(residual).ravel(), turned])
     inner, wide = dense.T @ dense, np.einsum("tb,tbk->tk", shift, dense.reshape(*shift.shape, -1))
-    # parameters of form have a prior, a row each
-    prior, known, at = prior_precision(problem, fit.sizes)[:p], fit.vector[:p], 1 + np.arange(p)
+    # material and parameters of form have a prior, a row each
+    prior, known, at = prior_precision(problem, fit.sizes)[:p], (fit.vector - problem.centre)[:p], 1 + np.arange(p)
     inner[0, 0] += float(prior @ known**2)
     inner[0, at] -= prior * known
     inner[at, 0] -= prior * known
@@ -158,9 +164,11 @@ def fit_with_noise(
     return with_sizes(fitted)
 
 
-def fit_base(presses: Presses, law: SetupLaw, young_MPa: float, progress: Progress = quiet) -> CampaignFit:
-    """Fit modulus, two Prony arms and law error; the noise is estimated in between, twice."""
-    problem = CampaignProblem(presses, law)
+def fit_base(
+    presses: Presses, law: SetupLaw, young_MPa: float, progress: Progress = quiet, prior: BasePrior = UNDECLARED
+) -> CampaignFit:
+    """Fit modulus, relaxing arms and law error; the noise is estimated in between, twice."""
+    problem = CampaignProblem(presses, law, prior=prior)
     progress("base")
     first = fit_with_noise(problem, start_vector(problem, young_MPa), NoiseSizes.first(presses, law.error_priors))
     progress("base")
@@ -203,7 +211,7 @@ LARGEST_WAVES = 2.0
 
 def with_rough_law(campaign_fit: CampaignFit, of_base: NDArray | float = 0.0) -> CampaignFit:
     """The fit where its force law may be rough over depth: one linear step from the optimum, and the doubt it leaves
-    beside one ``of_base`` (5, 5) of the base logarithms.
+    beside one ``of_base`` of the base logarithms.
 
     With C the fit's covariance, J and R the whitened sensitivities and :func:`rough_columns`, each with a standard
     deviation of one, S = R'R + 1 - R'J C J'R and r the whitened residual: step - C J'R S^-1 R'r, doubt
@@ -218,7 +226,7 @@ def with_rough_law(campaign_fit: CampaignFit, of_base: NDArray | float = 0.0) ->
     apart = fit.covariance @ (turned.T @ rough)
     inverse = np.linalg.inv(rough.T @ rough + np.eye(rough.shape[1]) - (rough.T @ turned) @ apart)
     waves, doubt = inverse @ (rough.T @ left), apart @ inverse @ apart.T
-    doubt[:BASE, :BASE] += of_base
+    doubt[: problem.base_count, : problem.base_count] += of_base
     if np.mean(waves**2) > LARGEST_WAVES**2:
         return replace(fit, doubt=doubt)
     low, high = problem.bounds()
@@ -230,6 +238,6 @@ def with_rough_law(campaign_fit: CampaignFit, of_base: NDArray | float = 0.0) ->
         error = whiten(at.residual).ravel()
         seen = rough.T @ error
         taken = seen @ np.linalg.solve(rough.T @ rough + np.eye(len(seen)), seen)
-        return float(error @ error - taken + prior_precision(problem, fit.sizes) @ at.vector**2)
+        return float(error @ error - taken + prior_precision(problem, fit.sizes) @ (at.vector - problem.centre) ** 2)
 
     return replace(moved if squares(moved) < squares(fit) else fit, score=fit.score, doubt=doubt)

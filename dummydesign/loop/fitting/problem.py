@@ -12,11 +12,7 @@ from numpy.typing import NDArray
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.model.effect import Effect, SetupLaw
 from dummydesign.loop.model.forward_model import (
-    ARMS,
-    BASE,
-    HIGH,
     LAW_TERMS,
-    LOW,
     Active,
     BaseParameters,
     LawError,
@@ -24,21 +20,23 @@ from dummydesign.loop.model.forward_model import (
     readings,
     simulate_yielding,
 )
+from dummydesign.loop.model.material import UNDECLARED, BasePrior
 
 STEP = 4e-3
 
 
 @dataclass(frozen=True)
 class CampaignProblem:
-    """A campaign with a force law and the effects that are fitted beside the base.
+    """A campaign with a force law, what is known of its material, and the effects that are fitted beside the base.
 
-    The vector is [5 logarithms | coordinates of the effects' parameters | law level, slope, curvature per
-    thickness].
+    The vector is [logarithms of modulus and arms | coordinates of the effects' parameters | law level, slope, curvature
+    per thickness].
     """
 
     presses: Presses
     law: SetupLaw
     effects: tuple[Effect, ...] = ()
+    prior: BasePrior = UNDECLARED
 
     def plus(self, *effects: Effect) -> CampaignProblem:
         """Return the problem with further effects."""
@@ -50,14 +48,25 @@ class CampaignProblem:
         return np.array([thickness for _, thickness in self.presses.pads])
 
     @property
+    def base_count(self) -> int:
+        """Number of base parameters, with which the vector begins."""
+        return len(self.prior.mean)
+
+    @property
+    def centre(self) -> NDArray:
+        """Vector at which the priors have their middle: the declared material, no effects, an exact law."""
+        free = self.fixed - self.base_count + LAW_TERMS * len(self.presses.pads)
+        return np.r_[self.prior.mean, np.zeros(free)]
+
+    @property
     def fixed(self) -> int:
         """Number of base and effect parameters."""
-        return BASE + sum(len(effect.parameters) for effect in self.effects)
+        return self.base_count + sum(len(effect.parameters) for effect in self.effects)
 
     @cached_property
     def entries(self) -> dict[str, range]:
         """Entries of the vector that hold the parameters of each effect, by its name."""
-        ends = BASE + np.cumsum([len(effect.parameters) for effect in self.effects], dtype=int)
+        ends = self.base_count + np.cumsum([len(effect.parameters) for effect in self.effects], dtype=int)
         return {one.name: range(end - len(one.parameters), end) for one, end in zip(self.effects, ends.tolist())}
 
     def law_entries(self, term: int) -> slice:
@@ -68,18 +77,19 @@ class CampaignProblem:
     def frozen(self) -> list[int]:
         """Entries of the vector that are not fitted: the arms, without holds and with one speed, and held effects."""
         held = [entry for effect in self.effects if effect.held for entry in self.entries[effect.name]]
-        return [*(ARMS if self.presses.elastic_only else ()), *held]
+        return [*(range(1, self.base_count) if self.presses.elastic_only else ()), *held]
 
     def bounds(self) -> tuple[NDArray, NDArray]:
         """Bounds of the vector."""
         parameters = [p for effect in self.effects for p in effect.parameters]
         ends = np.sort([(p.to_coordinate(p.low), p.to_coordinate(p.high)) for p in parameters]).reshape(-1, 2)
         free = np.full(LAW_TERMS * len(self.presses.pads), 0.5)
-        return np.r_[LOW, ends[:, 0], -free], np.r_[HIGH, ends[:, 1], free]
+        low, high = self.prior.bounds()
+        return np.r_[low, ends[:, 0], -free], np.r_[high, ends[:, 1], free]
 
     def base_of(self, vector: NDArray) -> BaseParameters:
         """The base parameters in a vector."""
-        return BaseParameters.from_logs(vector[:BASE])
+        return BaseParameters.from_logs(vector[: self.base_count])
 
     def active_of(self, vector: NDArray) -> tuple[Active, ...]:
         """The effects with their values in a vector."""
@@ -116,13 +126,13 @@ class CampaignProblem:
 
     def jacobian(self, vector: NDArray, forces: NDArray) -> NDArray:
         """Sensitivities (T, B, len(vector)) by forward differences."""
-        _low, high = self.bounds()
+        (_low, high), count = self.bounds(), self.base_count
         out = np.zeros((*forces.shape, len(vector)))
         # where the depth does not depend on the force, one evaluation of the law serves base and law error
         shared = not any(one.effect.feeds_back for one in self.active_of(vector) if not one.absent)
         near = None if shared else self._simulate(vector)[1]
         frozen, steps, moved = self.frozen(), [], []
-        for entry in range(BASE if shared else 0, self.fixed):
+        for entry in range(count if shared else 0, self.fixed):
             if entry not in frozen:
                 steps.append((entry, STEP if vector[entry] + STEP <= high[entry] else -STEP))
                 moved.append(vector.copy())
@@ -138,8 +148,8 @@ class CampaignProblem:
         for number, (entry, step) in enumerate(steps):
             out[..., entry] = change[..., number] / step
         if shared:
-            out[..., :BASE], by_pad = base_and_law_columns(
-                self.presses, self.law, vector[:BASE], self.active_of(vector), self.law_error_of(vector), STEP
+            out[..., :count], by_pad = base_and_law_columns(
+                self.presses, self.law, vector[:count], self.active_of(vector), self.law_error_of(vector), STEP
             )
         else:
             by_pad = change[..., len(steps) :] / STEP

@@ -25,27 +25,12 @@ from dummydesign.loop.model.campaign_force_law import (
     error_priors,
 )
 from dummydesign.loop.model.effect import SetupLaw
+from dummydesign.loop.model.material import material_of
 from dummydesign.measurement.campaign import Campaign, PunchSpec, Trial
 from dummydesign.pad.force_source import has_square_factor
 from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.pad.pad_under_punch import Pad, Puck
 from dummydesign.pad.tables.slab import load_table
-
-
-def start_young_kPa(campaign: Campaign) -> float:
-    """Nominal modulus of a campaign, or that of its resin at its ratio. [kPa]"""
-    pad = campaign.pad
-    if pad.young_kPa_nominal is not None:
-        return pad.young_kPa_nominal
-    if pad.resin is None or pad.ratio is None:
-        message = "campaign.toml: [pad] needs young_kPa_nominal, or resin and ratio"
-        raise InputError(message, "missing", "pad.young_kPa_nominal")
-    from dummydesign.resin import load_resin
-
-    resin = load_resin(pad.resin)
-    resin.check_ratio(pad.ratio)
-    return float(resin.modulus_kPa(pad.ratio).value)
-
 
 # A press may end so much deeper than its law: the last secant is good for that.
 BEYOND = 1.02
@@ -187,7 +172,7 @@ def _solved(
     groups = _groups(sorted({trial.thickness_mm for trial in trials}))
     for number, group in enumerate(groups):
         own = [trial for trial in trials if trial.thickness_mm in group]
-        young = 1.0 if pad.base in BASES or shape == "cylinder" else 1e-3 * start_young_kPa(campaign)
+        young = 1.0 if pad.base in BASES or shape == "cylinder" else 1e-3 * material_of(campaign).young_kPa
         made = pad_of(campaign, float(np.mean(group)) if len(group) > 1 else group[0], young, geometry)
         if isinstance(made, Pad) and not punch.edge_radius_mm and not made.geometry.crowned:
             made = replace(made, sides_mm=None)

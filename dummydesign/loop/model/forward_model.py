@@ -13,45 +13,49 @@ from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.model.effect import Arm, Effect, SetupLaw, UnitForce, Values, wrap
 
-NAMES = ("young_kPa", "tau_1_s", "beta_1", "tau_2_s", "beta_2")
-LOW = np.log([0.2e-3, 2e-3, 1e-3, 0.05, 1e-3])
-HIGH = np.log([20.0, 3.0, 20.0, 100.0, 20.0])
-"""Bounds of the logarithms of modulus [MPa], tau_1 [s], beta_1, tau_2 [s], beta_2."""
-BASE = len(NAMES)  # number of logarithms of the base, with which the vector of a fit begins
-ARMS = (1, 2, 3, 4)  # those of the arms
 LAW_TERMS = 3  # level, slope and curvature in depth over thickness
 REFERENCE_DEPTH = 0.4
 """Depth over thickness at which the slope of a law error is counted."""
 
 
-def parameter_names(effects: Sequence[Effect]) -> list[str]:
+def base_names(arms: int) -> list[str]:
+    """Names of the parameters of a base with so many arms: young_kPa, tau_1_s, beta_1, ..."""
+    return ["young_kPa", *(name for at in range(1, arms + 1) for name in (f"tau_{at}_s", f"beta_{at}"))]
+
+
+def parameter_names(arms: int, effects: Sequence[Effect]) -> list[str]:
     """Names of the parameters of base and effects in a posterior: ``log`` where that is kept; modulus in kPa."""
     own = [f"{'log ' if p.log else ''}{effect.name}.{p.name}" for effect in effects for p in effect.parameters]
-    return [*(f"log {name}" for name in NAMES), *own]
+    return [*(f"log {name}" for name in base_names(arms)), *own]
 
 
 @dataclass(frozen=True)
 class BaseParameters:
-    """Long-term modulus [MPa] and two arms (tau [s], beta relative to the long-term modulus), fast arm first."""
+    """Long-term modulus [MPa] and relaxing arms (tau [s], beta relative to the long-term modulus), fast arm first."""
 
     young_MPa: float
-    tau_s: tuple[float, float]
-    beta: tuple[float, float]
+    tau_s: tuple[float, ...]
+    beta: tuple[float, ...]
+
+    @property
+    def count(self) -> int:
+        """Number of arms."""
+        return len(self.tau_s)
 
     @classmethod
     def from_logs(cls, logs: NDArray) -> BaseParameters:
-        """Build from the logarithms in the order of :data:`NAMES`."""
-        young, tau1, beta1, tau2, beta2 = (float(v) for v in np.exp(logs))
-        return cls(young, (tau1, tau2), (beta1, beta2))
+        """Build from the logarithms in the order of :func:`base_names` (modulus in MPa)."""
+        young, *arms = np.exp(logs).tolist()
+        return cls(young, tuple(arms[::2]), tuple(arms[1::2]))
 
     def to_logs(self) -> NDArray:
-        """Return the logarithms in the order of :data:`NAMES` (modulus in MPa)."""
-        return np.log([self.young_MPa, self.tau_s[0], self.beta[0], self.tau_s[1], self.beta[1]])
+        """Return the logarithms in the order of :func:`base_names` (modulus in MPa)."""
+        return np.log([self.young_MPa, *(value for arm in zip(self.tau_s, self.beta) for value in arm)])
 
     def to_dict(self) -> dict[str, Any]:
         """Return named values, modulus in kPa."""
-        values = np.exp(self.to_logs()) * [1e3, 1, 1, 1, 1]
-        return dict(zip(NAMES, (float(v) for v in values)))
+        _, *arms = np.exp(self.to_logs()).tolist()
+        return dict(zip(base_names(self.count), (1e3 * self.young_MPa, *arms)))
 
 
 def relax(time_s: NDArray, elastic_N: NDArray, arms: Sequence[Arm]) -> NDArray:
@@ -254,7 +258,7 @@ def base_and_law_columns(
     force = (weights * np.stack(shapes)).sum(axis=0)
     moved = [force, force * np.exp(step), *(force + step * one for one in shapes)]
     total = (weights * held).sum(axis=1)
-    for index in ARMS:
+    for index in range(1, len(logs)):
         other = logs.copy()
         other[index] += step
         changed = arms_of(presses, BaseParameters.from_logs(other), acting, depth)
@@ -262,7 +266,8 @@ def base_and_law_columns(
     shown = [sensor_signal(presses, at_the_surface(presses, one, acting, depth), acting) for one in moved]
     bins = readings(presses, presses.operator @ np.stack(shown, axis=-1), acting)
     change = (bins[..., 1:] - bins[..., :1]) / step
-    return change[..., [0, 4, 5, 6, 7]], change[..., 1:4]
+    after = 1 + LAW_TERMS
+    return np.concatenate([change[..., :1], change[..., after:]], axis=-1), change[..., 1:after]
 
 
 def _with_arms(

@@ -13,7 +13,7 @@ from dummydesign.inference.noise import Bins, whitener
 from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit, prior_precision, size_likelihood, student_over_normal
 from dummydesign.loop.fitting.noise import contrasts, make_whitener
 from dummydesign.loop.model.effect import Effect
-from dummydesign.loop.model.forward_model import BASE, NAMES
+from dummydesign.loop.model.forward_model import base_names
 
 ESTIMABLE = 0.2  # a cell counts when the rest still holds this share of the information on an effect's size
 
@@ -123,7 +123,7 @@ def leave_out(fit: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
     pinned[problem.frozen()] = True
     free = ~pinned
     full = (normal.sum(axis=0) + prior)[np.ix_(free, free)]
-    sizes = [i for i, at in enumerate(np.nonzero(free)[0]) if BASE <= at < problem.fixed]
+    sizes = [i for i, at in enumerate(np.nonzero(free)[0]) if problem.base_count <= at < problem.fixed]
     variance = np.diag(np.linalg.inv(full))
     changes = {}
     for cell in np.unique(cells):
@@ -274,9 +274,9 @@ def interval(fit: CampaignFit, covariance: NDArray, index: int, to_value: Callab
 def base_intervals(fit: CampaignFit, lack_ratio: float | None = None) -> dict[str, Any]:
     """Base parameters with 95 % intervals, widened by the lack of fit; modulus in kPa."""
     covariance = widened(fit, lack_ratio)
-    young, *arms = (interval(fit, covariance, at, lambda z: float(np.exp(z))) for at in range(len(NAMES)))
+    young, *arms = (interval(fit, covariance, at, lambda z: float(np.exp(z))) for at in range(fit.problem.base_count))
     ends = {key: 1e3 * young[key] for key in ("value", "low", "high")}
-    return dict(zip(NAMES, ({**young, **ends}, *arms)))
+    return dict(zip(base_names(fit.problem.prior.arms), ({**young, **ends}, *arms)))
 
 
 def effect_intervals(model: AssessedModel, effect: Effect) -> dict[str, Any]:

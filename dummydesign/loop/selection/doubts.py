@@ -228,7 +228,7 @@ def refitted(campaign: Campaign, presses: Presses, use: NDArray, fit: CampaignFi
     """The base fit of some of the presses (T,)."""
     kept = tuple(trial for trial, own in zip(presses.trials, use) if own)
     _, rest, _ = within_reach(replace(campaign, trials=kept), stack(kept, campaign.lowpass), fit.problem.law)
-    return fit_base(rest, fit.problem.law, fit.base.young_MPa)
+    return fit_base(rest, fit.problem.law, fit.base.young_MPa, prior=fit.problem.prior)
 
 
 def odd_gains(labels: Labels, use: NDArray) -> tuple[NDArray, NDArray]:
@@ -329,7 +329,7 @@ def without_doubted(
         return campaign, presses, fit
     rest, law = replace(campaign, trials=kept), fit.problem.law
     stacked = stack(kept, campaign.lowpass)
-    return rest, stacked, fit_base(stacked, law, fit.base.young_MPa)
+    return rest, stacked, fit_base(stacked, law, fit.base.young_MPa, prior=fit.problem.prior)
 
 
 def doubt_warnings(doubts: tuple[Doubt, ...], used: Presses) -> list[dict[str, str]]:

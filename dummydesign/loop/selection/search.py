@@ -14,7 +14,6 @@ from dummydesign.loop.fitting.candidates import EffectCandidate, finished, first
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise, same_noise
 from dummydesign.loop.fitting.screening import Screened, screen
 from dummydesign.loop.model.effect import Effect
-from dummydesign.loop.model.forward_model import BASE
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess, errors, holds_null
 from dummydesign.loop.selection.residuals import diagnose
 from dummydesign.loop.selection.verdict import (
@@ -317,7 +316,7 @@ Rival = tuple[float, CampaignFit]
 
 
 def doubt_of(chosen: CampaignFit, rivals: Iterable[Rival]) -> NDArray:
-    """Covariance (5, 5) of the base logarithms over rival models, and the law's error in the modulus.
+    """Covariance of the base logarithms over rival models, and the law's error in the modulus.
 
     A rival weighs exp(evidence / 2) of the chosen model, less :data:`EACH_PARAMETER` for each named parameter more; its
     own covariance counts as well.
@@ -325,17 +324,18 @@ def doubt_of(chosen: CampaignFit, rivals: Iterable[Rival]) -> NDArray:
     own = named_parameters(chosen)
     rows = [(gain - EACH_PARAMETER * (named_parameters(one) - own), one) for gain, one in rivals if not at_bound(one)]
     weights = np.exp(0.5 * np.array([0.0, *(gain for gain, _ in rows)]).clip(-60.0, 60.0))
-    out = np.zeros((BASE, BASE))
+    count = chosen.problem.base_count
+    out = np.zeros((count, count))
     for weight, (_, one) in zip((weights / weights.sum())[1:], rows):
-        difference = one.vector[:BASE] - chosen.vector[:BASE]
-        out += weight * (np.outer(difference, difference) + one.covariance[:BASE, :BASE])
+        difference = one.vector[:count] - chosen.vector[:count]
+        out += weight * (np.outer(difference, difference) + one.covariance[:count, :count])
     out[0, 0] += LAW_ERROR**2
     return out
 
 
-def doubt_of_curve(flat: NDArray) -> NDArray:
-    """Covariance (5, 5) of the base logarithms beside a learned curve with these values: both share their level."""
-    out = np.zeros((BASE, BASE))
+def doubt_of_curve(count: int, flat: NDArray) -> NDArray:
+    """Covariance of ``count`` base logarithms beside a learned curve with these values: both share their level."""
+    out = np.zeros((count, count))
     out[0, 0] = LAW_ERROR**2 + float(np.abs(flat).max()) ** 2
     return out
 

@@ -94,7 +94,7 @@ def separate_evidence(fit: CampaignFit, name: str) -> float:
     prior = prior_precision(problem, fit.sizes)
     inverse = np.linalg.pinv(rows.T @ rows + np.diag(prior + 1e-9), rcond=1e-14, hermitian=True)
     index = problem.entries[name][0]
-    size = fit.vector[index] + inverse[index] @ (rows.T @ left - prior * fit.vector)
+    size = fit.vector[index] + inverse[index] @ (rows.T @ left - prior * (fit.vector - problem.centre))
     return float(size**2 / max(inverse[index, index], 1e-300))
 
 

@@ -141,6 +141,12 @@ class ResinArm(Serialised):
     tau_s: Quantity
     beta: Quantity
 
+    @property
+    def time_spread(self) -> float:
+        """Standard deviation of ln tau; a time that was chosen, not measured, is known within half a decade (95 %)."""
+        chosen = self.tau_s.high <= self.tau_s.low
+        return (0.5 * math.log(10.0) if chosen else 0.5 * math.log(self.tau_s.high / self.tau_s.low)) / HALF_WIDTH
+
 
 @dataclass(frozen=True)
 class PuckPoint:
@@ -341,6 +347,11 @@ class Resin:
 
         growth = (self.young_MPa(self.relaxation_ratio_ref) / self.young_MPa(ratio)) ** self.softness_exponent.value
         return tuple(PronyTerm(arm.tau_s.value, arm.beta.value * growth) for arm in self.arms)
+
+    def arm_spread(self, ratio: float) -> tuple[float, ...]:
+        """Standard deviations of ln tau and ln beta of each arm of :meth:`prony`: tau_1, beta_1, tau_2, ..."""
+        strength = np.log(np.maximum(self._draws.beta(ratio), 1e-9)).std(axis=0)
+        return tuple(one for arm, beta in zip(self.arms, strength.tolist()) for one in (arm.time_spread, beta))
 
     @property
     def tau_s(self) -> tuple[float, ...]:

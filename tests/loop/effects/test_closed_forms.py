@@ -255,7 +255,9 @@ def test_sensors_add_bend_and_clip_as_stated():
 @pytest.mark.parametrize("effect", MODES, ids=lambda effect: effect.name)
 def test_a_third_arm_begins_from_two_arms_that_it_has_moved_or_used_up(effect):
     """Starts stay within the base's bounds, keep the modulus, and their arms stay in order of time."""
-    from dummydesign.loop.model.forward_model import HIGH, LOW
+    from dummydesign.loop.model.material import UNDECLARED
+
+    LOW, HIGH = UNDECLARED.bounds()
 
     logs = np.log([0.03, 0.06, 0.3, 1.4, 0.2])
     near, used_up = effect.base_starts(logs.copy())

@@ -23,11 +23,15 @@ from dummydesign.loop.fitting.fit import (
     with_sizes,
 )
 from dummydesign.loop.fitting.noise import NoiseSizes, contrasts, estimate_slow_noise, make_whitener
-from dummydesign.loop.fitting.problem import ARMS, CampaignProblem
+from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.fitting.screening import Screened, starts_of
-from dummydesign.loop.model.forward_model import BASE, HIGH, LOW, simulate_yielding
+from dummydesign.loop.model.forward_model import simulate_yielding
+from dummydesign.loop.model.material import UNDECLARED
 from tests.support import puck_presses as pucks
 from tests.support.puck_presses import clean_fit
+
+BASE = len(UNDECLARED.mean)
+LOW, HIGH = UNDECLARED.bounds()
 
 NOISE = Noise(0.1, 0.05, 0.7, 0.02)
 
@@ -107,8 +111,8 @@ def test_what_is_held_or_not_seen_has_no_sensitivity():
         presses=tuple(replace(one, ramp=replace(one.ramp, hold_end_s=one.ramp.stop_time_s)) for one in presses.presses),
     )
     problem = CampaignProblem(elastic, pucks.LAW)
-    assert problem.frozen() == list(ARMS)
-    assert not problem.jacobian(pucks.truth(), problem.predict(pucks.truth()))[..., list(ARMS)].any()
+    assert problem.frozen() == list(range(1, BASE))
+    assert not problem.jacobian(pucks.truth(), problem.predict(pucks.truth()))[..., list(range(1, BASE))].any()
     # relaxation of no account, and all of it before the arms are fitted
     assert np.exp(start_vector(problem, 0.04)[[0, 2, 4]]) == pytest.approx([0.04, 1e-3, 1e-3])
 

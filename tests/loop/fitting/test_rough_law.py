@@ -13,8 +13,10 @@ from dummydesign.loop.fitting.fit import KNOTS, fit, fit_base, prior_precision, 
 from dummydesign.loop.fitting.noise import make_whitener
 from dummydesign.loop.model.base_law import USUAL_ROUGHNESS
 from dummydesign.loop.model.campaign_law import law_of
-from dummydesign.loop.model.forward_model import BASE
+from dummydesign.loop.model.material import UNDECLARED
 from dummydesign.measurement.campaign_file import read_campaign
+
+BASE = len(UNDECLARED.mean)
 
 
 @pytest.fixture(scope="module")

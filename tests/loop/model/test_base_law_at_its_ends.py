@@ -117,7 +117,7 @@ def test_base_parameters_are_their_logarithms_and_named_in_kilopascal():
     again = BaseParameters.from_logs(base.to_logs())
     assert again.tau_s == pytest.approx(base.tau_s) and again.beta == pytest.approx(base.beta)
     assert base.to_dict()["young_kPa"] == pytest.approx(30.0) and base.to_dict()["tau_2_s"] == pytest.approx(1.2)
-    names = parameter_names([effect_named("temperature")])
+    names = parameter_names(2, [effect_named("temperature")])
     assert names[:5] == ["log young_kPa", "log tau_1_s", "log beta_1", "log tau_2_s", "log beta_2"] and len(names) > 5
 
 

@@ -443,7 +443,14 @@ def test_a_solved_pad_offers_what_its_faces_and_its_base_allow(monkeypatch, shap
         profile_mm=None, contact=contact, shape="round", radius_mm=7.9, edge_radius_mm=0.0, side_mm=None
     )
     pad = SimpleNamespace(
-        base=base, shape="slab", length_mm=60.0, width_mm=50.0, diameter_mm=None, ratio=15.0, young_kPa_nominal=30.0
+        base=base,
+        shape="slab",
+        length_mm=60.0,
+        width_mm=50.0,
+        diameter_mm=None,
+        resin=None,
+        ratio=None,
+        young_kPa_nominal=30.0,
     )
     pressed = trial(9.0, geometry=read_shape(shape))
     campaign_law._solved(SimpleNamespace(pad=pad, punch=punch), [pressed], "shaped", 0.0, lambda text: None)

@@ -13,7 +13,7 @@ from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit, fit_with_noise, prior_precision
 from dummydesign.loop.fitting.noise import contrasts, make_whitener
 from dummydesign.loop.fitting.problem import CampaignProblem
-from dummydesign.loop.model.forward_model import BASE
+from dummydesign.loop.model.material import UNDECLARED
 from dummydesign.loop.selection import cross_validation, verdict
 from dummydesign.loop.selection.cross_validation import (
     assess,
@@ -31,6 +31,8 @@ from dummydesign.loop.selection.cross_validation import (
 )
 from tests.support import puck_presses as pucks
 from tests.support.puck_presses import clean_fit
+
+BASE = len(UNDECLARED.mean)
 
 
 @pytest.fixture(scope="module")

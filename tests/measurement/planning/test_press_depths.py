@@ -11,7 +11,8 @@ import dummydesign
 from dummydesign.api.campaigns import plan_campaign
 from dummydesign.cli.entry import run
 from dummydesign.core.errors import InputError
-from dummydesign.loop.planning import Material, expected_presses, material_of
+from dummydesign.loop.model.material import Material, material_of
+from dummydesign.loop.planning import expected_presses
 from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec
 from dummydesign.measurement.campaign_plan import PlanSettings, make_plan
 from dummydesign.resin import load_resin
@@ -161,7 +162,7 @@ def test_presses_deeper_than_the_law_goes_are_named(tmp_path, capsys):
 
 
 def test_without_a_modulus_the_column_is_left_out_and_the_reason_said(tmp_path, monkeypatch):
-    from dummydesign.loop import planning as press_targets
+    from dummydesign.loop.model import material as press_targets
     from dummydesign.measurement.campaign_file import SetUp
 
     with pytest.raises(InputError):

@@ -1,4 +1,4 @@
-"""A relaxation slower or faster than the two arms."""
+"""A relaxation slower or faster than the declared arms."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ VARIANCE = Parameter("variance", "1", 0.0, 0.0, 1.5, 0.3, spread=1.5)
 
 
 class RelaxationMode(Effect):
-    """A third arm (tau, beta), its time bounded away from the usual two.
+    """A further arm (tau, beta), its time bounded away from the usual two.
 
     A gel relaxes over a range of times: with a ``variance`` of ln tau, a form, the arm is two of half the strength, at
     tau exp(+-sqrt(variance)).
@@ -24,7 +24,7 @@ class RelaxationMode(Effect):
 
     hook = "pad"
     belongs_to = "pad"
-    cause = "relaxation over more time scales than two arms hold"
+    cause = "relaxation over more time scales than the declared arms hold"
     remedy = "hold longer for a slow mode, sample and press faster for a fast one"
     reference = "Pawluk and Howe, J. Biomech. Eng. 121 (1999) 178 (modes of 4 ms, 70 ms, 1.4 s)"
     always_fitted = True
@@ -37,7 +37,8 @@ class RelaxationMode(Effect):
         self._starts = base_starts
 
     def base_starts(self, logs: NDArray) -> list[NDArray]:
-        return self._starts(logs)
+        # arms that are declared stay where they are
+        return self._starts(logs) if len(logs) == 5 else [logs]
 
     def adds_terms(self, values: Values) -> tuple[PronyTerm, ...]:
         apart = float(np.exp(np.sqrt(values["variance"])))

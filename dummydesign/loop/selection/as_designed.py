@@ -10,7 +10,7 @@ import numpy as np
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.loop.fitting.fit import CampaignFit, fit_at
 from dummydesign.loop.model.forward_model import base_names
-from dummydesign.loop.selection.cross_validation import lack_of_fit
+from dummydesign.loop.selection.cross_validation import errors, lack_of_fit
 
 CONTRADICTED = 3.0
 """Standard deviations by which a refitted number leaves what was declared, from which on they contradict each other."""
@@ -28,7 +28,7 @@ class Agreement:
 
 @dataclass(frozen=True)
 class AsDesigned:
-    """Error of the design's prediction over all bins [N], p of its lack of fit, and the numbers of its material."""
+    """Error of the design's prediction over all samples [N], p of its lack of fit, and the numbers of its material."""
 
     rmse_N: float
     noise_floor_N: float
@@ -63,11 +63,9 @@ def as_designed(refitted: CampaignFit) -> AsDesigned | None:
     if not np.isfinite(prior.spread).all():
         return None
     design = fit_at(problem, problem.centre, problem.predict(problem.centre), refitted.sizes)
-    weight = problem.presses.samples * problem.presses.used
-    rms = float(np.sqrt(np.average(design.residual**2, weights=weight)))
     learnt = prior.spread**2 - np.diag(refitted.covariance)[:count]
     distance = np.abs(refitted.vector[:count] - prior.mean) / np.sqrt(np.maximum(learnt, 1e-2 * prior.spread**2))
     values = [problem.base_of(at).to_dict() for at in (prior.mean, refitted.vector)]
     names = zip(base_names(prior.arms), distance.tolist())
     agreement = tuple(Agreement(name, *(one[name] for one in values), far) for name, far in names)
-    return AsDesigned(rms, refitted.sizes.floor_N, lack_of_fit(design).p, agreement)
+    return AsDesigned(errors(design).train_N, refitted.sizes.floor_N, lack_of_fit(design).p, agreement)

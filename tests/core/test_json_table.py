@@ -8,7 +8,7 @@ import pytest
 
 from dummydesign.core import user_library as json_table
 from dummydesign.pad import predict as separability
-from dummydesign.pad.tables import filleted, puck, shape, slab, square
+from dummydesign.pad.tables import elastic_law, filleted, puck, shape, slab, square
 from dummydesign.pad.tables import slab as compressibility
 from tests.support.refusal import raises_code
 
@@ -16,6 +16,7 @@ READERS = {
     "slab-bonded.json": (slab.load_table, "studies.tables.slab"),
     "square-bonded.json": (square.load_square, "studies.tables.square"),
     "crowned-bonded.json": (lambda: shape.load_shape_table("crowned"), "studies.tables.shapes crowned"),
+    "elastic-law.json": (elastic_law.load_elastic_table, elastic_law.COMMAND),
     "filleted-bonded.json": (lambda: filleted.load_filleted("bonded", 0.1), "studies.tables.filleted"),
     "puck-50x30.json": (puck.load_puck_table, puck.COMMAND),
     "puck-shapes.json": (puck.load_shapes, f"{puck.COMMAND} --shapes"),
@@ -30,6 +31,7 @@ CACHED = (
     puck.load_puck_table,
     puck.load_shapes,
     separability.load_quick_error,
+    elastic_law.load_elastic_table,
     compressibility.load_compressibility,
 )
 DAMAGED = (

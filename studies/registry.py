@@ -109,6 +109,13 @@ STUDIES = (
         "how a Poisson's ratio below 1/2 softens a slab",
     ),
     Study(
+        "tables.elastic_law",
+        "",
+        (f"{TABLES}elastic-law.json",),
+        "force of pads of an Ogden law over neo-Hookean ones",
+        "some 15 min of one core",
+    ),
+    Study(
         "tissues.infer",
         "--seed 1 --samples 200000",
         tuple(

@@ -128,10 +128,10 @@ def study(draws, seed, options):
     count = {name: [] for name in ("young", "friction", "tau", "beta", "arms", "flagged", "error", "half")}
     for _ in range(draws):
         relaxation = fitted(*made(rng, **options), **size)
-        count["young"].append(holds(relaxation.young_kPa, YOUNG_KPA))
-        count["error"].append(relaxation.young_kPa.value / YOUNG_KPA - 1.0)
-        count["half"].append(0.5 * np.log(relaxation.young_kPa.high / relaxation.young_kPa.low))
-        count["friction"].append(relaxation.friction.low <= friction <= relaxation.friction.high)
+        count["young"].append(holds(relaxation.known.young_kPa, YOUNG_KPA))
+        count["error"].append(relaxation.known.young_kPa.value / YOUNG_KPA - 1.0)
+        count["half"].append(0.5 * np.log(relaxation.known.young_kPa.high / relaxation.known.young_kPa.low))
+        count["friction"].append(relaxation.known.friction.low <= friction <= relaxation.known.friction.high)
         count["arms"].append(len(relaxation.arms) == len(options["arms"]))
         if len(relaxation.arms) == len(options["arms"]):
             for arm, (tau, beta) in zip(relaxation.arms, options["arms"]):

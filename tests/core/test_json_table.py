@@ -18,6 +18,7 @@ READERS = {
     "elastic-law.json": (elastic_law.load_elastic_table, "studies.tables.elastic_law"),
     "square-crowned.json": (square.load_crown, "studies.tables.square_crown"),
     "crowned-bonded.json": (lambda: shape.load_shape_table("crowned"), "studies.tables.shapes crowned"),
+    "elastic-law.json": (elastic_law.load_elastic_table, elastic_law.COMMAND),
     "filleted-bonded.json": (lambda: filleted.load_filleted("bonded", 0.1), "studies.tables.filleted"),
     "puck-50x30.json": (puck.load_puck_table, puck.COMMAND),
     "puck-shapes.json": (puck.load_shapes, f"{puck.COMMAND} --shapes"),
@@ -34,6 +35,7 @@ CACHED = (
     puck.load_shapes,
     elastic_law.load_elastic_table,
     separability.load_quick_error,
+    elastic_law.load_elastic_table,
     compressibility.load_compressibility,
 )
 DAMAGED = (

@@ -124,8 +124,8 @@ def check_slips(pair: Pair) -> None:
     cause = " or ".join(slips) or pair.check
     raise InputError(
         f"the puck says {pair.a:.3g} kPa, the resin {pair.b:.3g} kPa ({abs(pair.deviations):.1f} standard deviations "
-        f"apart): probably {cause}. Put it right; if all is right, begin with a resin of its hardness "
-        "(resins add-hardness --resin BASE)",
+        f"apart): probably {cause}, or the ratio is another. Put it right; if all is right, begin with a resin of "
+        "its hardness (resins add-hardness --resin BASE)",
         "implausible_unit",
         "force_N",
         pair.a,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.pad_under_punch import Puck
 from dummydesign.resin import load_resin
+from dummydesign.resin.model.resin import save_resin
 from dummydesign.resin.puck_test.add_compression import loading
 from tests.support.puck_history import frictionless, ramps, relaxed
 
@@ -49,9 +51,14 @@ def test_the_modulus_of_a_solved_puck_is_recovered_inside_its_interval(curve, tm
     answer = json.loads(capsys.readouterr().out)
     young = answer["young_kPa"]
     assert young["low"] <= YOUNG_KPA <= young["high"]
-    assert young["value"] == pytest.approx(YOUNG_KPA, rel=0.06)
+    # any friction counts: the median is off the middle of what one curve leaves open, by less than the interval says
+    assert 0.8 < young["value"] / YOUNG_KPA < 1.2
     assert answer["rmse_N"] < 0.5
     assert answer["name"] == "batch"
+    assert run(command(other_recording(curve, tmp_path, 1.0001), "--json", "--friction", "0.3")) == 0
+    declared = json.loads(capsys.readouterr().out)
+    assert declared["young_kPa"]["value"] == pytest.approx(YOUNG_KPA, rel=0.01)
+    assert declared["contradictions"] == []
     for key in ("law", "friction"):
         assert key in answer
     monkeypatch.chdir(tmp_path)
@@ -72,6 +79,51 @@ def test_a_second_puck_is_kept_beside_the_first(curve, tmp_path, monkeypatch):
     assert run(command(curve)) == 0
     assert run(command(other_recording(curve, tmp_path), ratio=15.2)) == 0
     assert [point.ratio for point in load_resin("batch").points] == [15.0, 15.2]
+
+
+@pytest.mark.slow
+def test_pucks_in_either_order_make_the_same_file_and_a_subset_of_known_presses_changes_nothing(
+    curve, tmp_path, monkeypatch, capsys
+):
+    second = other_recording(curve, tmp_path)
+    written = []
+    for turn, files in enumerate(((curve, second), (second, curve))):
+        monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / str(turn)))
+        for file in files:
+            assert run(command(file)) == 0
+        path = tmp_path / str(turn) / "materials/resins/batch.toml"
+        assert run(command(files[0])) == 0 and "nothing was changed" in capsys.readouterr().out
+        written.append(path.read_bytes())
+    assert written[0] == written[1]
+    alone = next(point for point in load_resin("batch").points)
+    assert load_resin("batch").modulus_kPa(15.0).high < alone.young_kPa.high
+
+
+@pytest.mark.parametrize("factor", [1e-3, 0.1, 10.0])
+def test_a_force_in_another_unit_is_refused_and_a_known_batch_is_kept(curve, tmp_path, monkeypatch, capsys, factor):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    kept = tmp_path / "materials/resins/batch.toml"
+    kept.parent.mkdir(parents=True)
+    save_resin(replace(load_resin(), name="batch"), kept)
+    before = kept.read_bytes()
+    assert run(command(other_recording(curve, tmp_path, factor), "--friction", "0.3", "--json")) == 2
+    assert '"code": "implausible_unit"' in capsys.readouterr().out
+    assert run(command(curve, ratio=40)) == 2 and run(command(curve, height=8)) == 2
+    assert kept.read_bytes() == before
+
+
+@pytest.mark.slow
+def test_a_mass_that_contradicts_the_size_is_told_first(curve, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    density = load_resin().property("density_g_per_cm3", 15.0).value
+    right = density * 0.25 * np.pi * 5.0**2 * 3.0
+    for mass, count in ((right, 0), (1.15 * right, 1)):
+        assert (
+            run(command(curve, "--mass", f"{mass:.2f}", "--json", "--resin", "polyurethane-nagoya", "--replace")) == 0
+        )
+        answer = json.loads(capsys.readouterr().out)
+        assert len(answer["contradictions"]) == count
+        assert [one["code"] for one in answer["warnings"][:count]] == ["contradiction"] * count
 
 
 def same_resin(first, second):
@@ -108,10 +160,10 @@ def test_a_mistyped_ratio_is_put_right_as_if_it_had_not_been_typed(curve, held, 
     wide, narrow = (50, 30), (42, 28)
     right = made("a", (second, 15.2, wide), (held, 15, narrow))
     capsys.readouterr()
-    wrong = made("b", (held, 17, narrow), (second, 15.2, wide), (held, 15, narrow))
-    assert "had this puck at ratio 17, 42 x 28 mm; that point was replaced by ratio 15" in capsys.readouterr().out
+    wrong = made("b", (held, 16, narrow), (second, 15.2, wide), (held, 15, narrow))
+    assert "had this puck at ratio 16, 42 x 28 mm; that point was replaced by ratio 15" in capsys.readouterr().out
     same_resin(right, wrong)
-    assert [point.ratio for point in load_resin("batch").points] == [15.2, 15.0]
+    assert [point.ratio for point in load_resin("batch").points] == [15.0, 15.2]
 
 
 @pytest.mark.slow
@@ -120,7 +172,7 @@ def test_show_says_where_each_point_came_from(curve, tmp_path, monkeypatch, caps
     assert run(command(curve)) == 0
     capsys.readouterr()
     assert run(["resins", "show", "batch"]) == 0
-    assert "point at ratio 15: 30 kPa" in (text := capsys.readouterr().out) and "50 x 30 mm puck, puck.csv" in text
+    assert "point at ratio 15: 31.9 kPa" in (text := capsys.readouterr().out) and "50 x 30 mm puck, puck.csv" in text
 
 
 @pytest.mark.slow

@@ -75,8 +75,8 @@ def test_the_model_of_the_bins_is_the_hereditary_integral():
 def test_modulus_and_arms_of_a_history_summed_elsewhere_come_back_within_their_intervals():
     arms = ((1.2, 0.3), (10.0, 0.15))
     found = fitted(pressed(arms))
-    assert found.young_kPa.low <= YOUNG_KPA <= found.young_kPa.high
-    assert found.friction.low == 0.0
+    assert found.known.young_kPa.low <= YOUNG_KPA <= found.known.young_kPa.high
+    assert found.known.friction.low == 0.0
     assert len(found.arms) == 2
     for arm, (tau, beta) in zip(found.arms, arms):
         assert arm.reason == ""
@@ -90,7 +90,7 @@ def test_modulus_and_arms_of_a_history_summed_elsewhere_come_back_within_their_i
 def test_a_puck_that_does_not_relax_has_no_arm():
     found = fitted(pressed((), levels=(0.25,)))
     assert found.arms == ()
-    assert found.young_kPa.low <= YOUNG_KPA <= found.young_kPa.high
+    assert found.known.young_kPa.low <= YOUNG_KPA <= found.known.young_kPa.high
 
 
 @pytest.mark.slow
@@ -98,7 +98,7 @@ def test_an_arm_slower_than_the_hold_has_no_value_and_the_modulus_reaches_down_t
     found = fitted(pressed(((1.5, 0.2), (120.0, 0.2)), levels=(0.25,), hold_s=80.0))
     slow = [arm for arm in found.arms if arm.reason]
     assert slow and slow[0].slow and "longest hold" in slow[0].reason
-    assert found.young_kPa.low <= YOUNG_KPA <= found.young_kPa.high
+    assert found.known.young_kPa.low <= YOUNG_KPA <= found.known.young_kPa.high
     assert found.seen_s[1] == pytest.approx(40.0, rel=0.01)
 
 
@@ -179,7 +179,7 @@ def test_two_speeds_together_give_the_fast_arm_and_a_narrower_interval_than_one(
     plates = read_plates("0")
     both, one = (fit_relaxation(some, DIAMETER, HEIGHT, SHAPE, plates) for some in (presses, presses[:1]))
     for found in (both, one):
-        assert found.young_kPa.low <= YOUNG_KPA <= found.young_kPa.high
+        assert found.known.young_kPa.low <= YOUNG_KPA <= found.known.young_kPa.high
         (fast, middle) = found.arms
         assert fast.beta.low <= 0.9 <= fast.beta.high and middle.beta.low <= 0.3 <= middle.beta.high
     widths = [np.log(found.arms[0].beta.high / found.arms[0].beta.low) for found in (both, one)]

@@ -70,12 +70,6 @@ STUDIES = (
     ),
     *SHAPES,
     Study(
-        "tables.elastic_law",
-        "",
-        (f"{TABLES}elastic-law.json",),
-        "one-term Ogden pads over neo-Hookean ones of the same modulus",
-    ),
-    Study(
         "tables.filleted",
         "",
         (f"{TABLES}filleted-bonded.json", f"{TABLES}filleted-sliding.json"),

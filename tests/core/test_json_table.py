@@ -15,7 +15,6 @@ from tests.support.refusal import raises_code
 READERS = {
     "slab-bonded.json": (slab.load_table, "studies.tables.slab"),
     "square-bonded.json": (square.load_square, "studies.tables.square"),
-    "elastic-law.json": (elastic_law.load_elastic_table, "studies.tables.elastic_law"),
     "square-crowned.json": (square.load_crown, "studies.tables.square_crown"),
     "crowned-bonded.json": (lambda: shape.load_shape_table("crowned"), "studies.tables.shapes crowned"),
     "elastic-law.json": (elastic_law.load_elastic_table, elastic_law.COMMAND),
@@ -33,7 +32,6 @@ CACHED = (
     shape.load_shape_table,
     puck.load_puck_table,
     puck.load_shapes,
-    elastic_law.load_elastic_table,
     separability.load_quick_error,
     elastic_law.load_elastic_table,
     compressibility.load_compressibility,

@@ -47,7 +47,7 @@ from dummydesign.loop.fitting.noise import make_whitener
 from dummydesign.loop.fitting.screening import Projection, Screened, change_by, project, screen, starts_of
 from dummydesign.loop.model.campaign_law import law_of, within_reach
 from dummydesign.loop.model.effect import Effect
-from dummydesign.loop.model.forward_model import BASE, LAW_TERMS, readings
+from dummydesign.loop.model.forward_model import LAW_TERMS, readings
 from dummydesign.loop.model.material import material_of
 from dummydesign.loop.run import close_loop
 from dummydesign.loop.selection.cross_validation import assess, effect_intervals
@@ -253,7 +253,7 @@ def gaussian_process(data: Prepared) -> Finding:
     process = GaussianProcessRegressor(kernel, random_state=0).fit(inputs, residual)
     joint = process.kernel_(inputs)
     # the base and the law error move with the process: those of a fit are not those of nature
-    keep = np.r_[:BASE, fit.problem.fixed : len(fit.vector)]
+    keep = np.r_[: fit.problem.base_count, fit.problem.fixed : len(fit.vector)]
     slopes = fit.jacobian[rows, at][:, keep] / floor
     prior = prior_precision(fit.problem, fit.sizes)[keep]
     turned = np.linalg.solve(joint, slopes)

@@ -47,8 +47,12 @@ class AsDesigned:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON: nothing is fitted, so that presses left out are predicted as all are."""
-        error = {"train_rmse_N": self.rmse_N, "heldout_rmse_N": self.rmse_N}
-        error |= {"noise_floor_N": self.noise_floor_N, "lack_of_fit_p": self.lack_of_fit_p}
+        error = {
+            "train_rmse_N": self.rmse_N,
+            "heldout_rmse_N": self.rmse_N,
+            "noise_floor_N": self.noise_floor_N,
+            "lack_of_fit_p": self.lack_of_fit_p,
+        }
         return {"error": error, "held": self.held, "parameters": {one.name: one.declared for one in self.agreement}}
 
 
@@ -65,7 +69,7 @@ def as_designed(refitted: CampaignFit) -> AsDesigned | None:
     design = fit_at(problem, problem.centre, problem.predict(problem.centre), refitted.sizes)
     learnt = prior.spread**2 - np.diag(refitted.covariance)[:count]
     distance = np.abs(refitted.vector[:count] - prior.mean) / np.sqrt(np.maximum(learnt, 1e-2 * prior.spread**2))
-    values = [problem.base_of(at).to_dict() for at in (prior.mean, refitted.vector)]
+    declared, fitted = (problem.base_of(at).to_dict() for at in (prior.mean, refitted.vector))
     names = zip(base_names(prior.arms), distance.tolist())
-    agreement = tuple(Agreement(name, *(one[name] for one in values), far) for name, far in names)
+    agreement = tuple(Agreement(name, declared[name], fitted[name], far) for name, far in names)
     return AsDesigned(errors(design).train_N, refitted.sizes.floor_N, lack_of_fit(design).p, agreement)

@@ -145,7 +145,7 @@ def test_a_folder_without_a_mould_and_a_changed_one_are_refused_by_name(mould, c
 def test_a_project_with_moulds_hints_at_them_and_keeps_its_default(mould, capsys, monkeypatch):
     assert cli.run(["init", "hand"]) == 0
     mould("hand/moulds/mould_t8")
-    mould("hand/moulds/pads", [5, 6])
+    mould("hand/moulds/pads", 5)
     mould("hand/designs/suggest-palm", 12)
     shutil.copytree("hand/moulds/mould_t8", "hand/moulds/.half")
     monkeypatch.chdir("hand")
@@ -155,7 +155,7 @@ def test_a_project_with_moulds_hints_at_them_and_keeps_its_default(mould, capsys
     (hint,) = [one["message"] for one in plain["warnings"] if one["code"] == "moulds_not_used"]
     listed = "moulds/mould_t8,moulds/pads,designs/suggest-palm"
     assert listed in hint and ".half" not in hint
-    assert len(planned(capsys, *young, "--from-mould", listed, "--replace")["inputs"]["from_mould"]) == 4
+    assert len(planned(capsys, *young, "--from-mould", listed, "--replace")["inputs"]["from_mould"]) == 3
     assert {row["thickness_mm"] for row in plain["trials"]} == {5.0, 15.0, 20.0}
     for words in (["--pads", "5"], ["--from-mould", "moulds/mould_t8"]):
         warnings = planned(capsys, *young, *words, "--replace")["warnings"]

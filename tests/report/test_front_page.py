@@ -182,7 +182,6 @@ def some_page(presses=6, long=False):
         [(words, [words] * 2)] * 3,
         [words] * (8 if long else 1),
         [words, f"dummydesign suggest --out {'x' * (400 if long else 4)}", words],
-        words,
         "report.html continues",
     )
 

@@ -38,7 +38,13 @@ def test_the_reports_bars_are_those_of_the_cast_pad(crowned, tmp_path):
     cast, searched = (bars(reactions(crowned, law)) for law in (crowned.cast, crowned.law))
     (name,) = (name for name in cast if name.startswith("thickness"))
     assert not np.allclose(cast[name], searched[name], atol=0.05)
-    result = {**crowned.to_dict(), "inputs": crowned.request.to_dict(), "warnings": [], "files": {}, "next": [{"do": "cast the pad", "command": ""}]}
+    result = {
+        **crowned.to_dict(),
+        "inputs": crowned.request.to_dict(),
+        "warnings": [],
+        "files": {},
+        "next": [{"do": "cast the pad", "command": ""}],
+    }
     pictures = press_pictures(crowned)
     write_suggestion(tmp_path, crowned, result, suggestion_curves(crowned), pictures)
     page = (tmp_path / "report.html").read_text()

@@ -16,6 +16,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.serialise import Serialised
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise
 from dummydesign.loop.model.forward_model import parameter_names
+from dummydesign.loop.model.material import ARM_TOLERANCE
 from dummydesign.loop.selection.cross_validation import widened
 from dummydesign.measurement.campaign import Campaign
 
@@ -25,9 +26,6 @@ if TYPE_CHECKING:
 CONFLICT_P = 0.01  # probability of a larger difference by chance below which a prior is held to contradict the data
 NAMED_Z = 2.5  # parameters that differ by more standard deviations than this are named
 SAME_RATIO = 1e-3
-ARM_TOLERANCE = 0.05
-"""Standard deviation of the logarithm of an arm's time and strength from campaign to campaign beside what the data say:
-the next campaign presses newly cast pads, whose strengths scatter from pour to pour (assumed: a twentieth)."""
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 from dummydesign.loop.model.forward_model import Active, BaseParameters, LawError, parameter_names
-from dummydesign.loop.model.material import UNDECLARED
+from dummydesign.loop.model.material import ARM_TOLERANCE, UNDECLARED
 from dummydesign.loop.next_measurement import (
     BACK_MM_S,
     HOLD_S,
@@ -27,7 +27,7 @@ from dummydesign.loop.next_measurement import (
     planned_presses,
     planned_trace,
 )
-from dummydesign.loop.prior import ARM_TOLERANCE, _shared, check_prior, join, with_prior_effects
+from dummydesign.loop.prior import _shared, check_prior, join, with_prior_effects
 from dummydesign.loop.selection.cross_validation import widened
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.pad.tables.slab import load_table

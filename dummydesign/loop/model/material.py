@@ -18,8 +18,9 @@ from dummydesign.pad.material.relaxation import PronyTerm
 
 USUAL_ARMS = (PronyTerm(0.07, 0.3), PronyTerm(1.5, 0.3))
 """Arms that stand for a material of which no relaxation is declared."""
-ARM_SCATTER = 0.05
-"""Standard deviation of ln tau and ln beta from pour to pour beside what was measured (assumed: a twentieth)."""
+ARM_TOLERANCE = 0.05
+"""Standard deviation of the logarithm of an arm's time and strength from pour to pour beside what the data say: newly
+cast pads scatter in strength (assumed: a twentieth)."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ class Material:
         ).to_logs()
         spread = np.full(len(mean), np.inf)
         if self.prony:
-            spread[1:] = np.hypot(self.arm_spread, ARM_SCATTER)
+            spread[1:] = np.hypot(self.arm_spread, ARM_TOLERANCE)
         if self.high_kPa > self.low_kPa:
             spread[0] = np.hypot(np.log(self.high_kPa / self.low_kPa) / (2.0 * HALF_WIDTH), PADS_DIFFER)
         return BasePrior(mean, spread)

@@ -66,6 +66,7 @@ def test_details_of_a_loop_without_evidence_have_no_empty_list(ranking):
         "verdict": "none",
         "residual": residual,
         "effects": [],
+        "as_designed": None,
         "base": side,
         "after": side,
         "ranking": ranking,

@@ -94,7 +94,7 @@ STUDIES = (
         "",
         (f"{TABLES}quick-error.json",),
         "error of the quick prediction of motions",
-        "--part shapes: 4 min of one core",
+        "--part shapes: 15 min of one core",
     ),
     Study(
         "tables.compressibility",

@@ -103,27 +103,23 @@ def sums_of_arms(
     deepest = np.maximum.accumulate(np.maximum(relative_depth, 0.0))
     touch, stop = int(np.argmax(deepest > 0.0)), int(np.argmax(deepest >= 0.99 * deepest[-1]))
     whole, sums = time_s[stop] - time_s[max(touch - 1, 0)], np.zeros((2, len(deepest)))
-    error = load_quick_error(base)
     for term in prony:
         rise = max(whole / term.tau_s, 1e-9)
         viscous = relaxed_force(time_s, elastic, (term,)) - elastic
-        sums += viscous * [error.at(ratio, deepest, rise), np.full(len(viscous), 1.0 + np.expm1(-rise) / rise)]
+        sums += viscous * [
+            load_quick_error(base).at(ratio, deepest, rise),
+            np.full(len(viscous), 1.0 + np.expm1(-rise) / rise),
+        ]
     return sums
 
 
-def over_gel(shape: PadShape, thickness_mm: float) -> float:
-    """Thickness over the gel between bone and apex, which is what a depth is to be compared with."""
-    return float(thickness_mm / (thickness_mm - shape.bone_height_mm))
-
-
 def slab_depth(shape: PadShape, thickness_mm: float, ratio: float, relative_depth: Array) -> Array:
-    """Relative depth of the slab that is compressed as much, in the mean under the punch."""
+    """Relative depth of the slab that is compressed as much: over the gel, or in the mean under the punch."""
     if shape.flat_top:
-        return relative_depth * over_gel(shape, thickness_mm)
+        return relative_depth * thickness_mm / (thickness_mm - shape.bone_height_mm)
     reach = ratio * thickness_mm * POINTS
     drop = shape.drop_mm(reach * np.cos(TURN), reach * np.sin(TURN)) / thickness_mm
-    overlap = np.maximum(np.asarray(relative_depth)[:, None] - SINK * drop, 0.0)
-    return np.asarray(overlap.mean(axis=-1) / (1.0 - drop.mean()))
+    return np.asarray(np.maximum(relative_depth[:, None] - SINK * drop, 0.0).mean(axis=-1) / (1.0 - drop.mean()))
 
 
 @lru_cache(maxsize=8)
@@ -272,11 +268,18 @@ def motion_on_curve(pad: Pad | Puck, motion: Motion, curve: ForceCurve, fidelity
         below = -above
         solver = cost | {name: solver[name] + cost[name] for name in ("load_steps", "newton_iterations", "seconds")}
     else:
-        ratio = pad.radius_mm / pad.thickness_mm
         # Not measured for a puck: that of a glued slab.
         base = "bonded" if isinstance(pad, Puck) else pad.base
         shape = SLAB if isinstance(pad, Puck) else pad.geometry
-        args = (ratio, depth / pad.thickness_mm, time, elastic, pad.prony, shape, pad.thickness_mm)
+        args = (
+            pad.radius_mm / pad.thickness_mm,
+            depth / pad.thickness_mm,
+            time,
+            elastic,
+            pad.prony,
+            shape,
+            pad.thickness_mm,
+        )
         below, above = departure(base, *args)[:, keep]
     peak = int(np.argmax(force))
     return MotionPrediction(

@@ -17,7 +17,7 @@ from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.finite_strain import CELLS, nodes_of_motion, solve_ratio
 from dummydesign.pad.material.relaxation import PronyTerm
-from dummydesign.pad.predict import over_gel, slab_depth, sums_of_arms
+from dummydesign.pad.predict import slab_depth, sums_of_arms
 from dummydesign.pad.tables.shape import load_shape_table
 from dummydesign.resin import load_resin
 from studies.tables.designs import designs
@@ -66,7 +66,7 @@ def measure_shape(
         When the motion cannot be followed.
     """
     h = press.thickness_mm
-    deepest = share / over_gel(press.shape, h)
+    deepest = share * over_thickness(press)
     motion = ramp_and_hold(velocity_mm_s, deepest * h)
     nodes = nodes_of_motion(motion.time_s, motion.displacement_mm / h, prony)
     path = solve_ratio(press, prony, *nodes, cells=cells)
@@ -82,6 +82,11 @@ def measure_shape(
         **over_peak(sums, path.separable),
         "viscous_share_at_peak": round(float(1.0 - path.elastic[peak] / path.separable[peak]), 4),
     }
+
+
+def over_thickness(press: Case) -> float:
+    """Gel between bone and apex over the thickness."""
+    return 1.0 - press.shape.bone_height_mm / press.thickness_mm
 
 
 def over_peak(sums: Array, force: Array) -> dict[str, float]:
@@ -141,7 +146,7 @@ def build_shapes(sets: dict[str, tuple[PronyTerm, ...]]) -> dict[str, list[dict[
         except NoAnswerError as problem:
             h = press.thickness_mm
             row = {"shape": str(press.shape), "thickness_mm": round(h, 3), "velocity_mm_s": speed}
-            row |= {"relative_depth": round(share / over_gel(press.shape, h), 4), "why": str(problem)}
+            row |= {"relative_depth": round(share * over_thickness(press), 4), "why": str(problem)}
             left_out.append({"kind": kind, "arms": arms, **row})
             print(f"{kind}: {problem}", flush=True)
             continue

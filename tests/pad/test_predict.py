@@ -28,7 +28,6 @@ from dummydesign.pad.predict import (
     departure,
     depth_for_steady_force,
     kind_shares,
-    over_gel,
     predict_motion,
     predict_static,
     press_to_forces,
@@ -275,7 +274,6 @@ def test_a_shaped_pad_departs_as_the_slab_that_is_compressed_as_much_by_the_shar
 
 def test_a_crown_is_compressed_by_its_mean_overlap_and_a_flat_top_over_its_gel():
     depth = np.array([0.0, 0.1, 0.3])
-    assert over_gel(Boned(9.0, 4.0, 6.0), 12.0) == pytest.approx(1.5)
     assert slab_depth(Boned(9.0, 4.0, 6.0), 12.0, 0.7, depth) == pytest.approx(1.5 * depth)
     assert slab_depth(Layered(6.0, 2.0), 12.0, 0.7, depth) == pytest.approx(depth)
     # a spherical cap up to the punch's edge: mean drop (R^2 - a^2)^1.5 in closed form

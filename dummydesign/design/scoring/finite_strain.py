@@ -47,8 +47,7 @@ def finite_strain_of(pad: PadBatch, shape: PadShape, base: str, targets: Targets
     """
     thickness = float(pad.thickness_mm[0])
     prony = [PronyTerm(tau_s=tau, beta=beta) for tau, beta in zip(pad.tau_s, pad.beta[0].tolist())]
-    rise = replace(targets.sampling, hold_points=0)
-    _, presses = press_all(pad, targets, targets.protocol.steady_grid_N, rise)
+    _, presses = press_all(pad, targets, targets.protocol.steady_grid_N, replace(targets.sampling, hold_points=0))
     ends = []
     for press in presses:
         time_s, depth_mm = press.time_s[0], press.displacement_mm

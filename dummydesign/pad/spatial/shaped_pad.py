@@ -469,14 +469,13 @@ def solve_eighth(pad: Pad, depths: Array, grid: GridFineness, step: float) -> tu
     2 % larger.
     """
     load = Load.of(pad, float(depths[0]))
-    twin = _round_twin(load, depths)
+    x, twin = axis_lines(load, grid, 0), _round_twin(load, depths)
     assert twin is not None
-    x = axis_lines(load, grid, 0)
     part = space.quarter(x, x, levels(load, grid), folded=True, bend=load.bend)
     base = np.unique(space.horizontal_faces(part.mesh, np.nonzero(part.lattice[0] == 0)[0], upper=False))
     strength = SHAPED_PAD_IN_SPACE.contact * load.law.shear_MPa / float(min(load.half_sides) / grid.cells)
     problem = contact_problem(load, part, base, part.share * strength, grid.rim * load.scale)
     path = follow(problem, twin.depths, 0.25 * depths[0], step * load.scale, depths[0] / 256.0)
-    count = len(path.force)
-    correction = _correction(load, grid, twin, min(step, LARGEST_STEP))[:count]
-    return twin.depths[:count], PARTS * path.force / twin.force[:count] * np.exp(correction), correction
+    correction, reached = _correction(load, grid, twin, min(step, LARGEST_STEP)), slice(len(path.force))
+    factor = PARTS * path.force / twin.force[reached] * np.exp(correction[reached])
+    return twin.depths[reached], factor, correction[reached]

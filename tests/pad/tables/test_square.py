@@ -167,10 +167,12 @@ def test_a_crown_knows_nothing_of_a_square_until_its_side_is_reached():
 
 
 def test_the_factor_of_a_crown_is_that_of_finer_cells_than_most_of_its_fit():
-    # `python -m studies.tables.square_crown`, nine cells over half a side
+    # `python -m studies.tables.square_crown`, nine cells over half a side; seven with half the fillet and short steps
     depth, solved = np.array([0.26, 0.34, 0.42]), np.array([0.92075, 0.93641, 0.94758])
     factor, error = crown_factor(4.5 * depth, 4.5, RADIUS, CROWN)
     assert np.all(np.abs(factor / solved - 1.0) <= error)
+    depth, solved = np.array([0.26265, 0.29699, 0.33133, 0.36566, 0.4]), [0.92827, 0.92455, 0.93399, 0.94212, 0.94329]
+    assert crown_factor(4.5 * depth, 4.5, RADIUS, CROWN)[0] == pytest.approx(np.array(solved), rel=0.006)
     assert np.all(factor < 0.97)
 
 

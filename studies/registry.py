@@ -66,7 +66,7 @@ STUDIES = (
         "--store square-crown-solves.jsonl",
         (f"{TABLES}square-crowned.json",),
         "square over circle of equal area on crowns, in space",
-        "14 min of one core",
+        "40 min of one core",
     ),
     *SHAPES,
     Study(

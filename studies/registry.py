@@ -66,7 +66,7 @@ STUDIES = (
         "--store square-crown-solves.jsonl",
         (f"{TABLES}square-crowned.json",),
         "square over circle of equal area on crowns, in space",
-        "14 min of one core",
+        "40 min of one core",
     ),
     *SHAPES,
     Study(
@@ -94,7 +94,7 @@ STUDIES = (
         "",
         (f"{TABLES}quick-error.json",),
         "error of the quick prediction of motions",
-        "--part shapes: 4 min of one core",
+        "--part shapes: 15 min of one core",
     ),
     Study(
         "tables.compressibility",

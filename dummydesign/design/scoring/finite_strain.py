@@ -14,7 +14,7 @@ from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import Readings
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
-from dummydesign.pad.predict import widest_allowance
+from dummydesign.pad.predict import departure
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,16 +47,14 @@ def finite_strain_of(pad: PadBatch, shape: PadShape, base: str, targets: Targets
     """
     thickness = float(pad.thickness_mm[0])
     prony = [PronyTerm(tau_s=tau, beta=beta) for tau, beta in zip(pad.tau_s, pad.beta[0].tolist())]
-    rise = replace(targets.sampling, hold_points=0)
-    _, presses = press_all(pad, targets, targets.protocol.steady_grid_N, rise)
+    _, presses = press_all(pad, targets, targets.protocol.steady_grid_N, replace(targets.sampling, hold_points=0))
     ends = []
     for press in presses:
         time_s, depth_mm = press.time_s[0], press.displacement_mm
         elastic = pad.young_MPa[0] * pad.curves.area_at(pad.slab, depth_mm)[0]
         force = relaxed_force(time_s, elastic, prony)
         place = radius_mm / thickness, depth_mm[0] / thickness
-        lower, upper = widest_allowance(base, *place, time_s, elastic, prony, shape, thickness)
-        curves = np.stack([force, -lower, upper])
+        curves = np.stack([force, *departure(base, *place, time_s, elastic, prony, shape, thickness)])
         ends.append([curves[:, np.argmax(force)], parabolic_work_mJ(np.repeat(depth_mm, 3, axis=0), curves)])
     reading, low, high = np.transpose(ends, (2, 1, 0))
     middle, half = 1.0 + 0.5 * (high + low) / reading, 0.5 * (high - low) / reading

@@ -190,10 +190,14 @@ def _best(usable: NDArray, stands: NDArray, misfit: NDArray, enough: float, stri
     """
     # on the safe side more than the share that is needed only reads higher
     held = np.minimum(usable, enough + ABOVE) if strict else usable
-    able = held >= held.max(axis=-1, keepdims=True) - SLACK
-    sought = np.where(able, np.clip(stands, HALF, enough + ABOVE), 0.0)
-    able = sought >= sought.max(axis=-1, keepdims=True) - SLACK
-    return np.asarray(np.argmin(np.where(able, misfit, np.inf), axis=-1))
+    sought = np.where(_as_large(held, enough), np.clip(stands, HALF, enough + ABOVE), 0.0)
+    return np.asarray(np.argmin(np.where(_as_large(sought, enough), misfit, np.inf), axis=-1))
+
+
+def _as_large(share: NDArray, enough: float) -> NDArray:
+    """Which shares are the largest within a slack, and enough where that is."""
+    most = share.max(axis=-1, keepdims=True)
+    return np.asarray(share >= np.where(most >= enough, np.maximum(most - SLACK, enough), most - SLACK))
 
 
 def _after_puck(batches: Batches, first: int, scatter: Scatter) -> tuple[NDArray, NDArray]:

@@ -49,7 +49,7 @@ class RoundTwin:
         stop = f"under the circle of the punch's area {why}" if len(open_ones) < len(depths) else None
         return cls(case, open_ones, force, stop)
 
-    def change_on(self, lines: tuple[Array, Array], cells: int, rim: float) -> Array:
+    def change_on(self, lines: tuple[Array, Array], cells: int, rim: float, step: float = LARGEST_STEP) -> Array:
         """ln of the force over that on other lines under a punch with a fillet, held where not known.
 
         Parameters
@@ -60,8 +60,10 @@ class RoundTwin:
             Under the punch, for the stiffness of the contact.
         rim : float
             Fillet over the smaller of radius and thickness.
+        step : float
+            Largest load step over the same.
         """
         first = 0.25 * float(self.depths[0])
         problem = shaped_problem(self.case, cells, rim, lines=lines)
-        path = follow(problem, self.depths, first, LARGEST_STEP * self.case.scale, first / 64.0)
+        path = follow(problem, self.depths, first, step * self.case.scale, first / 64.0)
         return last_known(np.log(self.force / padded(path, len(self.depths))), 0.0)

@@ -38,7 +38,7 @@ from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import ForcePath, cost, follow
 from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium
 from dummydesign.pad.solve.multifrontal import Dissection
-from dummydesign.pad.spatial.round_twin import RoundTwin
+from dummydesign.pad.spatial.round_twin import LARGEST_STEP, RoundTwin
 from dummydesign.pad.tables.response_surface import fade
 
 Array = np.ndarray
@@ -360,7 +360,7 @@ def solve_path(load: Load, depths: Array, grid: GridFineness) -> ForcePath:
     top = np.arange(len(mesh.dofs))[-(len(axis_lines(load, grid, 0)) - 1) * (len(axis_lines(load, grid, 1)) - 1) :]
     mirrored = load.offset[0] == 0.0, load.offset[1] == 0.0
     face = SpatialFace(problem, space.horizontal_faces(mesh, top), mirrored, load.thickness_mm)
-    return watched(problem, face, depths, 0.05 * load.scale)
+    return watched(problem, face, depths, LARGEST_STEP * load.scale)
 
 
 # What a corrected force is off by that neither the cells nor the correction show: contact gives way, steps are long.
@@ -446,33 +446,36 @@ def _circle(half_sides: tuple[float, float]) -> float:
     return float(2.0 * np.sqrt(np.prod(half_sides) / np.pi))
 
 
-def _correction(load: Load, grid: GridFineness, twin: RoundTwin) -> Array:
-    """ln of what cells and fillet in space take from the force.
+def _correction(load: Load, grid: GridFineness, twin: RoundTwin, step: float = LARGEST_STEP) -> Array:
+    """ln of what cells, fillet and load steps in space take from the force.
 
-    Both act along the punch's edge, which a square has more of than the circle of its area.
+    All act along the punch's edge, which a square has more of than the circle of its area.
     """
     radius, extent = twin.case.radius, twin.case.extent
     plane = replace(load, half_sides=(radius, radius), half_extents=(extent, extent), is_round=True)
     lines = axis_lines(plane, grid, 0), -levels(plane, grid)[::-1]
     edge = 1.0 if load.is_round else 2.0 * sum(load.half_sides) / (np.pi * radius) * load.scale / plane.scale
-    return edge * twin.change_on(lines, grid.cells, grid.rim * plane.scale / twin.case.scale)
+    return edge * twin.change_on(lines, grid.cells, grid.rim * plane.scale / twin.case.scale, step)
 
 
 # Parts of a square pad that mirror each other.
 PARTS = 8.0
 
 
-def solve_eighth(pad: Pad, depths: Array, grid: GridFineness) -> tuple[Array, Array, Array]:
-    """Force of a square, round pad under a square punch over that of the circle of its area, and its correction."""
+def solve_eighth(pad: Pad, depths: Array, grid: GridFineness, step: float) -> tuple[Array, Array, Array]:
+    """Force of a square, round pad under a square punch over that of the circle of its area, and its correction.
+
+    ``step`` is the largest of the load: what sticks remembers its path, with 0.06 instead of 0.02 the factor was up to
+    2 % larger.
+    """
     load = Load.of(pad, float(depths[0]))
-    twin = _round_twin(load, depths)
+    x, twin = axis_lines(load, grid, 0), _round_twin(load, depths)
     assert twin is not None
-    x = axis_lines(load, grid, 0)
     part = space.quarter(x, x, levels(load, grid), folded=True, bend=load.bend)
     base = np.unique(space.horizontal_faces(part.mesh, np.nonzero(part.lattice[0] == 0)[0], upper=False))
     strength = SHAPED_PAD_IN_SPACE.contact * load.law.shear_MPa / float(min(load.half_sides) / grid.cells)
     problem = contact_problem(load, part, base, part.share * strength, grid.rim * load.scale)
-    path = follow(problem, twin.depths, 0.25 * depths[0], 0.08 * load.scale, depths[0] / 256.0)
-    count = len(path.force)
-    correction = _correction(load, grid, twin)[:count]
-    return twin.depths[:count], PARTS * path.force / twin.force[:count] * np.exp(correction), correction
+    path = follow(problem, twin.depths, 0.25 * depths[0], step * load.scale, depths[0] / 256.0)
+    correction, reached = _correction(load, grid, twin, min(step, LARGEST_STEP)), slice(len(path.force))
+    factor = PARTS * path.force / twin.force[reached] * np.exp(correction[reached])
+    return twin.depths[reached], factor, correction[reached]

@@ -111,7 +111,7 @@ RING_WEIGHT = np.concatenate([(high - low) * WEIGHTS for low, high in pairwise(_
 RING_WEIGHT = RING_WEIGHT * RING * ((RING > 1.0) - 4.0 / np.pi * np.arccos(SIDE_OVER_RADIUS / RING))
 # Share of the depth at which the contact reaches the square's side from which the error begins.
 ERROR_BEGINS = 0.7
-# Feet over the circle's radius about which the solved factors scatter on thin pads, and how far.
+# Feet over the circle's radius up to which the solved factors scatter on thin pads, and how far beyond.
 FOOT, FOOT_WIDTH = 0.96, 0.12
 
 
@@ -160,7 +160,7 @@ def crown_factor(
     value = value * (1.0 + (of_slab - 1.0) * corner)
     met = (reach / conic_sag(SIDE_OVER_RADIUS * a, tip, height, foot))[..., 0]
     begun = np.clip((met - ERROR_BEGINS) / (1.0 - ERROR_BEGINS), 0.0, 1.0)
-    near = np.exp(-(((foot / a - FOOT) / FOOT_WIDTH) ** 2)) * np.clip((1.35 - h / a) / 0.35, 0.0, 1.0)
+    near = np.exp(-((np.maximum(foot / a - FOOT, 0.0) / FOOT_WIDTH) ** 2)) * np.clip((1.35 - h / a) / 0.35, 0.0, 1.0)
     return value, begun * (table.error + table.foot_error * near[..., 0]) + doubt * corner
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from dummydesign.design.scoring.outlook import ABOVE, SLACK, Match, Scatter, outlook_of
+from dummydesign.design.scoring.outlook import ABOVE, SLACK, Match, Scatter, _best, outlook_of
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.windows import Batches, Windows
 
@@ -181,6 +181,23 @@ def test_of_ratios_that_are_usable_alike_the_one_nearest_to_the_aim_is_poured():
         assert found.misfit == pytest.approx(0.1, abs=0.02)
     beyond = outlook(0.1, 0.05, low=low, high=high, match=Match(MIDDLE + 3.0, 0.1))
     assert beyond.as_poured > 1.0 - 2.0 * SLACK and log_young(beyond.ratio) < high
+
+
+@pytest.mark.parametrize("strict", [False, True])
+def test_no_ratio_of_a_worse_level_is_taken_for_a_nearer_aim(strict):
+    """Drawn shares about the one that is needed: the ratio keeps the level of that of the largest usable share."""
+    rng, needed = np.random.default_rng(8101), LIMITS.share
+    usable = np.clip(needed + 0.02 * rng.standard_normal((2000, 12)), 0.0, 1.0)
+    stands = np.minimum(needed + 0.03 * rng.standard_normal((2000, 12)), usable)
+    rows, chosen = np.arange(2000), _best(usable, stands, rng.uniform(size=(2000, 12)), needed, strict)
+    most = usable.max(axis=1)
+    lost = (np.minimum(most, needed + ABOVE) if strict else most) - usable[rows, chosen]
+    assert lost.max() <= SLACK + 1e-12 and lost.max() > 0.8 * SLACK
+    assert np.all(usable[rows, chosen][most >= needed] >= needed)
+    largest = stands[rows, usable.argmax(axis=1)]
+    assert np.mean(largest >= needed) > 0.2
+    if not strict:
+        assert np.all(stands[rows, chosen][largest >= needed] >= needed)
 
 
 @pytest.mark.parametrize("number", range(12))

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.measurement.importing.sign_convention import Span, approach_start, noise_of
+from dummydesign.measurement.importing.sign_convention import Span, approach_start
+from dummydesign.measurement.plateau import noise_of
 
 LEAST_LEAD_IN = 5
 WANDER, LONG_WANDER = 0.15, 0.5

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.interpolation import true_runs
 from dummydesign.measurement.importing.decisions import ImportLog
+from dummydesign.measurement.plateau import noise_of
 
 _BOTH_WAYS = 0.4
 """Share of the larger swing of the force above which the smaller one leaves open which of them is pressing."""
@@ -31,14 +32,6 @@ def middle_of_three(values: NDArray) -> NDArray:
         return values.copy()
     a, b, c = values[:-2], values[1:-1], values[2:]
     return np.r_[values[:1], np.maximum(np.minimum(a, b), np.minimum(np.maximum(a, b), c)), values[-1:]]
-
-
-def noise_of(force: NDArray) -> float:
-    """Sample noise by second differences, which a smooth force does not have. [N]"""
-    if len(force) < 5:
-        return 0.0
-    second = np.abs(force[2:] - 2.0 * force[1:-1] + force[:-2])
-    return float(np.median(second) / 0.6745 / np.sqrt(6.0))
 
 
 def find_signs(x: NDArray, force: NDArray, tare_N: float | None, log: ImportLog) -> Signs:

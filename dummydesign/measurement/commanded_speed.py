@@ -16,8 +16,9 @@ if TYPE_CHECKING:
 
 READ_MM, TIMING = 5e-4, 0.02
 """Least error of a reading, and of a time over the step of the samples."""
-ENOUGH, USED = 80, 30
-"""Samples from contact to the stop that are enough, others are averaged; those that a braking is fitted to."""
+ENOUGH, USED, SCATTERED = 80, 30, 10
+"""Samples from contact to the stop that are enough, others are averaged; those that a braking is fitted to; those of a
+ramp that tell how their times scatter."""
 CHORD, LONG, SAME, ABOVE = 0.1, 0.34, 0.03, 0.03
 """Shares of the way left over which a speed is taken, and over which one that stays within 3 % is constant. The fastest
 one may be 3 % more."""
@@ -137,5 +138,12 @@ def _means(ramp: Ramp) -> tuple[NDArray, NDArray, float]:
     end = min(int(np.searchsorted(time, ramp.stop_time_s, side="right")) + 1, len(x))
     many = max((end - int(np.searchsorted(time, ramp.contact_time_s))) // ENOUGH, 1)
     digits = float(np.diff(np.unique(np.round(x, 6))).min(initial=1.0)) / np.sqrt(12.0)
-    few, means = ((part[end % many : end].reshape(-1, many)).mean(axis=1) for part in (time, x))
-    return few, means, (float(np.hypot(READ_MM, noise_of(x))) + digits) / np.sqrt(many)
+    time, x = (part[end % many : end].reshape(-1, many).mean(axis=1) for part in (time, x))
+    # what the times scatter is seen in the ramp alone: a line between neighbours misses by the same while it brakes
+    ramp_time, ramp_x = (part[(x > 0.05 * ramp.depth_mm) & (x < 0.98 * ramp.depth_mm)] for part in (time, x))
+    error = (float(np.hypot(READ_MM, noise_of(ramp.path.displacement_mm))) + digits) / np.sqrt(many)
+    if len(ramp_x) >= SCATTERED:
+        share = (ramp_time[1:-1] - ramp_time[:-2]) / (ramp_time[2:] - ramp_time[:-2])
+        off = ramp_x[1:-1] - ramp_x[:-2] - share * (ramp_x[2:] - ramp_x[:-2])
+        error = max(error, float(np.median(np.abs(np.diff(off)))) / 0.6745 / np.sqrt(5.0))
+    return time, x, error

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.interpolation import true_runs
 from dummydesign.measurement.importing.decisions import ImportLog
-from dummydesign.measurement.plateau import noise_of
+from dummydesign.measurement.plateau import noise_of, ramp_start
 
 _BOTH_WAYS = 0.4
 """Share of the larger swing of the force above which the smaller one leaves open which of them is pressing."""
@@ -161,19 +161,14 @@ def find_presses(file: str, x: NDArray, load: NDArray, several: bool, time: NDAr
     cuts = [0, *(_cut(at, x, before[1], after[0]) for before, after in pairwise(joined)), len(x)]
     deepest = [a + int(np.argmax(smooth[a:b])) for a, b in joined]
     # nothing is touched while the punch is parked, whatever the force does there
-    onsets = [max(run[0], approach_start(x, a, deep)) for run, a, deep in zip(joined, cuts, deepest)]
+    onsets = [max(run[0], approach_start(at, x, a, deep)) for run, a, deep in zip(joined, cuts, deepest)]
     return [Span(a, b, onset) for a, b, onset in zip(cuts, cuts[1:], onsets)]
 
 
-def approach_start(x: NDArray, start: int, deepest: int) -> int:
+def approach_start(time: NDArray, x: NDArray, start: int, deepest: int) -> int:
     """The last sample at which the punch is parked before it presses; ``start`` where it is on its way already."""
-    way = x[start : deepest + 1]
-    reach = PARKED * float(way[-1] - way.min())
-    stand = np.nonzero(way <= way.min() + reach)[0]
-    half = len(stand) // 2
-    if half and abs(float(way[stand[half:]].mean() - way[stand[:half]].mean())) > 0.25 * reach:
-        return start
-    return start + int(stand[-1])
+    way = x[start : deepest + 1] - x[start : deepest + 1].min()
+    return start if deepest < start + 2 else start + ramp_start(time[start : deepest + 1], way, noise_of(way))[0]
 
 
 def _level(time: NDArray, smooth: NDArray, parked: NDArray) -> NDArray:

@@ -123,6 +123,8 @@ def commanded_speed(ramp: Ramp) -> CommandedSpeed:
         low = min(low, float(speeds[likely[0]]) * (1.0 - STEP))
         high = np.inf if likely[-1] == len(speeds) - 1 else max(most, float(speeds[likely[-1]]) * (1.0 + STEP))
         value = max(float(speeds[np.argmax(misfit <= best + 1.0)]), low)
+    elif len(speeds) > 1:
+        value = max(low, constant)
     nearest = int(np.abs(speeds - value).argmin())
     own, off = float(braking[nearest]), float(misfit[nearest])
     sharp = way.misfit(speeds[nearest], np.full((1, 1), DECELERATION_MM_S2)).item()

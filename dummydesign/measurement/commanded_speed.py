@@ -24,9 +24,11 @@ CHORD, LONG, SAME, ABOVE = 0.1, 0.34, 0.03, 0.03
 one may be 3 % more."""
 BRAKINGS, ROBOTS_BRAKE, NODES = (1.0, 2e5), 300.0, 30
 """Brakings that are tried, and the least of a robot; a softer one is a slow motion that eases to its stop. [mm/s2]"""
-STEP, FITS, SEEN, SURE = 0.02, 4.0, 20.0, 0.08
-"""ln between speeds that are tried; chi-square for each degree of freedom up to which a constant braking fits; that by
-which it is likelier than the default; error of a speed that needs no word."""
+TRIED, STEP, SURE = (-0.16, 0.53), 0.02, 0.08
+"""ln of the speeds that are tried over the fastest chord, and between them; error of a speed that needs no word."""
+FITS, SEEN, EQUAL, LIKELY = 4.0, 20.0, 1.0, 6.0
+"""Chi-square: for each degree of freedom, up to which a constant braking fits; by which it is likelier than the default
+one; within which the lowest speed is taken, and all are likely."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +108,7 @@ def commanded_speed(ramp: Ramp) -> CommandedSpeed:
     value, off = float(chord[at]), float(errors[at])
     constant = float(speed_over(np.maximum(LONG * left, reach), 4)[0].max())
     low, high, most = value * (1.0 - off), np.inf, value * (1.0 + ABOVE + 0.5 * off)
-    begin, speeds = int(ahead[np.argmax(chord >= low - SAME * value)]), value * np.exp(np.arange(-0.16, 0.53, STEP))
+    begin, speeds = int(ahead[np.argmax(chord >= low - SAME * value)]), value * np.exp(np.arange(*TRIED, STEP))
     if constant >= low - SAME * value and off < SAME:
         value, low, high = constant, min(low, constant * (1.0 - SAME)), max(constant * (1.0 + SAME), most)
         speeds = np.array([value])
@@ -119,10 +121,10 @@ def commanded_speed(ramp: Ramp) -> CommandedSpeed:
     misfit, braking = way.brakings(speeds)
     best = float(misfit.min())
     if len(speeds) > 1 and best <= FITS * free:
-        likely = np.flatnonzero(misfit <= best + 6.0 + float(f.ppf(0.95, 1, free)) * best / free)
+        likely = np.flatnonzero(misfit <= best + LIKELY + float(f.ppf(0.95, 1, free)) * best / free)
         low = min(low, float(speeds[likely[0]]) * (1.0 - STEP))
         high = np.inf if likely[-1] == len(speeds) - 1 else max(most, float(speeds[likely[-1]]) * (1.0 + STEP))
-        value = max(float(speeds[np.argmax(misfit <= best + 1.0)]), low)
+        value = max(float(speeds[np.argmax(misfit <= best + EQUAL)]), low)
     elif len(speeds) > 1:
         value = max(low, constant)
     nearest = int(np.abs(speeds - value).argmin())

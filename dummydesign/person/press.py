@@ -170,9 +170,8 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None, arm: RobotArm | Non
     speed, error = contact_speed(time - ramp.contact_time_s, x, stop, path.noise)
     approached = bool(time[0] <= ramp.contact_time_s - LEAST_NEAR * float(np.median(np.diff(time))))
     if not approached:
-        speed = np.minimum(
-            speed, ramp.speed.value_mm_s
-        )  # without an approach the curve starts too steep where the robot brakes
+        # without an approach the curve starts too steep where the robot brakes
+        speed = np.minimum(speed, ramp.speed.value_mm_s)
     rings = int(((path.coarse | load.coarse) & (nodes[:-1] > 2.0 * stop)).sum()) >= RINGS
     if arm is not None:
         rings = still_rings(path, nodes, min(mean_from, float(nodes[-1])), arm.period_s)

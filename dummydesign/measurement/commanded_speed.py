@@ -93,7 +93,7 @@ def commanded_speed(ramp: Ramp) -> CommandedSpeed:
     """
     from scipy.stats import f
 
-    time, x, error = _means(ramp)
+    time, x, error, one = _means(ramp)
     left, late = ramp.depth_mm - x, TIMING * float(np.median(np.diff(time[-USED:])))
     climb, reach = np.maximum.accumulate(x), np.maximum(CHORD * left, 30.0 * error)
 
@@ -109,35 +109,40 @@ def commanded_speed(ramp: Ramp) -> CommandedSpeed:
     constant = float(speed_over(np.maximum(LONG * left, reach), 4)[0].max())
     low, high, most = value * (1.0 - off), np.inf, value * (1.0 + ABOVE + 0.5 * off)
     begin, speeds = int(ahead[np.argmax(chord >= low - SAME * value)]), value * np.exp(np.arange(*TRIED, STEP))
-    if constant >= low - SAME * value and off < SAME:
+    steady = constant >= low - SAME * value and off < SAME
+    if steady:
         value, low, high = constant, min(low, constant * (1.0 - SAME)), max(constant * (1.0 + SAME), most)
-        speeds = np.array([value])
-    use = begin + np.flatnonzero(left[begin:] > max(4.0 * error, 0.01 * ramp.depth_mm))
+        # a little too fast a speed would make the braking much too soft
+        speeds = value * np.exp(np.linspace(-SAME, SAME, NODES + 1))
+    # means would blunt a sudden stop
+    after, way_left = ramp.path.time_s, ramp.depth_mm - ramp.path.displacement_mm
+    near = (after >= time[begin]) & (after <= ramp.stop_time_s)
+    use = np.flatnonzero(near & (way_left > max(4.0 * one, 0.01 * ramp.depth_mm)))
     use = use[:: max(len(use) // USED, 1)]
     free = len(use) - 3
     if free < 1:
         return CommandedSpeed(value, low, high, DECELERATION_MM_S2)
-    way = _WayLeft(time[use], left[use], error, late)
+    way = _WayLeft(after[use], way_left[use], one, late)
     misfit, braking = way.brakings(speeds)
     best = float(misfit.min())
-    if len(speeds) > 1 and best <= FITS * free:
+    if not steady and best <= FITS * free:
         likely = np.flatnonzero(misfit <= best + LIKELY + float(f.ppf(0.95, 1, free)) * best / free)
         low = min(low, float(speeds[likely[0]]) * (1.0 - STEP))
         high = np.inf if likely[-1] == len(speeds) - 1 else max(most, float(speeds[likely[-1]]) * (1.0 + STEP))
         value = max(float(speeds[np.argmax(misfit <= best + EQUAL)]), low)
-    elif len(speeds) > 1:
+    elif not steady:
         value = max(low, constant)
-    nearest = int(np.abs(speeds - value).argmin())
+    nearest = int(misfit.argmin() if steady else np.abs(speeds - value).argmin())
     own, off = float(braking[nearest]), float(misfit[nearest])
-    sharp = way.misfit(speeds[nearest], np.full((1, 1), DECELERATION_MM_S2)).item()
+    sharp = float(way.misfit(speeds[:, None, None], np.full((1, 1, 1), DECELERATION_MM_S2)).min())
     if sharp - off <= SEEN * max(off / free, 1.0) or ramp.overshoot_mm:
         own = DECELERATION_MM_S2
     high = value * (1.0 + SURE) if own < ROBOTS_BRAKE and np.isinf(high) else high
     return CommandedSpeed(value, low, high, own)
 
 
-def _means(ramp: Ramp) -> tuple[NDArray, NDArray, float]:
-    """Times and path up to the stop, and the error of the path: means of some samples where there are many. [s, mm]"""
+def _means(ramp: Ramp) -> tuple[NDArray, NDArray, float, float]:
+    """Means of samples up to the stop, where there are many: times, path, errors of it and of a sample. [s, mm]"""
     time, x = ramp.path.time_s, ramp.path.displacement_mm
     end = min(int(np.searchsorted(time, ramp.stop_time_s, side="right")) + 1, len(x))
     many = max((end - int(np.searchsorted(time, ramp.contact_time_s))) // ENOUGH, 1)
@@ -150,4 +155,4 @@ def _means(ramp: Ramp) -> tuple[NDArray, NDArray, float]:
         share = (ramp_time[1:-1] - ramp_time[:-2]) / (ramp_time[2:] - ramp_time[:-2])
         off = ramp_x[1:-1] - ramp_x[:-2] - share * (ramp_x[2:] - ramp_x[:-2])
         error = max(error, float(np.median(np.abs(np.diff(off)))) / 0.6745 / np.sqrt(5.0))
-    return time, x, error
+    return time, x, error, error * float(np.sqrt(many))

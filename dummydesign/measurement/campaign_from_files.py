@@ -14,7 +14,7 @@ from typing import Any
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import write_bytes
 from dummydesign.measurement.campaign_file import FILE, TRIAL_NUMBERS, TRIAL_REQUIRED, read_campaign_toml, trial_tables
-from dummydesign.measurement.ramp_detection import approach_velocity, ramp_of
+from dummydesign.measurement.ramp_detection import ramp_of
 from dummydesign.measurement.trace import read_trace
 
 KEYS = (
@@ -170,8 +170,7 @@ def _trial(path: Path, row: Mapping[str, Any], thickness_mm: float | None) -> tu
         )
     sources = [word for word, used in (("table", row), ("name", set(named) - set(row))) if used]
     if "velocity_mm_s" not in known:
-        speed = approach_velocity(trace.time_s, trace.displacement_mm, ramp_of(trace))
-        known["velocity_mm_s"] = float(f"{speed:.2g}")
+        known["velocity_mm_s"] = float(f"{ramp_of(trace).speed.value_mm_s:.2g}")
         sources.append("speed as the trace moves")
     return {"file": path.name, **{key: known[key] for key in COLUMNS[1:] if key in known}}, ", ".join(sources)
 

@@ -106,7 +106,7 @@ def _positive(table: dict[str, Any], key: str) -> float:
 def differences_from_plan(trace: Trace, trial: dict[str, Any]) -> Iterator[str]:
     """Return the differences between a press and what was planned."""
     ramp = ramp_of(trace)
-    sent = planned_velocity(trace.time_s, trace.displacement_mm, ramp, _positive(trial, "velocity_mm_s"))
+    sent = planned_velocity(ramp, _positive(trial, "velocity_mm_s"))
     differences = {
         "velocity_mm_s": (sent, SPEED_SHARE, "mm/s"),
         "target_force_N": (held_force(trace, ramp), FORCE_SHARE, "N in the hold"),

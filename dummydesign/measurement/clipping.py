@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from dummydesign.core.interpolation import true_runs
 from dummydesign.measurement.importing.baseline import digit_step
-from dummydesign.measurement.importing.sign_convention import middle_of_three, noise_of
+from dummydesign.measurement.importing.sign_convention import middle_of_three
+from dummydesign.measurement.plateau import noise_of
 
 LEAST = 8
 """Samples of a clipped stretch."""

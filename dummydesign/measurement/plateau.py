@@ -36,7 +36,7 @@ NOISELESS = 60.0
 SAG = 0.01
 """Share of the speed of the ramp below which a fall is a sag of the plateau and no release."""
 ENOUGH = 2000
-"""Samples that a noise or a first level is read from, evenly spread."""
+"""Samples that a first level is read from, evenly spread."""
 FEWEST_TURNS = 3
 """Crossings of the level in the later half from which the mean of whole periods is taken."""
 
@@ -138,13 +138,19 @@ def ramp_start(time: NDArray, x: NDArray, noise_mm: float) -> tuple[int, float, 
     return start, min(max(contact, float(time[start])), float(time[start + 1])), level
 
 
-def path_noise(x: NDArray) -> float:
-    """Noise of one sample of a path by second differences. [mm]"""
-    if len(x) < 5:
+def noise_of(values: NDArray) -> float:
+    """Noise of one sample by second differences, which a smooth path or force does not have. [mm, N]"""
+    if len(values) < 5:
         return 0.0
-    every = max(len(x) // ENOUGH, 1)
-    second = x[2::every] - 2.0 * x[1:-1:every] + x[:-2:every]
-    return float(np.median(np.abs(second)) / 0.6745 / np.sqrt(6.0))
+    second = np.abs(values[2:] - 2.0 * values[1:-1] + values[:-2])
+    return float(np.median(second) / 0.6745 / np.sqrt(6.0))
+
+
+def time_at(time: NDArray, x: NDArray, level: float) -> float:
+    """Time at which a path first reaches a level, on the line between its samples. [s]"""
+    at = max(int(np.argmax(x >= level)), 1)
+    share = (level - x[at - 1]) / max(float(x[at] - x[at - 1]), 1e-12)
+    return float(time[at - 1] + np.clip(share, 0.0, 1.0) * (time[at] - time[at - 1]))
 
 
 def _leaving(time: NDArray, x: NDArray, top: float, noise: float) -> tuple[int, bool, float]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.user_library import data_folder, read_toml
+from dummydesign.measurement.plateau import time_at
 
 UNITS = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6},
@@ -68,7 +69,8 @@ def press_quantities(time: NDArray, x: NDArray, force: NDArray) -> dict[str, flo
     """
     depth, largest = float(x.max()), float(force.max())
     step = float(np.median(np.diff(time)))
-    speed, last = (_speed(time, x, low * depth, high * depth) for low, high in (RISE, END))
+    ends = [[time_at(time, x, share * depth) for share in part] for part in (RISE, END)]
+    speed, last = ((high - low) * depth / max(b - a, 1e-12) for (low, high), (a, b) in zip((RISE, END), ends))
     top = max(int(np.argmax(x >= END[1] * depth)), 1)
     way = max((1.0 - END[1]) * depth, last * float(time[top] - time[top - 1]), 1e-12)
     return {
@@ -79,16 +81,6 @@ def press_quantities(time: NDArray, x: NDArray, force: NDArray) -> dict[str, flo
         "step_s": step,
         "stiffness_N_mm": largest / max(depth, 1e-12),
     }
-
-
-def _speed(time: NDArray, x: NDArray, low: float, high: float) -> float:
-    """Mean speed between two depths, each where it is first reached."""
-    ends = []
-    for level in (low, high):
-        at = max(int(np.argmax(x >= level)), 1)
-        share = (level - x[at - 1]) / max(float(x[at] - x[at - 1]), 1e-12)
-        ends.append(float(time[at - 1] + np.clip(share, 0.0, 1.0) * (time[at] - time[at - 1])))
-    return (high - low) / max(ends[1] - ends[0], 1e-12)
 
 
 def impossible(quantities: Mapping[str, float]) -> tuple[str, str] | None:

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, errors_within
 from dummydesign.core.interpolation import true_runs
-from dummydesign.measurement.motion import BRAKING_MM_S2, DECELERATION_MM_S2, LATE, Ramp, contact_velocity
-from dummydesign.measurement.plateau import SLOWED, find_plateau, path_noise, ramp_start, slowing
+from dummydesign.measurement.motion import DECELERATION_MM_S2, LATE, Motion, Ramp, contact_velocity
+from dummydesign.measurement.plateau import SLOWED, find_plateau, noise_of, ramp_start, slowing, time_at
 
 if TYPE_CHECKING:
     from dummydesign.measurement.trace import Trace
@@ -69,7 +69,7 @@ def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike, stop: Stop = "reach
     if x[0] > 0.1 * largest:
         text = f"the motion starts pressed at displacement_mm = {x[0]:g}; it must begin at or before contact"
         raise InputError(text, "not_enough_data", "displacement_mm", float(x[0]))
-    noise = path_noise(x)
+    noise = noise_of(x)
     start, contact, level = ramp_start(time, x, noise)
     plateau = find_plateau(time, x, start, noise)
     depth = plateau.depth_mm
@@ -81,8 +81,7 @@ def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike, stop: Stop = "reach
     else:
         stopped = float(time[slowing(time, x, depth, start, noise)[0]])
         if plateau.overshoot_mm:
-            passed = int(np.argmax(x >= depth))
-            stopped = min(stopped, _crossing(time, x, passed - 1, depth)) if passed else stopped
+            stopped = min(stopped, time_at(time, x, depth))
     end = max(plateau.end_s, stopped) if plateau.held else stopped
     settled = min(max(plateau.settled_s, stopped), end)
     return Ramp(
@@ -94,77 +93,27 @@ def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike, stop: Stop = "reach
         plateau.overshoot_mm,
         settled,
         plateau.period_s,
+        Motion(time, x),
     )
 
 
 def _reached(time: NDArray, x: NDArray, depth: float, reach: float) -> float:
     """Stop time from the crossing of depth - reach and the speed between depth - 4 reach and there."""
-    stop_at = int(np.argmax(x >= depth - reach))
-    if stop_at == 0:
-        return float(time[0])
-    late = _crossing(time, x, stop_at - 1, depth - reach)
-    early_at = int(np.argmax(x >= depth - 4 * reach))
-    early = _crossing(time, x, early_at - 1, depth - 4 * reach) if early_at > 0 else float(time[0])
+    late, early = (time_at(time, x, depth - way) for way in (reach, 4.0 * reach))
     return min(late + (late - early) / 3.0, float(time[-1]))
 
 
-def _crossing(time: NDArray, x: NDArray, before: int, level: float) -> float:
-    """Time at which the line from sample ``before`` to the next one reaches ``level``."""
-    rise = x[before + 1] - x[before]
-    if rise <= 0:
-        return float(time[before + 1])
-    return float(time[before] + (level - x[before]) / rise * (time[before + 1] - time[before]))
-
-
-def approach_velocity(time: NDArray, x: NDArray, ramp: Ramp) -> float:
-    """Speed the robot was sent with: the fastest stretch of 0.4 depths before the stop, the approach included.
-
-    A shallow press at 250 mm/s brakes all the way from the surface, so its mean speed says little.
-    """
-    return _fastest(time, x, ramp)[0]
-
-
-STRETCH = 0.4
-"""Share of the depth over which the fastest stretch is taken."""
-
-
-def _fastest(time: NDArray, x: NDArray, ramp: Ramp) -> tuple[float, float, float]:
-    """Speed of the fastest stretch, where it starts [mm], and the deceleration over the deeper half."""
-    before = time <= ramp.stop_time_s
-    climb = np.maximum.accumulate(x[before])
-    # a rest ends with its last sample
-    rising = np.r_[np.diff(climb) > 0, True]
-    grid, climb = time[before][rising], climb[rising]
-    stretch = STRETCH * ramp.depth_mm
-    if len(grid) < 3 or climb[-1] - climb[0] <= stretch:
-        return ramp.velocity_mm_s, 0.0, np.inf
-    starts = np.linspace(climb[0], climb[-1] - stretch, 200)
-    needed = np.interp(starts + stretch, climb, grid) - np.interp(starts, climb, grid)
-    # of the way left before the stop, sqrt(d - x) = sqrt(a / 2) (t_stop - t)
-    ends = np.interp((1.0 - BRAKED) * ramp.depth_mm, climb, grid)
-    slope = np.sqrt(BRAKED * ramp.depth_mm) @ [1.0, -1.0] / max(ends[1] - ends[0], 1e-12)
-    return float(stretch / needed.min()), float(starts[np.argmin(needed)]), float(2.0 * slope**2)
-
-
-BRAKED, ALL_BRAKING = np.array([0.6, 0.1]), 0.92
-"""Shares of the depth left between which the braking is read; the speed over that of a motion that brakes throughout,
-from which it does."""
-
-
-def planned_velocity(time: NDArray, x: NDArray, ramp: Ramp, planned_mm_s: float) -> float:
+def planned_velocity(ramp: Ramp, planned_mm_s: float) -> float:
     """The planned speed where the motion can be one of it, else the nearest that it can be of. [mm/s]
 
     A press that brakes from contact on says at which speed it touched, and nothing of how much faster it was sent. A
     plan to that speed is kept also by a robot that brakes harder than is planned with, and touches faster.
     """
-    sent, start, braking = _fastest(time, x, ramp)
-    left = np.maximum(ramp.depth_mm - start - np.array([0.0, STRETCH * ramp.depth_mm]), 0.0)
-    brakes = sent > ALL_BRAKING * float(contact_velocity(np.inf, left, braking).mean())
-    touch = contact_velocity(sent, ramp.depth_mm, braking)
-    if braking < BRAKING_MM_S2[0] or (touch >= sent and not brakes):
-        return sent
-    least = contact_velocity(touch, ramp.depth_mm, DECELERATION_MM_S2)
-    return float(np.clip(planned_mm_s, least, np.inf if brakes else sent))
+    speed = ramp.speed
+    touch = float(contact_velocity(speed.low_mm_s, ramp.depth_mm, speed.braking_mm_s2))
+    brakes = touch < speed.low_mm_s or np.isinf(speed.high_mm_s)
+    least = contact_velocity(touch, ramp.depth_mm, DECELERATION_MM_S2 if brakes else np.inf)
+    return float(np.clip(planned_mm_s, least, speed.high_mm_s))
 
 
 STEADY_PERIODS = 2.0
@@ -298,5 +247,7 @@ def summarise(file: str, time: NDArray, x: NDArray, force: NDArray) -> Summary:
     steady = None
     if hold >= SHORTEST_HOLD_S:
         steady = steady_force(time, x, force, ramp)
-    speed, held = approach_velocity(time, x, ramp), 0.0 if steady is None else hold
-    return Summary(speed, held, ramp.depth_mm, float(force.max()), steady, ramp.stop_time_s, ramp.hold_end_s)
+    held = 0.0 if steady is None else hold
+    return Summary(
+        ramp.speed.value_mm_s, held, ramp.depth_mm, float(force.max()), steady, ramp.stop_time_s, ramp.hold_end_s
+    )

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.importing.sign_convention import noise_of
 from dummydesign.measurement.motion import LATE, Ramp, work_to_deepest_mJ
-from dummydesign.measurement.ramp_detection import approach_velocity, ramp_of
+from dummydesign.measurement.plateau import noise_of
+from dummydesign.measurement.ramp_detection import ramp_of
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.person.ringing import RobotArm, growing_nodes, real_bends, smoothed_ringing, still_rings
@@ -157,10 +157,9 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None, arm: RobotArm | Non
         raise InputError(message, "nothing_found", "contact", largest)
     ramp = ramp_of(trace)
     _check_contact(trace, ramp.contact_time_s, noise, lowpass is not None)
-    fastest = approach_velocity(time, x, ramp)
-    velocity = rounded_velocity(trace.commanded_speed_mm_s or fastest)
+    velocity = rounded_velocity(trace.commanded_speed_mm_s or ramp.speed.value_mm_s)
     _check_stop(trace, ramp, velocity)
-    used = (time >= ramp.contact_time_s) & (time <= max(_leaving(time, x), ramp.stop_time_s))
+    used = (time >= ramp.contact_time_s) & (time <= max(ramp.hold_end_s, float(time[np.argmax(x)])))
     since, hold = time[used] - ramp.contact_time_s, float(time[used][-1]) - ramp.stop_time_s
     stop, mean_from = ramp.rise_time_s, np.inf
     nodes = _nodes(stop, float(since[-1]))
@@ -171,7 +170,8 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None, arm: RobotArm | Non
     speed, error = contact_speed(time - ramp.contact_time_s, x, stop, path.noise)
     approached = bool(time[0] <= ramp.contact_time_s - LEAST_NEAR * float(np.median(np.diff(time))))
     if not approached:
-        speed = np.minimum(speed, fastest)  # without an approach the curve starts too steep where the robot brakes
+        # without an approach the curve starts too steep where the robot brakes
+        speed = np.minimum(speed, ramp.speed.value_mm_s)
     rings = int(((path.coarse | load.coarse) & (nodes[:-1] > 2.0 * stop)).sum()) >= RINGS
     if arm is not None:
         rings = still_rings(path, nodes, min(mean_from, float(nodes[-1])), arm.period_s)
@@ -213,24 +213,6 @@ def contact_speed(time_s: NDArray, x_mm: NDArray, stop_s: float, noise_mm: float
     inverse = np.linalg.pinv(np.stack(powers[: 4 if seen else 3], axis=-1))
     slope = max(float(inverse[1] @ x_mm[near]) / scale, 1e-3)
     return np.asarray(slope), float(np.hypot(noise_mm * np.linalg.norm(inverse[1]) / scale, SPEED_SHARE * slope))
-
-
-def _leaving(time: NDArray, x: NDArray) -> float:
-    """Time at which the punch begins to leave: the last at which it is slow before it falls to half its depth. [s]
-
-    The last sample of a press that is not unloaded. An arm that swings over its depth has not left.
-    """
-    largest, deepest = float(x.max()), int(np.argmax(x))
-    below = np.flatnonzero(x[deepest:] < 0.5 * largest)
-    if not below.size:
-        return float(time[-1])
-    out = deepest + int(below[0])
-    high = deepest + int(np.flatnonzero(x[deepest:out] >= 0.75 * float(np.median(x[deepest:out])))[-1])
-    speed = float(x[high] - x[out]) / max(float(time[out] - time[high]), 1e-9)
-    window = max(0.03 * largest / max(speed, 1e-9), 2.0 * float(np.median(np.diff(time))))
-    fallen = x[deepest : high + 1] - np.interp(time[deepest : high + 1] + window, time, x)
-    slow = np.flatnonzero(fallen <= 0.3 * speed * window)
-    return float(time[deepest + (int(slow[-1]) if slow.size else 0)])
 
 
 def _smoothed(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.measurement.importing.sign_convention import noise_of
+from dummydesign.measurement.plateau import noise_of
 from dummydesign.measurement.sensor import Lowpass
 
 CELLS = 5

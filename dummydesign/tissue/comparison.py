@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.press_checks import CODES
-from dummydesign.measurement.motion import BRAKING_MM_S2, DECELERATION_MM_S2
-from dummydesign.measurement.ramp_detection import approach_velocity, planned_velocity, ramp_of
+from dummydesign.measurement.motion import DECELERATION_MM_S2
+from dummydesign.measurement.ramp_detection import ramp_of
 from dummydesign.measurement.robot_path import RobotPath
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
@@ -80,6 +80,18 @@ def presses_of(
     names = ", ".join(others[:5]) + (", ..." if len(others) > 5 else "")
     text = f"{len(others)} of {len(every)} presses are not of the test ({words}) and are left out: {names}"
     notices = [("press_outside_test", text)] if others else []
+    unsure = [
+        reduced
+        for trace, (_, reduced) in zip(traces, every)
+        if not (trace.commanded_speed_mm_s or test.velocities_mm_s or reduced.ramp.speed.sure)
+    ]
+    if unsure:
+        text = (
+            f"{len(unsure)} of {len(every)} presses do not show the speed that was commanded: {unsure[0].trace.name} "
+            f"shows {unsure[0].ramp.speed.words}, {unsure[0].velocity_mm_s:.3g} is used. Give --velocity, or record "
+            "the approach with more samples a second"
+        )
+        notices.append(("speed_not_seen", text))
     return [trace for trace, _ in own], [reduced for _, reduced in own], notices
 
 
@@ -121,10 +133,9 @@ def hold_of(reduced: Sequence[ReducedTrace], test: PressTest) -> float:
 
 
 def _sent(trace: Trace, speeds_mm_s: Sequence[float]) -> Trace:
-    """The trace, as of the fastest speed that would have moved the punch the same: it brakes from contact on."""
-    ramp, x = ramp_of(trace), trace.displacement_mm
-    seen = trace.commanded_speed_mm_s or approach_velocity(trace.time_s, x, ramp)
-    alike = [v for v in speeds_mm_s if v > seen and planned_velocity(trace.time_s, x, ramp, v) == v]
+    """The trace, as of the fastest of these speeds that it can be of."""
+    speed = ramp_of(trace).speed
+    alike = [v for v in speeds_mm_s if (trace.commanded_speed_mm_s or speed.low_mm_s) <= v <= speed.high_mm_s]
     return replace(trace, commanded_speed_mm_s=max(alike)) if alike else trace
 
 
@@ -153,9 +164,6 @@ def _near(value: float, wanted: float | None, factor: float) -> bool:
 
 SHOWN = ("lack_of_fit", "at_bound", "not_identifiable", *CODES)
 """Codes of the fit's warnings that a comparison repeats."""
-SLOW_MM_S, LEAST_SAMPLES, SEEN_STOP, READ_MM = 50.0, 8, 20.0, 5e-4
-"""Speed below which the stop is read off the path alone; from how many samples, which gain in chi-square and which
-error of a reading on."""
 AS_PRESSED = PressTest()
 """Every press in its own test, the steady curve from 5 to 15 N."""
 
@@ -237,7 +245,7 @@ def compare_traces(
     for measured, _, group in condition_groups(reduced):
         speed, pressed = test.speed_of(measured), []
         for trace in group:
-            braking = test.deceleration_mm_s2 or braking_of(trace, speed)
+            braking = test.deceleration_mm_s2 or trace.ramp.speed.braking_mm_s2
             path = None if test.deceleration_mm_s2 or not follows else overshooting_path(trace)
             band = tissue.force_range(trace.steady_force_N, speed, trace.hold_s, braking, lowpass, path)
             pressed.append(ComparedPress(trace, band, braking))
@@ -287,63 +295,6 @@ def overshooting_path(trace: ReducedTrace) -> RobotPath | None:
     way[-1] = ramp.depth_mm
     speed = trace.velocity_mm_s
     return RobotPath(since, way, ramp.rise_time_s, speed, speed, DECELERATION_MM_S2)
-
-
-def braking_of(trace: ReducedTrace, velocity_mm_s: float) -> float:
-    """Deceleration of the robot: of the way left before the stop, sqrt(d - x) = sqrt(a / 2) (t_stop - t). [mm/s2]
-
-    With fewer than four samples there, from the rise time, t_p = d / v + v / (2 a); the default when it is not seen,
-    and for a robot that passes the depth. Below 50 mm/s see :func:`soft_stop`.
-    """
-    if trace.ramp.overshoot_mm:
-        return DECELERATION_MM_S2
-    if velocity_mm_s < SLOW_MM_S:
-        return soft_stop(trace, velocity_mm_s)
-    spare = trace.ramp.rise_time_s - trace.ramp.depth_mm / velocity_mm_s
-    if spare <= 0:
-        return DECELERATION_MM_S2
-    rough = float(np.clip(velocity_mm_s / (2.0 * spare), *BRAKING_MM_S2))
-    time, x = trace.trace.time_s, trace.trace.displacement_mm
-    left = (trace.ramp.depth_mm - x) * 2.0 * rough / velocity_mm_s**2
-    seen = (time > trace.ramp.contact_time_s) & (time < trace.ramp.stop_time_s) & (left > 0.02) & (left < 0.6)
-    if seen.sum() < 4:
-        return rough
-    slope = np.polyfit(time[seen], np.sqrt(trace.ramp.depth_mm - x[seen]), 1)[0]
-    return float(np.clip(2.0 * slope**2, *BRAKING_MM_S2))
-
-
-def soft_stop(trace: ReducedTrace, velocity_mm_s: float) -> float:
-    """Deceleration of a slow press, the default where its path shows none. [mm/s2]
-
-    The way left, v t - v^2 / (2 a) before the brake and a t^2 / 2 after it, t to the stop, is fitted over the deeper
-    half; it must be likelier than a sudden stop by :data:`SEEN_STOP`.
-    """
-    from scipy.optimize import least_squares
-
-    ramp = trace.ramp
-    left = ramp.depth_mm - trace.trace.displacement_mm
-    since = trace.trace.time_s - ramp.stop_time_s
-    seen = (since > -ramp.rise_time_s) & (since < 0.1 * ramp.rise_time_s) & (left < 0.5 * ramp.depth_mm)
-    time, left = since[seen], left[seen]
-    if len(time) < LEAST_SAMPLES:
-        return DECELERATION_MM_S2
-
-    def misfit(values: NDArray) -> NDArray:
-        speed, braking = np.exp(np.clip(values[1:], -15.0, 15.0)).tolist()
-        ahead, brakes = np.maximum(values[0] - time, 0.0), speed / braking
-        return np.where(ahead < brakes, 0.5 * braking * ahead**2, speed * (ahead - 0.5 * brakes)) - left
-
-    sharp = least_squares(lambda two: misfit(np.r_[two, np.log(DECELERATION_MM_S2)]), [0.0, np.log(velocity_mm_s)])
-    starts = [np.r_[sharp.x, np.log(braking)] for braking in velocity_mm_s / np.array([0.01, 0.04, 0.16])]
-    soft = min((least_squares(misfit, start) for start in starts), key=lambda fit: fit.cost)
-    stop_s, (speed, braking) = soft.x[0], np.exp(np.clip(soft.x[1:], -15.0, 15.0))
-    inside = (time < stop_s) & (time > stop_s - speed / braking)
-    noise = 0.5 * len(time) * READ_MM**2
-    gain = len(time) * np.log((sharp.cost + noise) / (soft.cost + noise))
-    if gain < SEEN_STOP or inside.sum() < 3:
-        return DECELERATION_MM_S2
-    # it brakes from contact on at the earliest
-    return float(np.clip(braking, 0.5 * velocity_mm_s**2 / ramp.depth_mm, DECELERATION_MM_S2))
 
 
 def overshoots_of(reduced: Sequence[ReducedTrace]) -> list[tuple[str, str]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.measurement.plateau import crossings, find_plateau, path_noise, slowing
+from dummydesign.measurement.plateau import crossings, find_plateau, noise_of, slowing
 
 STEP = 1e-3
 TIME = np.arange(0.0, 6.0, STEP)
@@ -37,7 +37,7 @@ def test_a_recording_that_ends_in_the_hold_has_its_plateau_to_the_end():
 
 def test_noise_of_a_tenth_of_a_millimetre_moves_depth_by_a_hundredth():
     x = press() + 0.02 * np.random.default_rng(5).normal(size=len(TIME))
-    found = find_plateau(TIME, x, START, path_noise(x))
+    found = find_plateau(TIME, x, START, noise_of(x))
     assert found.held and found.depth_mm == pytest.approx(5.0, abs=0.01) and found.overshoot_mm == 0.0
     assert found.end_s == pytest.approx(4.0, abs=0.05)
 
@@ -102,9 +102,9 @@ def test_a_punch_that_never_slows_slows_at_its_last_sample():
 @pytest.mark.parametrize("sigma", [0.001, 0.05])
 def test_the_noise_of_a_path_is_its_own_and_not_that_of_its_bend(sigma):
     noise = np.random.default_rng(3).normal(scale=sigma, size=len(TIME))
-    assert path_noise(10.0 * TIME + noise) == pytest.approx(sigma, rel=0.06)
-    assert path_noise(0.5 * TIME**2) < 1e-6
-    assert path_noise(np.array([0.0, 1.0, 0.0, 1.0])) == 0.0
+    assert noise_of(10.0 * TIME + noise) == pytest.approx(sigma, rel=0.06)
+    assert noise_of(0.5 * TIME**2) < 1e-6
+    assert noise_of(np.array([0.0, 1.0, 0.0, 1.0])) == 0.0
 
 
 def test_crossings_are_those_of_swings_beyond_the_least():

@@ -180,7 +180,7 @@ def test_a_press_that_brakes_from_contact_on_has_an_open_upper_speed_and_others_
 
     def read(planned_mm_s, sent_mm_s, depth_mm, braking_mm_s2):
         time, x = pressed(draw, sent_mm_s, depth_mm, braking_mm_s2, approach)
-        return planned_velocity(time, x, find_ramp(time, x, "slowed"), planned_mm_s) / planned_mm_s
+        return planned_velocity(find_ramp(time, x, "slowed"), planned_mm_s) / planned_mm_s
 
     seen = []
     for _ in range(60):
@@ -199,4 +199,4 @@ def test_a_press_that_brakes_from_contact_on_has_an_open_upper_speed_and_others_
 
 def test_a_slow_press_that_eases_to_its_stop_is_no_fast_one():
     time, x = pressed(np.random.default_rng(3), 10.0, 1.0, 50.0, "contact")
-    assert planned_velocity(time, x, find_ramp(time, x, "slowed"), 250.0) < 12.0
+    assert planned_velocity(find_ramp(time, x, "slowed"), 250.0) < 12.0

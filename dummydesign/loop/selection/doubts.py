@@ -192,10 +192,7 @@ def labels_of(presses: Presses, fit: CampaignFit) -> Labels:
     columns, spreads, between = gain_columns(presses)
     ramps = [press.ramp for press in presses.presses]
     declared = np.array([trial.velocity_mm_s for trial in presses.trials])
-    speeds = [
-        planned_velocity(one.trace.time_s, one.trace.displacement_mm, ramp, planned)
-        for one, ramp, planned in zip(presses.trials, ramps, declared)
-    ]
+    speeds = [planned_velocity(ramp, planned) for ramp, planned in zip(ramps, declared)]
     held = [held_force(trial.trace, ramp) for trial, ramp in zip(presses.trials, ramps)]
     planned = np.array([trial.target_force_N or np.nan for trial in presses.trials])
     ln_target = np.log(np.maximum(held, 1e-6) / planned)

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.measurement.importing.sign_convention import Span, approach_start, noise_of
+from dummydesign.measurement.importing.sign_convention import Span, approach_start
+from dummydesign.measurement.plateau import noise_of
 
 LEAST_LEAD_IN = 5
 WANDER, LONG_WANDER = 0.15, 0.5
@@ -116,7 +117,7 @@ def find_baseline(
     start, stop = span.start, span.stop
     deepest = start + int(np.argmax(load[start:stop]))
     out = np.nonzero(x[start:at] < free_mm)[0]
-    parked = approach_start(x, start, deepest) + 1 - start
+    parked = approach_start(time, x, start, deepest) + 1 - start
     count = min(max(int(out[-1]) + 1 if out.size else 0, parked if parked >= LEAST_LEAD_IN else 0), at - start)
     lead = load[start : start + count]
     if count < LEAST_LEAD_IN:

@@ -62,7 +62,7 @@ def find_contact(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: f
     a part that wanders, and the step of the digits. The interval of x0 is that of its posterior over all others.
     """
     start, peak = span.start, float(load[span.start : span.stop].max())
-    go = approach_start(x, start, start + int(np.argmax(load[start : span.stop])))
+    go = approach_start(time, x, start, start + int(np.argmax(load[start : span.stop])))
     at = max(span.onset, go)
     for share, powers, bends in ((COARSE, POWERS[::3], BENDS[::2]), (0.0, POWERS[::2], BENDS[::2])):
         # a slope with travel is no noise: where the punch is parked for long enough, only that is taken

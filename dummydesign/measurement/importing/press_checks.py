@@ -17,7 +17,8 @@ from dummydesign.measurement.clipping import find_clip
 from dummydesign.measurement.importing.baseline import LEAST_LEAD_IN, digit_step
 from dummydesign.measurement.importing.contact import ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
-from dummydesign.measurement.importing.sign_convention import find_presses, find_signs, middle_of_three, noise_of
+from dummydesign.measurement.importing.sign_convention import find_presses, find_signs, middle_of_three
+from dummydesign.measurement.plateau import noise_of
 from dummydesign.measurement.ramp_detection import Summary, summarise
 from dummydesign.measurement.trace import Trace, import_first
 

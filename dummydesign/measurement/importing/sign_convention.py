@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.interpolation import true_runs
 from dummydesign.measurement.importing.decisions import ImportLog
+from dummydesign.measurement.plateau import noise_of, ramp_start
 
 _BOTH_WAYS = 0.4
 """Share of the larger swing of the force above which the smaller one leaves open which of them is pressing."""
@@ -31,14 +32,6 @@ def middle_of_three(values: NDArray) -> NDArray:
         return values.copy()
     a, b, c = values[:-2], values[1:-1], values[2:]
     return np.r_[values[:1], np.maximum(np.minimum(a, b), np.minimum(np.maximum(a, b), c)), values[-1:]]
-
-
-def noise_of(force: NDArray) -> float:
-    """Sample noise by second differences, which a smooth force does not have. [N]"""
-    if len(force) < 5:
-        return 0.0
-    second = np.abs(force[2:] - 2.0 * force[1:-1] + force[:-2])
-    return float(np.median(second) / 0.6745 / np.sqrt(6.0))
 
 
 def find_signs(x: NDArray, force: NDArray, tare_N: float | None, log: ImportLog) -> Signs:
@@ -168,19 +161,14 @@ def find_presses(file: str, x: NDArray, load: NDArray, several: bool, time: NDAr
     cuts = [0, *(_cut(at, x, before[1], after[0]) for before, after in pairwise(joined)), len(x)]
     deepest = [a + int(np.argmax(smooth[a:b])) for a, b in joined]
     # nothing is touched while the punch is parked, whatever the force does there
-    onsets = [max(run[0], approach_start(x, a, deep)) for run, a, deep in zip(joined, cuts, deepest)]
+    onsets = [max(run[0], approach_start(at, x, a, deep)) for run, a, deep in zip(joined, cuts, deepest)]
     return [Span(a, b, onset) for a, b, onset in zip(cuts, cuts[1:], onsets)]
 
 
-def approach_start(x: NDArray, start: int, deepest: int) -> int:
+def approach_start(time: NDArray, x: NDArray, start: int, deepest: int) -> int:
     """The last sample at which the punch is parked before it presses; ``start`` where it is on its way already."""
-    way = x[start : deepest + 1]
-    reach = PARKED * float(way[-1] - way.min())
-    stand = np.nonzero(way <= way.min() + reach)[0]
-    half = len(stand) // 2
-    if half and abs(float(way[stand[half:]].mean() - way[stand[:half]].mean())) > 0.25 * reach:
-        return start
-    return start + int(stand[-1])
+    way = x[start : deepest + 1] - x[start : deepest + 1].min()
+    return start if deepest < start + 2 else start + ramp_start(time[start : deepest + 1], way, noise_of(way))[0]
 
 
 def _level(time: NDArray, smooth: NDArray, parked: NDArray) -> NDArray:

@@ -67,11 +67,10 @@ class SteadyDrive(RobotDrive):
 
 def press_of(press: Press) -> tuple[float, float]:
     """Hold [s] and braking [mm/s2] of a press, as `compare` reads them."""
-    from dummydesign.tissue.comparison import braking_of
     from dummydesign.tissue.fitting.reduction import reduce_trace
 
     reduced = reduce_trace(press.trace)
-    return reduced.hold_s, braking_of(reduced, press.velocity_mm_s)
+    return reduced.hold_s, reduced.ramp.speed.braking_mm_s2
 
 
 def path_of(press: Press, braking_mm_s2: float) -> RobotPath:

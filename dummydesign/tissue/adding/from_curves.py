@@ -14,7 +14,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
 from dummydesign.core.serialise import Serialised
 from dummydesign.measurement.motion import work_mJ
-from dummydesign.measurement.ramp_detection import approach_velocity, find_ramp
+from dummydesign.measurement.ramp_detection import find_ramp
 from dummydesign.measurement.trace import Trace, check_one_press, magnitude_fault
 from dummydesign.tissue.adding.from_traces import copies_of, fit_people, fit_row, fit_warnings, reserve, tissue_of_fits
 from dummydesign.tissue.adding.observations import (
@@ -267,9 +267,9 @@ def _check_presses(read: dict[str, list[Trace]]) -> tuple[dict[str, list[Trace]]
                 continue
             held[who].append(trace)
             declared = trace.commanded_speed_mm_s or np.nan
-            seen = approach_velocity(trace.time_s, trace.displacement_mm, ramp)
-            if not declared / SLOWER < seen < FASTER * declared:
-                unlike.append(f"{who}, {name}: {seen:.2g} for {declared:g} mm/s")
+            seen = ramp.speed
+            if not (declared / SLOWER < seen.high_mm_s and seen.low_mm_s < FASTER * declared):
+                unlike.append(f"{who}, {name}: {seen.value_mm_s:.2g} for {declared:g} mm/s")
     return held, short, unlike
 
 

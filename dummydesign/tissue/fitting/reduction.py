@@ -12,7 +12,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.inference.binning import cut, distinct, hold_edges, mean_around
 from dummydesign.measurement.clipping import find_clip
 from dummydesign.measurement.motion import Motion, Ramp
-from dummydesign.measurement.ramp_detection import approach_velocity, ramp_of, ringing_times, steady_force
+from dummydesign.measurement.ramp_detection import ramp_of, ringing_times, steady_force
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.model.measured_curves import SPEED_FACTOR, group_near
 
@@ -91,7 +91,7 @@ def reduce_trace(trace: Trace) -> ReducedTrace:
     measured, mean = (of(nodes, time, trace.displacement_mm) for of in (between, mean_around))
     motion = Motion(nodes, np.where(nodes > max(settled_s, ramp.settled_s), mean, measured))
     steady = steady_force(time, trace.displacement_mm, force, ramp)
-    velocity = trace.commanded_speed_mm_s or approach_velocity(time, trace.displacement_mm, ramp)
+    velocity = trace.commanded_speed_mm_s or ramp.speed.value_mm_s
     return ReducedTrace(
         trace,
         ramp,

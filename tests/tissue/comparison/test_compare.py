@@ -91,13 +91,11 @@ def test_the_command_writes_tables_report_and_one_json_object(palm, tmp_path, ca
 
 @pytest.mark.parametrize("deceleration", [15_000.0, 30_000.0, 60_000.0])
 def test_the_braking_is_read_from_the_motion(palm, deceleration):
-    from dummydesign.tissue.comparison import braking_of
-
     motion = ramp_and_hold(250.0, 6.0, deceleration_mm_s2=deceleration)
     time = np.arange(0.0, motion.time_s[-1], 5e-4)
     x = np.interp(time, motion.time_s, motion.displacement_mm)
     trace = Trace("fast.csv", time, x, palm.parameter_sets[2].force(Motion(time, x), 250.0))
-    assert braking_of(reduce_trace(trace), 250.0) == pytest.approx(deceleration, rel=0.03)
+    assert reduce_trace(trace).ramp.speed.braking_mm_s2 == pytest.approx(deceleration, rel=0.03)
 
 
 def slow_press(parameters, deceleration, noise_mm=0.0, speed=10.0):
@@ -113,22 +111,18 @@ def slow_press(parameters, deceleration, noise_mm=0.0, speed=10.0):
     ("speed", "deceleration", "rel"), [(10.0, 60.0, 0.02), (10.0, 300.0, 0.1), (30.0, 300.0, 0.02)]
 )
 def test_a_soft_stop_of_a_slow_press_is_read_from_its_path(palm, speed, deceleration, rel):
-    from dummydesign.tissue.comparison import braking_of
-
     trace = slow_press(palm.parameter_sets[2], deceleration, 1e-3, speed)
-    assert braking_of(reduce_trace(trace), speed) == pytest.approx(deceleration, rel=rel)
+    assert reduce_trace(trace).ramp.speed.braking_mm_s2 == pytest.approx(deceleration, rel=rel)
 
 
 def test_a_sudden_stop_of_a_slow_press_is_the_default(palm):
-    from dummydesign.tissue.comparison import braking_of
-
     for noise_mm in (0.0, 2e-3):
         trace = slow_press(palm.parameter_sets[2], 30_000.0, noise_mm)
-        assert braking_of(reduce_trace(trace), 10.0) == pytest.approx(30_000.0)
+        assert reduce_trace(trace).ramp.speed.braking_mm_s2 == pytest.approx(30_000.0)
     # a stop between two samples, far apart
     seen = np.r_[0:240, 251 : len(trace.time_s)]
     sparse = Trace("slow.csv", trace.time_s[seen], trace.displacement_mm[seen], trace.force_N[seen])
-    assert braking_of(reduce_trace(sparse), 10.0) == pytest.approx(30_000.0)
+    assert reduce_trace(sparse).ramp.speed.braking_mm_s2 == pytest.approx(30_000.0)
 
 
 @pytest.mark.slow

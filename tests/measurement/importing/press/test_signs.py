@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
-from dummydesign.measurement.importing.sign_convention import find_signs, middle_of_three, noise_of
+from dummydesign.measurement.importing.sign_convention import find_signs, middle_of_three
+from dummydesign.measurement.plateau import noise_of
 from tests.support.machine_presses import recording
 from tests.support.refusal import raises_code
 

@@ -23,12 +23,12 @@ from benchmarks.rows import keep_row, read_rows, write_csv
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.levels import LEVELS
 from dummydesign.design.assessment.pad_castings import Share, shares_of_pad, verdict_of_design
+from dummydesign.design.pad_evaluator import cast_pad
 from dummydesign.design.problem import Problem, read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import CLASSES, ranges_of
 from dummydesign.design.search.shape_search import ShapedDesign, search_shapes
-from dummydesign.design.suggest import cast_pad
 from dummydesign.tissue.model.posterior import COLUMNS, read_draws, subject_of
 from dummydesign.tissue.model.tissue import Tissue
 

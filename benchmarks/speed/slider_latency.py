@@ -34,8 +34,12 @@ MOVE = """([name, value, label]) => new Promise((done) => {
     });
     watch.observe(verdict, {childList: true, subtree: true, characterData: true});
     watch.observe(box, {childList: true, subtree: true, attributeFilter: ['d']});
-    const slider = document.querySelector(`[data-test="slide-${name}"]`);
-    slider.value = value; slider.dispatchEvent(new Event('input', {bubbles: true})); })"""
+    const slider = document.querySelector(`[data-test="slide-${name}"]`), low = Number(slider.ariaValueMin);
+    const track = slider.querySelector('.q-slider__track-container');
+    const { left, width, top } = track.getBoundingClientRect();
+    const clientX = left + width * (value - low) / (slider.ariaValueMax - low);
+    track.dispatchEvent(new MouseEvent('mousedown', { clientX, clientY: top + 5, bubbles: true }));
+    document.dispatchEvent(new MouseEvent('mouseup', { clientX, clientY: top + 5, bubbles: true })); })"""
 STEPS = ("the verdict", "curve of the large plot", "curves of all plots")
 PADS = {
     "slab": "slab",
@@ -67,7 +71,7 @@ def main(moves: int = 60, seed: int = 20261123) -> None:
                     name, low, high = ("thickness", 7.0, 10.5) if draw.random() < 0.5 else ("ratio", 14.5, 18.0)
                     step = 0.1 if name == "thickness" else 0.05
                     value = f"{round(round(float(draw.uniform(low, high)) / step) * step, 2):g}"
-                    if page.locator(f'[data-test="slide-{name}"]').input_value() == value:
+                    if page.locator(f'[data-test="number-{name}"]').input_value() == value:
                         continue
                     label = f" {value} mm, ratio" if name == "thickness" else f"ratio {value},"
                     taken.append(page.evaluate(MOVE, [name, value, label]))

@@ -39,11 +39,11 @@ def main() -> None:
             page.locator(by("next")).click()
             page.wait_for_selector('[data-test="verdict"] .verdict')
             note("the design page has a verdict")
-            for name, found in (("suggest", "mould"), ("mould", "zip")):
+            for name, found in (("suggest", ("next-of-pad", "mould")), ("mould", ("found-mould", "zip"))):
                 page.locator(by(f"run-{name}")).click()
                 clicked = time.time()
                 note(f"{name} was clicked")
-                page.wait_for_selector(f"{by(f'found-{name}')} {by(found)}")
+                page.wait_for_selector(f"{' '.join(map(by, found))}")
                 seen = time.time()
                 note(f"{name}: its answer is on the page")
                 for job in (folder / ".studio" / "jobs").glob(f"*-{name}"):
@@ -51,7 +51,7 @@ def main() -> None:
                     times = asked["start"] - clicked, status["start"] - asked["start"], status["end"] - status["start"]
                     words = "{:.2f} s to the job, {:.2f} s to its process, {:.2f} s at work".format(*times)
                     print(f"          {words}, {seen - status['end']:.2f} s to the page")
-                page.locator(f"{by(f'found-{name}')} {by(found)}").first.click()
+                page.locator(f"{' '.join(map(by, found))}").first.click()
             note("the archive is asked for")
             ended.set()
             watch.join()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,14 +13,15 @@ from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.assessment.pad_castings import PadCastings, limits_that_bind, verdict_of_design
 from dummydesign.design.scoring.castings import COUNT, RESIN, Castings, Pours, Tolerances
 from dummydesign.design.scoring.finite_strain import finite_strain_of
-from dummydesign.design.scoring.outlook import Match
 from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, Sampling, SlabCurves, make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import Targets, make_targets
-from dummydesign.design.scoring.verdict import Verdict, ranges_of, verdict
+from dummydesign.design.scoring.verdict import Verdict, deviations, good_share, ranges_of, shares_of, verdict
 from dummydesign.design.scoring.windows import readings_along
 from dummydesign.design.search.shape_family import Family, FamilyLaw, load_family
-from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, make_slabs
+from dummydesign.design.search.shape_search import ShapedDesign, candidate_of, outlook_for, search_shapes
+from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, make_slabs, with_parameters
+from dummydesign.design.test_conditions import beyond_people, refused_kinds, why_solved
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.pad.force_law import ForceCurve, ForceLaw
@@ -143,6 +144,38 @@ class NotTabulated(InputError):
         return type(self), (self.reason, self.quantity)
 
 
+# Standard errors between a share of castings and its limit from which the level is certain; how many more are drawn.
+CERTAIN, MORE, MOST_DRAWN = 3.0, 4, 19_200
+
+
+def cast_pad(problem: Problem, design: ShapedDesign) -> PadCastings:
+    """Draw the castings of a design at the ratio to pour, as many as make its level certain."""
+    castings, limits = problem.castings, problem.targets.limits
+    outlook = outlook_for(design.cast, design.shape, design.thickness_mm, design.match, problem, castings.n)
+    (candidate,) = with_parameters([candidate_of(design.cast, design.thickness_mm, outlook.ratio, problem)], problem)
+    tolerances = problem.tolerances(design.shape, design.thickness_mm, outlook.ratio)
+    strain = finite_strain_of(candidate.alone, design.shape, problem.base, problem.targets, problem.radius_mm)
+    cast = PadCastings(castings, design.cast, candidate, problem, tolerances, outlook, strain)
+    while MORE * cast.castings.n <= MOST_DRAWN and _near_a_limit(cast, limits.share):
+        cast = replace(cast, castings=Castings(castings.resin, MORE * cast.castings.n, castings.seed))
+    return cast
+
+
+def judged(problem: Problem, design: ShapedDesign) -> tuple[PadCastings, Verdict]:
+    """Draw the castings of a design and judge it by them."""
+    castings = cast_pad(problem, design)
+    return castings, verdict_of_design(castings, beyond_people(problem.request.protocol.forces_N, problem.tissue))
+
+
+def _near_a_limit(cast: PadCastings, needed: float) -> bool:
+    """Whether a share of castings that decides the level lies within three standard errors of what is needed."""
+    ranges, limits = ranges_of(cast.space.targets), cast.space.targets.limits
+    poured, known = (shares_of(deviations(ranges, one), limits) for one in (cast.readings(), cast.resin_known))
+    decisive = [good_share(poured, ranges.strict), good_share(known, ranges.strict), poured["stands_for"]]
+    error = np.sqrt(needed * (1.0 - needed) / cast.castings.n)
+    return any(abs(value - needed) < CERTAIN * error for value in decisive)
+
+
 @dataclass(frozen=True)
 class PadEvaluator:
     """Presses pads one by one under the inputs of a search, by the tables alone, and judges them."""
@@ -151,8 +184,6 @@ class PadEvaluator:
 
     def evaluate(self, shape: PadShape, thickness_mm: float, ratio: float) -> EvaluatedPad:
         """Press one pad; refuse one that cannot be made (InputError) or that no table holds (NotTabulated)."""
-        from dummydesign.design.test_conditions import refused_kinds, why_solved
-
         problem = self.problem
         request, punch = problem.request, problem.punch
         if refused := refused_kinds(request, punch).get(shape.name):
@@ -171,15 +202,14 @@ class PadEvaluator:
             raise NotTabulated(f"the proportions of this {shape.name} pad are not in the tables", "shape")
         return one_pad(law, problem, thickness_mm, ratio)
 
-    def with_castings(self, pad: EvaluatedPad, shape: PadShape) -> Verdict:
-        """Judge a pad with what its castings may turn out as; the same verdict as that of ``suggest``."""
-        from dummydesign.design.search.shape_search import MANY_BATCHES, outlook_for
-        from dummydesign.design.test_conditions import beyond_people
+    def with_castings(self, shape: PadShape, thickness_mm: float, ratio: float) -> Verdict:
+        """Judge a pad as ``suggest`` does that may search this shape, thickness and ratio alone.
 
-        problem, thickness = self.problem, pad.candidate.thickness_mm
-        match = Match(float(np.log(problem.resin.young_MPa(pad.candidate.ratio))), 0.0)
-        outlook = outlook_for(pad.law, shape, thickness, match, problem, MANY_BATCHES)
-        tolerances = problem.tolerances(shape, thickness, pad.candidate.ratio)
-        strain = finite_strain_of(pad.candidate.alone, shape, problem.base, problem.targets, problem.radius_mm)
-        cast = PadCastings(problem.castings, pad.law, pad.candidate, problem, tolerances, outlook, strain)
-        return verdict_of_design(cast, beyond_people(problem.request.protocol.forces_N, problem.tissue))
+        Raises
+        ------
+        InputError, NoAnswerError
+            Where that search has no answer.
+        """
+        held = replace(self.problem, thickness_mm=np.array([thickness_mm]), ratio=np.array([ratio]))
+        refused = refused_kinds(held.request, held.punch)
+        return judged(held, search_shapes(str(shape), held.slab_law, held, refused)[0][0])[1]

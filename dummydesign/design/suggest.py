@@ -15,27 +15,23 @@ from dummydesign.core.progress import Progress, quiet
 from dummydesign.design.assessment.budget import budget_of_castings
 from dummydesign.design.assessment.curves import match_of_design
 from dummydesign.design.assessment.decision import compare_kinds, explain
-from dummydesign.design.assessment.pad_castings import PadCastings, pour_yield, shares_of_pad, verdict_of_design
+from dummydesign.design.assessment.pad_castings import pour_yield, shares_of_pad
 from dummydesign.design.assessment.warnings import count_unmeasured, design_warnings
+from dummydesign.design.pad_evaluator import judged
 from dummydesign.design.problem import Problem, read_problem
 from dummydesign.design.protocol import NAGOYA_PROTOCOL
 from dummydesign.design.request import Request
-from dummydesign.design.scoring.castings import Castings
-from dummydesign.design.scoring.finite_strain import finite_strain_of
 from dummydesign.design.scoring.people import people_warnings
 from dummydesign.design.scoring.press_simulation import make_curves
-from dummydesign.design.scoring.verdict import deviations, good_share, ranges_of, shares_of
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.search.shape_search import (
     ShapedDesign,
-    candidate_of,
-    outlook_for,
     rank,
     search_shapes,
 )
-from dummydesign.design.search.slabs import ALTERNATIVES, DesignCandidate, ScoreMap, search, with_parameters
+from dummydesign.design.search.slabs import ALTERNATIVES, DesignCandidate, ScoreMap, search
 from dummydesign.design.suggestion import CentringTolerance, Suggestion, Verification
-from dummydesign.design.test_conditions import beyond_people, own_warnings, pad_of_request, refused_kinds
+from dummydesign.design.test_conditions import own_warnings, pad_of_request, refused_kinds
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shapes.slab import Slab
@@ -51,32 +47,8 @@ if TYPE_CHECKING:
 
 CALIBRATED = "designed with a calibration: the correction is based on the campaign, the table on finite elements"
 
-# Standard errors between a share of castings and its limit from which the level is certain; how many more are drawn.
-CERTAIN, MORE, MOST_DRAWN = 3.0, 4, 19_200
 # Thicknesses beside the recommended one whose ratios are scored with it, in steps of the search.
 AROUND_STEPS = 2
-
-
-def cast_pad(problem: Problem, design: ShapedDesign) -> PadCastings:
-    """Draw the castings of a design at the ratio to pour, as many as make its level certain."""
-    castings, limits = problem.castings, problem.targets.limits
-    outlook = outlook_for(design.cast, design.shape, design.thickness_mm, design.match, problem, castings.n)
-    (candidate,) = with_parameters([candidate_of(design.cast, design.thickness_mm, outlook.ratio, problem)], problem)
-    tolerances = problem.tolerances(design.shape, design.thickness_mm, outlook.ratio)
-    strain = finite_strain_of(candidate.alone, design.shape, problem.base, problem.targets, problem.radius_mm)
-    cast = PadCastings(castings, design.cast, candidate, problem, tolerances, outlook, strain)
-    while MORE * cast.castings.n <= MOST_DRAWN and _near_a_limit(cast, limits.share):
-        cast = replace(cast, castings=Castings(castings.resin, MORE * cast.castings.n, castings.seed))
-    return cast
-
-
-def _near_a_limit(cast: PadCastings, needed: float) -> bool:
-    """Whether a share of castings that decides the level lies within three standard errors of what is needed."""
-    ranges, limits = ranges_of(cast.space.targets), cast.space.targets.limits
-    poured, known = (shares_of(deviations(ranges, one), limits) for one in (cast.readings(), cast.resin_known))
-    decisive = [good_share(poured, ranges.strict), good_share(known, ranges.strict), poured["stands_for"]]
-    error = np.sqrt(needed * (1.0 - needed) / cast.castings.n)
-    return any(abs(value - needed) < CERTAIN * error for value in decisive)
 
 
 def _neighbours(
@@ -216,7 +188,7 @@ def design(problem: Problem, progress: Progress = quiet) -> Suggestion:
         designs = solve_leading(designs, problem, missing, progress)
     chosen = designs[0]
     progress("castings")
-    castings = cast_pad(problem, chosen)
+    castings, verdict = judged(problem, chosen)
     best = castings.candidate
     alternatives, score_map = _neighbours(problem, chosen, best)
     verification, centring, sites = _solved_again(problem, chosen, best, progress)
@@ -234,7 +206,6 @@ def design(problem: Problem, progress: Progress = quiet) -> Suggestion:
     checks = verification, centring, request.verify
     warnings += design_warnings(chosen, best, comparisons, problem, problem.tissue, pour, *checks)
     warnings += people_warnings(problem.targets)
-    beyond = beyond_people(request.protocol.forces_N, problem.tissue)
     listed = [{"code": code, "message": text} for code, text in warnings]
     calibrated = problem.calibrated
     return Suggestion(
@@ -246,7 +217,7 @@ def design(problem: Problem, progress: Progress = quiet) -> Suggestion:
         verification=verification,
         centring=centring,
         sites=sites,
-        verdict=verdict_of_design(castings, beyond),
+        verdict=verdict,
         castings=castings,
         shares=shares_of_pad(castings),
         pour=pour,

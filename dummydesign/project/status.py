@@ -153,8 +153,9 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
         return _learned(learned, tissue, again=False)
     best = (designs[-1].summary or {}) if designs else {}
     red = best.get("verdict") == "not_representative"
-    if designs and ((red and not files["campaigns"]) or (not pads_of(files) and "mould" not in best)):
-        return _after_design(project, designs[-1], bool(files["moulds"]), tissue)
+    first = red or (best.get("verdict") == "not_settled" and not _measured(str(best.get("resin"))))
+    if designs and ((first and not files["campaigns"]) or (not pads_of(files) and "mould" not in best)):
+        return _after_design(project, designs[-1], len(files["moulds"]) > len(pads_of(files)), tissue)
     open_plans = [one for one in files["campaigns"] if one.summary and (one.summary["missing"] or one.summary["wrong"])]
     if designs and not files["campaigns"]:
         moulds = [one for one in pads_of(files) if one.command == "mold"]
@@ -171,7 +172,7 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
     if learned and all(one.date < learned.date for one in designs):
         return _learned(learned, tissue, bool(designs))
     if red:
-        return _after_design(project, designs[-1], bool(files["moulds"]), tissue)
+        return _after_design(project, designs[-1], len(files["moulds"]) > len(pads_of(files)), tissue)
     if designs and files["campaigns"]:
         campaign = files["campaigns"][-1].folder
         press = check_campaign(project.root / campaign).pressed[0]

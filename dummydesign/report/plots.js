@@ -48,6 +48,7 @@
     Plotly.react(div, data, layout, { displaylogo: false, responsive: true, doubleClick: "reset",
       modeBarButtons: [["zoomIn2d", "zoomOut2d", "resetScale2d"]] });
     if (!first) return;
+    window.plotDrawn?.(div);
     div.tabIndex = 0;
     div.setAttribute("role", "application");
     div.setAttribute("aria-roledescription", "plot: arrow keys read values; plus, minus and 0 zoom");

@@ -61,7 +61,7 @@ class Guard:
         self._app, self._key, self._allowed, self._once = app, key, largest_bytes + ROOM_BYTES, once
         self._path, self._session = f"/{token_urlsafe(16)}", token_urlsafe(24)
         self._hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
-        self._too_large = _refusal(413, f"larger than {largest_bytes // 2**20} MB: not taken")
+        self._too_large = _refusal(413, f"larger than {largest_bytes // 2**20} MB: not allowed")
         sockets = " ".join(f"ws://{host}" for host in sorted(self._hosts))
         self._policy = (
             "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; style-src 'self' 'unsafe-inline'; "

@@ -44,6 +44,11 @@ PAGES: dict[str, tuple[str, str, Body]] = {
     ),
     "/tissue": ("Tissue", "What the pad imitates: how deep people give way under a force.", tissue.TissuePage),
     "/design": ("Design", "Find the pad that feels like the tissue, or try one by the sliders.", design.DesignPage),
+    "/resin": (
+        "Puck",
+        "One puck of the batch tells its modulus. Press it slowly between plates, by a third of its height or more.",
+        pucks.PuckPage,
+    ),
     "/mould": ("Mould", "What to print, what to weigh and how to pour one pad.", mould.MouldPage),
     "/cast": ("Check a cast pad", "Is the pad as designed, and does it feel like the tissue?", cast.show_cast_pad),
     "/campaign": (
@@ -55,12 +60,6 @@ PAGES: dict[str, tuple[str, str, Body]] = {
         "Learn",
         "The model against a pressed campaign: what it lacks, how large that is, and what to measure next.",
         learn.LearnPage,
-    ),
-    "/resin": (
-        "Resin batch",
-        "Press a puck of the batch slowly between two plates, by a third of its height or more. "
-        "Its modulus makes a resin of the batch.",
-        pucks.PuckPage,
     ),
 }
 
@@ -149,11 +148,10 @@ def _unexpected(record: logging.LogRecord) -> bool:
 
 def _add_page(root: Path, path: str) -> None:
     title, purpose, body = PAGES[path]
-    step = "/measured" if path == "/resin" else path
 
     @ui.page(path)
     def page(request: Request) -> None:
-        lay_out(root, step, title, purpose, request.query_params, body, overview.make_new if path == "/" else None)
+        lay_out(root, path, title, purpose, request.query_params, body, overview.make_new if path == "/" else None)
         undo_bar(root)
 
 

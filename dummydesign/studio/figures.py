@@ -17,10 +17,11 @@ from dummydesign.core.files import read_json
 from dummydesign.design.plot_data import force_grids
 from dummydesign.design.request import ANSWER
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
-from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.report.page import STYLES, figure_values, log_start
 from dummydesign.report.plot import Plot, Series, keys_html, press_plot, steady_plot
+from dummydesign.studio.markup import Markup, filled
+from dummydesign.studio.state import State, punch_of
 
 if TYPE_CHECKING:
     from dummydesign.design.pad_evaluator import EvaluatedPad, PadEvaluator
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from dummydesign.design.scoring.targets import Targets
     from dummydesign.geometry.pad_shape import PadShape
     from dummydesign.geometry.punch import Punch
-    from dummydesign.studio.state import State
 
 
 SMALL_PX, WIDE_PX = (300.0, 222.0), (600.0, 300.0)
@@ -45,8 +45,9 @@ def steady(targets: Targets, pad: EvaluatedPad | None = None, people: Sequence[S
     if pad is not None:
         depth = pad.candidate.steady_depth_mm(grid)
         series.append(Series.line("this pad", depth, grid))
-        at = float(np.interp(10.0, grid, depth)) if np.isfinite(depth).all() else float("nan")
-        alt += f"; the pad is {at:.2f} mm deep at 10 N" if np.isfinite(at) else "; the pad does not reach 10 N"
+        most_N = float(force_grids(targets.protocol).measured[-1])
+        at = float(np.interp(most_N, grid, depth))
+        alt += f"; the pad is {at:.2f} mm deep at {most_N:g} N" if np.isfinite(at) else f", not up to {most_N:g} N"
     deepest = float(max(band.high.max(), aim.x.max()))
     return replace(steady_plot(f"{alt}.", series), x_range=(0.0, 1.25 * deepest), y_range=(0.0, 16.0))
 
@@ -106,15 +107,15 @@ def pad_plots(problem: Problem, shape: PadShape, pad: EvaluatedPad) -> list[Plot
     return plots
 
 
-def pad_html(plots: Sequence[Plot]) -> str:
+def pad_html(plots: Sequence[Plot]) -> Markup:
     """The plots of a pad as HTML: one legend for force over depth and over time, the presses as a strip."""
     first, across, *presses = plots
     keys = dict.fromkeys(key for plot in (first, *presses) for key in plot.legend())
     strip = "".join(plot.html(keyed=False) for plot in presses)
-    return (
-        f'{keys_html(keys)}<div class="plots large">{first.html(keyed=False)}{across.html()}</div>'
-        '<p class="source">Force [N] over time [s] of each press</p>'
-        f'<div class="plots small strip" role="group" aria-label="force [N] over time [s] of the presses">{strip}</div>'
+    return filled(
+        '{}<div class="plots large">{}{}</div><p class="source">Force [N] over time [s] of each press</p>'
+        '<div class="plots small strip" role="group" aria-label="force [N] over time [s] of the presses">{}</div>',
+        *map(Markup, (keys_html(keys), first.html(keyed=False), across.html(), strip)),
     )
 
 
@@ -155,7 +156,7 @@ def measured_presses(path: Path) -> list[Plot]:
 def _measured_press(plot: str, rows: Sequence[Mapping[str, str]]) -> Plot:
     """One plot from the values of a report's plot: series, time, force."""
     curves = _curves(rows)
-    series: list[Series] = []
+    series = _bands(rows)
     for name, (time, force) in curves.items():
         kind = name.partition(", ")[0]
         if kind == "measured":
@@ -169,6 +170,28 @@ def _measured_press(plot: str, rows: Sequence[Mapping[str, str]]) -> Plot:
     title = _condition_of(plot)
     alt = f"Measured force and the model's over time on a logarithmic axis, {title}; measured peak {peak:.3g} N."
     return press_plot(plot, title, alt, series, (min(log_start(rise), 0.5 * last), last))
+
+
+def _bands(rows: Sequence[Mapping[str, str]]) -> list[Series]:
+    """The bands of a plot of a report, from its values."""
+    bands: dict[str, list[Mapping[str, str]]] = {}
+    for row in rows:
+        if row["low"] and row["high"]:
+            bands.setdefault(row["series"], []).append(row)
+    made = []
+    for name, one in bands.items():
+        sideways, style = not one[0]["x"], "extra" if "extrapolated" in name else "band"
+        at, low, high = ([float(row[key]) for row in one] for key in ("y" if sideways else "x", "low", "high"))
+        made.append(Series.band(name, at, low, high, sideways=sideways, style=style))
+    return made
+
+
+def compared_plots(path: Path) -> list[Plot]:
+    """Steady force over depth, then the presses, of a report that compares a pad with a tissue."""
+    rows = (figure_values(path) if path.is_file() else {}).get("steady", [])
+    lines = [Series.line(name, x, y) for name, (x, y) in _curves(rows).items() if len(x) > 1]
+    steady = steady_plot("Steady force over depth of the pad and of the subjects.", [*_bands(rows), *lines])
+    return [replace(steady, name="compared")] * bool(rows) + measured_presses(path)
 
 
 def _curves(rows: Sequence[Mapping[str, str]]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
@@ -220,11 +243,11 @@ def section(shape: PadShape, thickness_mm: float, punch: Punch) -> Plot:
     )
 
 
-def section_html(state: State) -> str:
+def section_html(root: Path, state: State) -> Markup:
     """The cross-section of the pad that is chosen, as HTML; empty while its shape is none."""
     with suppress(InputError):
-        return section(read_shape(state.shape), state.thickness_mm, read_punch(state.punch)).html()
-    return ""
+        return Markup(section(read_shape(state.shape), state.thickness_mm, punch_of(root, state.punch)).html())
+    return Markup()
 
 
 def _outline(punch: Punch, foot_mm: float) -> tuple[np.ndarray, np.ndarray]:
@@ -312,8 +335,10 @@ def kind_rows(answer: Mapping[str, Any], verdicts: Mapping[str, Mapping[str, Any
         pad, total = (best, best["scores"]["total"]) if row["kind"] == kind else (row, row["total"])
         central = (verdict.get(side, {}).get("central") for side in ("shortfall", "over"))
         size = pad["thickness_mm"], pad["ratio"]
-        rows.append([row["kind"], verdict.get("light"), total, row["after_puck"], *central, *size])
-    return sorted(rows, key=lambda row: (row[0] != kind, -row[3]))
+        light = verdict.get("light") if row["kind"] == kind else f"{verdict['light']} (estimate)" if verdict else None
+        own = row["kind"] == kind, row["after_puck"]
+        rows.append((own, [row["kind"], light, total, f"{100.0 * row['after_puck']:.0f} %", *central, *size]))
+    return [row for _, row in sorted(rows, key=lambda one: one[0], reverse=True)]
 
 
 def kind_sentences(answer: Mapping[str, Any]) -> list[str]:
@@ -334,7 +359,6 @@ def verdicts_of_kinds(evaluator: PadEvaluator, answer: Mapping[str, Any]) -> dic
     for row in answer["shapes"]:
         if row["shape"] is not None and row["kind"] != own:
             with suppress(InputError):
-                shape = read_shape(row["shape"])
-                pad = evaluator.evaluate(shape, row["thickness_mm"], row["ratio"])
-                verdicts[row["kind"]] = evaluator.with_castings(pad, shape).to_dict()
+                judged = evaluator.with_castings(read_shape(row["shape"]), row["thickness_mm"], row["ratio"])
+                verdicts[row["kind"]] = judged.to_dict()
     return verdicts

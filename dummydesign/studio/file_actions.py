@@ -1,11 +1,10 @@
-"""Files dropped on a page; buttons that rename, replace and delete what lies in a project, and take it back."""
+"""Files dropped on a page; buttons that delete what lies in a project, and take a change back."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Awaitable, Callable
 from functools import partial
-from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +14,13 @@ from dummydesign.core.errors import InputError
 from dummydesign.studio import trash as bin
 from dummydesign.studio import widgets
 from dummydesign.studio.access import LARGEST_BYTES
+from dummydesign.studio.markup import Markup, filled, joined
 from dummydesign.studio.widgets import html
 
 HEADER = """
 <div class="drop">
-  <span>Drop WHAT here, or</span>
-  <q-btn outline no-caps label="choose FILES" aria-label="choose FILES" data-test="TEST"
+  <span>Drop files here, or</span>
+  <q-btn outline no-caps label="choose files" aria-label="choose files" data-test="TEST"
     @click="props.pickFiles"></q-btn>
   <span class="hide" aria-hidden="true"><q-uploader-add-trigger></q-uploader-add-trigger></span>
   <q-spinner v-if="props.isUploading" size="1.4em"></q-spinner>
@@ -37,79 +37,23 @@ Then = Callable[[str, str], None]
 
 
 def manage(root: Path, path: str, kind: str, then: Then) -> None:
-    """A row of buttons to rename and delete a thing of the project, and to replace a file."""
-    name, ending = path.rpartition("/")[2], Path(path).suffix.lower()
-    bar = undo_bar(root)
+    """Add a button that deletes a thing of the project."""
+    name, bar = path.rpartition("/")[2], undo_bar(root)
 
     def remove() -> None:
         with widgets.problems_in(refused):
             bar.offer(bin.delete(root, path), then)
             bar.run(lambda: then(path, ""))
 
-    def ask_name() -> None:
-        refused.clear()
-        with widgets.fresh(form), ui.element("div").classes("fields"):
-            field = ui.input(f"New name of {name}", value=bin.short_name(root, path)).props('data-test="new-name"')
-            with ui.element("div"):
-                widgets.button("Save", lambda: take_name(field.value or ""), "save-name", main=True)
-                widgets.button("Cancel", close)
-        field.on("keydown.enter", lambda: take_name(field.value or ""))
-        field.on("keydown.escape", close)
-        field.run_method("focus")
-
-    def close() -> None:
-        form.clear()
-        refused.clear()
-
-    def take_name(new: str) -> None:
-        now = ""
-        with widgets.problems_in(refused):
-            now = bin.rename(root, path, new)
-            form.clear()
-            bar.say(f"{name} is now {now.rpartition('/')[2]}.")
-        if now:
-            bar.run(lambda: then(path, now))
-
-    async def take_file(event: events.UploadEventArguments) -> None:
-        sent, content = event.file.name, await event.file.read()
-        replaced = False
-        with widgets.problems_in(refused):
-            if Path(sent).suffix.lower() != ending:
-                message = f"{sent} was refused: choose a file that ends in {ending}"
-                raise InputError(message, "unknown_name", "file_ending", sent, ending)
-            folder = (root / path).parent
-            if same := bin.twin(folder, name, content):
-                bar.say(f"{sent} is the same as {same}, which is there: nothing was changed.")
-            else:
-                bar.offer(bin.replace_file(root, folder, name, content), then)
-                replaced = True
-            form.clear()
-        if replaced:
-            bar.run(lambda: then(path, path))
-
-    def refuse(name: str, why: str) -> None:
-        with widgets.fresh(refused):
-            widgets.tell_problem(f"{name} was refused: it {why}")
-
-    def ask_file() -> None:
-        refused.clear()
-        with widgets.fresh(form):
-            html(f"<p>Choose the file that replaces {escape(name)}. The earlier one goes to the bin.</p>")
-            drop_zone(take_file, refuse, "replace", multiple=False)
-
-    actions = {"Rename": ask_name, "Replace": ask_file, "Delete": remove}
-    with ui.element("div").classes("manage").props("role=group") as row:
-        row.props["aria-label"] = f"change {name}"
-        for word in ("Rename", "Replace", "Delete") if kind == "file" else ("Rename", "Delete"):
-            made = widgets.button(word, actions[word], word.lower(), f"{word} the {kind} {name}").props("dense")
-            made.props["data-name"] = name
-    form, refused = ui.element("div"), ui.element("div")
+    made = widgets.button("Delete", remove, "delete", f"Delete the {kind} {name}").props("dense")
+    made.props["data-name"] = name
+    refused = ui.element("div")
 
 
-def thing(words: str, root: Path, path: str, kind: str, then: Then) -> ui.element:
-    """Add a row with a thing of the project, as HTML, and its buttons."""
+def thing(words: Markup, root: Path, path: str, kind: str, then: Then) -> ui.element:
+    """Add a row with a thing of the project and its button."""
     with ui.element("div").classes("thing") as row:
-        html(words)
+        html("{}", words)
         with ui.element("div"):
             manage(root, path, kind, then)
     return row
@@ -120,7 +64,6 @@ def drop_zone(
     refused: Callable[[str, str], None],
     test: str,
     begins: Callable[[], object] = lambda: None,
-    multiple: bool = True,
 ) -> None:
     """A place to drop files; ``refused`` is called with a name and the reason, ``begins`` once a drop."""
     last_ms = -1e9
@@ -142,10 +85,8 @@ def drop_zone(
         for name in event.args:
             refused(str(name), "did not arrive: drop it again")
 
-    what, choose = ("files", "files") if multiple else ("it", "the file")
-    header = HEADER.replace("TEST", test).replace("WHAT", what).replace("FILES", choose)
-    upload = ui.upload(on_upload=took, multiple=multiple, auto_upload=True, max_file_size=LARGEST_BYTES)
-    upload.props('flat data-test="drop"').add_slot("header", header)
+    upload = ui.upload(on_upload=took, multiple=True, auto_upload=True, max_file_size=LARGEST_BYTES)
+    upload.props('flat data-test="drop"').add_slot("header", HEADER.replace("TEST", test))
     upload.on("rejected", rejected, js_handler=REJECTED)
     upload.on("added", lambda event: begun(float(event.args)), js_handler=ADDED)
     upload.on("failed", failed, js_handler="(info) => emit(info.files.map((file) => file.name))")
@@ -157,12 +98,17 @@ class DropList:
     """A place to drop files; what became of each file of the last drop is listed under it."""
 
     def __init__(
-        self, take: Callable[[str, bytes], str], then: Callable[[], None], words: str = "", test: str = "presses"
+        self,
+        root: Path,
+        take: Callable[[str, bytes], bin.Taken],
+        then: Callable[[], None],
+        words: str = "",
+        test: str = "presses",
     ) -> None:
-        self._take, self._then = take, then
+        self._take, self._then, self._bar = take, then, undo_bar(root)
         self._taken: tuple[ui.html, list[str]] | None = None
         if words:
-            html(f'<p class="note">{escape(words)}</p>')
+            html('<p class="note">{}</p>', words)
         with widgets.area(f"drop-{test}"):
             drop_zone(
                 self._took,
@@ -175,29 +121,28 @@ class DropList:
     async def _took(self, event: events.UploadEventArguments) -> None:
         content = await event.file.read()
         try:
-            sentence = self._take(event.file.name, content)
+            taken = self._take(event.file.name, content)
         except InputError as problem:
             self.tell(f"{event.file.name} was refused: {problem}", refused=True)
             return
-        if sentence:
-            self.tell(sentence)
+        self.tell(taken.text)
+        if taken.gone is not None:
+            self._bar.offer(taken.gone, lambda old, new: self._then(), focus=False)
         self._then()
 
     def tell(self, sentence: str, refused: bool = False) -> None:
         """Add a sentence to the list."""
         with self.listed:
             if refused:
-                html(f'<p class="problem" data-kind="refused">{escape(sentence)}</p>')
+                html('<p class="problem" data-kind="refused">{}</p>', sentence)
                 return
             if self._taken is None or self._taken[0].is_deleted:
                 self._taken = html(""), []
         shown, sentences = self._taken
         sentences.append(sentence)
-        lines = "".join(f'<p class="note" data-kind="taken">{escape(one)}</p>' for one in sentences)
-        count = len(sentences)
-        shown.set_content(
-            lines if count == 1 else f"<details><summary>{count} files were taken</summary>{lines}</details>"
-        )
+        lines = joined('<p class="note" data-kind="taken">{}</p>', ([one] for one in sentences))
+        more = filled("<details><summary>{} files were taken</summary>{}</details>", len(sentences), lines)
+        shown.set_content(more if len(sentences) > 1 else lines)
 
 
 class UndoBar:
@@ -220,7 +165,7 @@ class UndoBar:
     def say(self, text: str) -> ui.element:
         """Show a sentence in the place of the last."""
         with widgets.fresh(self._area):
-            html(f"<p>{escape(text)}</p>")
+            html("<p>{}</p>", text)
             line = ui.element("div")
             widgets.button("Close", self._area.clear, label="Close this message").props("dense")
         return line
@@ -231,11 +176,11 @@ class UndoBar:
 
         def undo() -> None:
             try:
-                back = bin.take_back(self._root, gone)
+                back = bin.restore(self._root, gone)
             except InputError as problem:
                 self.say(f"{problem}.")
                 return
-            self.say(f"{gone.path} is back." if back == gone.path else f"It is back as {back}.")
+            self.say(f"{gone.path} is back.")
             self.run(lambda: then(gone.path, back))
 
         with self.say(f"The earlier {name} was replaced." if gone.why == "replaced" else f"{name} was deleted."):
@@ -264,7 +209,7 @@ def deleted_files(root: Path) -> None:
             # the bar may still offer to undo the same deletion
             undo_bar(root).say(f"{back} is back.")
             with message:
-                html(f'<p class="note">{escape(back)} is back. <a href="">Load the page again</a> to see it.</p>')
+                html('<p class="note">{} is back. <a href="">Load the page again</a> to see it.</p>', back)
         renew()
 
     def renew() -> None:
@@ -274,7 +219,7 @@ def deleted_files(root: Path) -> None:
             for one in entries:
                 when = time.strftime("%d %b %H:%M", time.localtime(one.time))
                 with ui.element("div").classes("thing"):
-                    html(f"<span>{escape(one.path)}, {escape(one.why)} {when}</span>")
+                    html("<span>{}, {} {}</span>", one.path, one.why, when)
                     widgets.button("Restore", partial(restore, one), "restore", f"Restore {one.path}").props("dense")
 
     renew()

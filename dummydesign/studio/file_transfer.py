@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import IO
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import write_bytes, writing
+from dummydesign.core.files import writing
 from dummydesign.core.user_library import DEVICE
 
 MEANINGFUL = frozenset({"project.toml", "campaign.toml", "manifest.json", "calibration.json", "study.json"})
@@ -22,13 +22,13 @@ MEANINGFUL = frozenset({"project.toml", "campaign.toml", "manifest.json", "calib
 def plain_name(name: str) -> str:
     """Check the name of a file that was sent; return it."""
     if name.casefold() in MEANINGFUL:
-        message = f"file name '{name}' is not taken: commands read a file of this name; rename the file"
+        message = f"file name '{name}' is not allowed: commands read a file of this name; rename the file"
         raise InputError(message, "bad_name", "file_name", name)
     if not name or name != Path(name).name or "\\" in name or ":" in name or name in (".", ".."):
-        message = f"file name '{name}' is not taken: it must be a plain name, without folders"
+        message = f"file name '{name}' is not allowed: it must be a plain name, without folders"
         raise InputError(message, "bad_name", "file_name", name)
     if name.startswith(".") or not name.isprintable() or len(name.encode()) > 200 or DEVICE.fullmatch(name):
-        raise InputError(f"file name '{name}' is not taken: rename the file", "bad_name", "file_name", name)
+        raise InputError(f"file name '{name}' is not allowed: rename the file", "bad_name", "file_name", name)
     return name
 
 
@@ -47,27 +47,14 @@ def inside(root: Path, path: str) -> Path:
     return target
 
 
-def numbered(name: str, ending: str = "") -> Iterator[str]:
+def numbered(name: str) -> Iterator[str]:
     """Yield the names ``name``, ``name-2``, ``name-3`` and so on, of which the first free one is taken."""
-    yield f"{name}{ending}"
-    for number in count(2):
-        yield f"{name}-{number}{ending}"
+    yield from (name if number == 1 else f"{name}-{number}" for number in count(1))
 
 
 def holds(path: Path, content: bytes) -> bool:
     """Whether a file is there with this content."""
     return path.is_file() and path.stat().st_size == len(content) and path.read_bytes() == content
-
-
-def save_upload(folder: Path, name: str, content: bytes) -> Path:
-    """Write a file that was sent; one of the same name and content stays, one of another content gets a number."""
-    names = numbered(*os.path.splitext(plain_name(name)))
-    with writing("folder", folder.name, "folder"):
-        folder.mkdir(parents=True, exist_ok=True)
-        while (target := folder / next(names)).exists():
-            if holds(target, content):
-                return target
-    return write_bytes(target, content)
 
 
 def read_sent(name: str, content: bytes, read: Callable[[Path], object]) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from html import escape
 from pathlib import Path
 
 from nicegui import ui
@@ -83,11 +82,6 @@ class JobPanel:
             jobs.stop(job)
             self._status.set_text("stopping …")
 
-    def show_again(self) -> None:
-        """Show anew what is there, after the panel was hidden."""
-        self._seen = ()
-        self.renew()
-
     def begin(self) -> None:
         """Start the command as it is shown."""
         with widgets.problems_in(self._problem):
@@ -116,6 +110,7 @@ class JobPanel:
         self._timer.interval = AT_WORK_S if self.running else IDLE_S
         self._button.set_enabled(not self.running)
         self._stop.set_visibility(self.running)
+        self._stop.set_text("Stop" if mine else "Stop the other one")
         self._spinner.set_visibility(self.running)
         if self._pressed and not self.running:
             self._pressed = False
@@ -127,7 +122,8 @@ class JobPanel:
             self._watched = newest.folder.name
             if newest.folder != self._usual[0]:
                 self._usual = newest.folder, jobs.usual_s(self.name)
-            self._status.set_text(jobs.progress_line(newest, self._usual[1]))
+            line = jobs.progress_line(newest, self._usual[1])
+            self._status.set_text(line if mine else f"At work for another choice: {line}")
         as_chosen = answer is not None and same(answer, words)
         # what was asked is there: the button that comes next is the main one
         if ("outline" in self._button.props) != (quiet := as_chosen or not self.main):
@@ -142,7 +138,7 @@ class JobPanel:
             if answer is not None:
                 if answer is not newest or not as_chosen:
                     when = time.strftime("%d %b %H:%M", time.localtime(answer.started))
-                    html(f'<p class="source">Result of {when}: <code>{escape(answer.begun)}</code></p>')
+                    html('<p class="source">Result of {}: <code>{}</code></p>', when, answer.begun)
                 if self.shown is not None:
                     self._show(answer)
         if newest is not None and not self.running and newest.folder.name == self._watched:
@@ -160,9 +156,9 @@ class JobPanel:
             # an answer with a verdict says by itself what is wrong
             if not (self.shown is not None and {"verdict", "accepted"} & job.answer.keys()):
                 with self._problem:
-                    widgets.tell_problem(job.error)
+                    widgets.tell_problem(widgets.without_options(job.error))
             if job.state == "failed" and job.answer:
-                self._status.set_text(f"done in {job.seconds:.0f} s, but the answer is not acceptable")
+                self._status.set_text(f"done in {job.seconds:.0f} s")
 
 
 def _move_focus(gone: ui.button, stays: ui.button) -> None:

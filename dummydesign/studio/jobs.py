@@ -26,7 +26,9 @@ from dummydesign.core.files import acquire_lock, is_locked, read_json, unwritabl
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
 from dummydesign.core.user_library import find
+from dummydesign.geometry.punch import PROFILE
 from dummydesign.studio import job_process as runner
+from dummydesign.studio.file_transfer import inside
 
 
 def shown(words: Sequence[str]) -> str:
@@ -170,6 +172,9 @@ class Job:
 
 def start(root: Path, name: str, *commands: Sequence[str]) -> Job:
     """Start a command in a project folder, or several one after the other."""
+    for word in chain(*commands):
+        if word.startswith(PROFILE):
+            inside(root, word.removeprefix(PROFILE))
     running = [one for one in all_jobs(root) if one.state == "running"]
     if any(one.name == name for one in running):
         raise InputError("this step is still at work: wait for it, or stop it", "busy", "step", name)

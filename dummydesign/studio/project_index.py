@@ -21,7 +21,8 @@ from dummydesign.measurement.campaign_from_files import read_trials
 from dummydesign.project.status import finished_manifest, things_in
 from dummydesign.studio import file_transfer, select_options
 from dummydesign.studio.jobs import changed_inputs
-from dummydesign.studio.state import State, design_state, design_summary
+from dummydesign.studio.state import State, absolute, design_state, design_summary
+from dummydesign.studio.trash import Taken, keep_file
 
 if TYPE_CHECKING:
     from dummydesign.mold.pour.acceptance import GaugePoint
@@ -93,6 +94,31 @@ def verdict_of_design(root: Path, state: State) -> tuple[str, str] | None:
     summary = design_summary(root, folder)
     light = LIGHTS.get(str(summary.get("verdict")))
     return None if light is None else (light, str(summary.get("text", "")))
+
+
+def doubts_of_design(root: Path, folder: str, state: State) -> list[str]:
+    """Why a design answers what is chosen no longer: files that changed, another question."""
+    changed = [f"{name} has changed since." for name in changed_inputs(root, root / folder / MANIFEST)]
+    if answers(root, folder, state):
+        return changed
+    asked = State(**design_state(root, folder)).label.partition("; ")
+    return [*changed, f"It was judged for {asked[2]} with {asked[0].rpartition(', ')[2]}."]
+
+
+def wants_puck(root: Path, state: State) -> bool:
+    """Whether the design of this pad is settled by a puck of its resin, which was not measured yet."""
+    folder = design_of_pad(root, state)
+    summary = design_summary(root, folder) if folder else {}
+    return summary.get("verdict") == "not_settled" and not measured_resin(root, state)
+
+
+def measured_resin(root: Path, state: State) -> bool:
+    """Whether a puck of the resin that is chosen was measured."""
+    from dummydesign.resin import load_resin
+
+    with suppress(InputError):
+        return load_resin(absolute(root, state.resin)).measured
+    return False
 
 
 @dataclass(frozen=True)
@@ -261,11 +287,11 @@ def nearest(pressed: Sequence[PadWithPresses], state: State) -> PadWithPresses |
     return next(chain(same, pressed), None)
 
 
-def keep_press(root: Path, name: str, content: bytes) -> str:
-    """Keep a trace that was dropped; return its path from the project folder on."""
+def keep_press(root: Path, name: str, content: bytes) -> Taken:
+    """Keep a trace that was dropped."""
     file_transfer.plain_name(name)
     file_transfer.check_press(name, content)
-    return file_transfer.save_upload(file_transfer.inside(root, DROPPED), name, content).relative_to(root).as_posix()
+    return keep_file(root, root / DROPPED, name, content)
 
 
 def records(root: Path, pad: PadWithPresses) -> list[str]:

@@ -6,11 +6,9 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
-from html import escape
 from pathlib import Path
 
 import numpy as np
-from nicegui import events, ui
 
 from dummydesign.core.errors import InputError, accepts
 from dummydesign.core.user_library import find
@@ -19,82 +17,10 @@ from dummydesign.design.request import Request
 from dummydesign.design.test_conditions import table_alone, why_solved
 from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.geometry.pad_shape import PadShape
-from dummydesign.geometry.punch import PROFILE, read_punch
+from dummydesign.geometry.punch import PROFILE
 from dummydesign.geometry.shape_registry import read_shape, shape_kind
 from dummydesign.geometry.shapes.slab import Slab
-from dummydesign.studio.state import State, absolute
-
-THROTTLE_S = 0.03
-LONG_UNIT = 8
-SLIDE = """(e) => {
-  const box = e.currentTarget, t = e.target, note = box.querySelector('[role=status]');
-  const range = box.querySelector('[type=range]'), field = box.querySelector('[type=text]');
-  const way = {ArrowUp: 1, ArrowDown: -1}[e.key];
-  if (e.type === 'keydown' ? t !== field || !way : (e.type === 'change') !== (t === field)) return;
-  let value = range.value;
-  if (way) { range.stepUp(way); value = range.value; e.preventDefault(); }
-  else if (t === field) {
-    const typed = field.value.trim(), number = Number(typed.replace(',', '.'));
-    const steps = (number - range.min) / range.step;
-    const allowed = number >= range.min && number <= range.max && Math.abs(steps - Math.round(steps)) < 1e-6;
-    if (typed && allowed) range.value = number;
-    field.value = range.value;
-    note.textContent = !typed || allowed ? '' : `${typed} is not allowed: ` +
-      `${Number(range.min)} to ${Number(range.max)} in steps of ${Number(range.step)}.`;
-    if (!typed || !allowed) return;
-    value = String(number);
-  }
-  if (t !== field || way) { field.value = value; note.textContent = ''; }
-  emit(value);
-}"""
-"""Range and field follow each other in the browser; a number counts once it is typed to its end."""
-
-
-class Slider:
-    """A range and a number field that follow each other in the browser.
-
-    While they move nothing is sent back: an answer to the first of several keys would take the later ones back.
-    """
-
-    def __init__(
-        self, name: str, unit: str, low: float, high: float, step: float, value: float, moved: Callable[[], None]
-    ) -> None:
-        self.value, self._name, self._moved, self._written = value, name, moved, 0
-        with ui.element("div").classes("slider"):
-            self._box = ui.html("", sanitize=False).classes("slide")
-            self.beside = ui.label("").classes("beside")
-        self._box.on("input", self._take, js_handler=SLIDE, throttle=THROTTLE_S)
-        for event in ("change", "keydown"):
-            self._box.on(event, self._take, js_handler=SLIDE)
-        self.limit(low, high, step, unit)
-
-    def limit(self, low: float, high: float, step: float, unit: str) -> None:
-        """Set the ends and the step; the value is moved inside."""
-        self._unit, self.low, self.high, self._step = unit, low, high, step
-        self.set(min(max(self.value, low), high))
-
-    def set(self, value: float) -> None:
-        """Move it from here, without a call."""
-        self.value = float(value)
-        short = self._unit if len(self._unit) <= LONG_UNIT else ""
-        named, test = escape(self._name), escape(self._name.lower())
-        ends = f"min={self.low:g} max={self.high:g} step={self._step:g} value={self.value:.6g}"
-        # numbered, so that a text written before still replaces what the browser has moved since
-        self._written += 1
-        self._box.set_content(
-            f'<div class="row" data-written="{self._written}"><span>{named}</span>'
-            f'<span><input type="text" inputmode="decimal" value="{self.value:.6g}" data-test="number-{test}" '
-            f'aria-label="{named} {escape(short)}"> '
-            f"{escape(short)}</span></div>"
-            f'<div class="ends"><span>{self.low:g}</span><input type="range" {ends} aria-label="{named}, slider" '
-            f'data-test="slide-{test}"><span>{self.high:g}</span></div>'
-            f'<small>{escape("" if short == self._unit else self._unit)}</small><small role="status"></small>'
-        )
-
-    def _take(self, event: events.GenericEventArguments) -> None:
-        self.value = float(event.args)
-        self._moved()
-
+from dummydesign.studio.state import NO_TISSUE, State, absolute, punch_of
 
 MOST_TRIED = 400
 """Candidates that are tried before a kind is given up at a thickness."""
@@ -157,9 +83,10 @@ def evaluator_of(root: Path, state: State) -> PadEvaluator:
 def _evaluator(root: Path, question: State, stamp: object) -> PadEvaluator:
     from dummydesign.design.problem import read_problem
 
-    calibration, punch_text = str(root / question.calibration) if question.calibration else None, question.punch
-    if punch_text.startswith(PROFILE):
-        punch_text = f"{PROFILE}{root / punch_text.removeprefix(PROFILE)}"
+    if not question.tissue:
+        raise InputError(NO_TISSUE, "missing", "tissue")
+    calibration = str(root / question.calibration) if question.calibration else None
+    punch = punch_of(root, question.punch)
     request = Request(
         absolute(root, question.tissue),
         question.aim,
@@ -167,9 +94,8 @@ def _evaluator(root: Path, question: State, stamp: object) -> PadEvaluator:
         shape="slab",
         verify=False,
         calibration=calibration,
-        punch=punch_text,
+        punch=punch.text,
     )
-    punch = read_punch(request.punch)
     if punch.profile_mm is not None:
         raise NotTabulated(why_solved(request, punch, THICKNESS_MM[0]), "punch")
     return PadEvaluator(read_problem(request, None if calibration else table_alone(request, punch)))

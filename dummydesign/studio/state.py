@@ -5,20 +5,22 @@ from __future__ import annotations
 import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from html import escape
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote, urlencode
 
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, accepts
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.geometry.dimensions import PUNCH
+from dummydesign.geometry.punch import PROFILE, Punch, read_punch
 from dummydesign.project.folder import Project
 from dummydesign.project.status import STANDARD_RESIN, ProjectFile, ProjectStatus, finished_manifest, things_in
 from dummydesign.studio import file_transfer, select_options
+from dummydesign.studio.markup import Markup, filled
 
 PAD_FIELDS = ("shape", "thickness_mm", "ratio")
+NO_TISSUE = "No tissue is chosen yet. Choose the one that the pad imitates."
 QUESTION_FIELDS = ("tissue", "aim", "resin", "calibration", "punch")
 """What a search is asked; the pad under the sliders is judged by the same."""
 
@@ -104,7 +106,6 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
     for one in fields(State):
         if one.name in given and one.name != "missing":
             base[one.name] = _number(given[one.name], base.get(one.name, one.default), one.type == "float")
-    base["tissue"] = base["tissue"] or next(iter(known))
     campaigns = list(select_options.campaigns(project.root))
     base["campaign"] = base.get("campaign") or next(reversed(campaigns), "")
     state = State(**base)
@@ -118,13 +119,17 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
 
 def _in_project(root: Path, name: str, text: str) -> bool:
     """Whether a path of the address stays in the project; names of the library are no paths."""
-    path = name in ("design", "calibration", "campaign") or text.endswith(".toml")
+    path = name in ("design", "calibration", "campaign") or text.endswith(".toml") or text.startswith(PROFILE)
     if path or (name in ("tissue", "resin") and "/" in text):
-        try:
-            file_transfer.inside(root, text)
-        except InputError:
-            return False
+        return accepts(file_transfer.inside, root, text.removeprefix(PROFILE))
     return True
+
+
+def punch_of(root: Path, text: str) -> Punch:
+    """Read the punch of a state; the file of a profile lies in the project."""
+    if text.startswith(PROFILE):
+        text = f"{PROFILE}{file_transfer.inside(root, text.removeprefix(PROFILE))}"
+    return read_punch(text)
 
 
 def is_design(one: ProjectFile) -> bool:
@@ -189,7 +194,7 @@ def _missing(
 ) -> tuple[str, ...]:
     """What is chosen and not there."""
     there = (
-        ("tissue", state.tissue, known, "Choose another, or bring its file back."),
+        ("tissue", state.tissue, ["", *known], "Choose another, or bring its file back."),
         ("calibration", state.calibration, [""], "Choose another, or none."),
         ("resin", state.resin, select_options.resins(), "Choose another."),
         ("campaign", state.campaign, ["", *campaigns], "Choose another."),
@@ -200,6 +205,8 @@ def _missing(
         for what, name, names, advice in there
         if name not in names and not (root / name).is_file()
     )
+    if not state.tissue:
+        return (NO_TISSUE,)
     try:
         if not problems and state.aim not in select_options.aims(absolute(root, state.tissue)):
             return (f"The tissue '{state.tissue}' has no aim '{state.aim}'. Choose another aim.",)
@@ -231,16 +238,15 @@ def page_link(
     current: bool = False,
     kind: str = "",
     more: str = "",
-) -> str:
+) -> Markup:
     """Return HTML of a link to a page in a state, else in what is chosen on this page when the link is used.
 
     ``more`` is a part of the query that the page itself keeps, such as its tab.
     """
-    marks = f' data-test="{escape(test)}"' if test else ""
-    marks += (f' class="{kind}"' if kind else "") + ("" if state else " data-state")
-    marks += " aria-current=page" if current else ""
+    marks = Markup("" if state else " data-state") + Markup(" aria-current=page" if current else "")
     query = "&".join(filter(None, (more, state.query() if state else "")))
-    return f'<a{marks} href="{address(path)}{f"?{escape(query)}" if query else ""}">{escape(words)}</a>'
+    to = f"{address(path)}{'?' * bool(query)}{query}"
+    return filled('<a data-test="{}" class="{}"{} href="{}">{}</a>', test, kind, marks, to, words)
 
 
 PAGES = {

@@ -15,6 +15,35 @@ function follow([texts, changes]) {
   changePlots(changes);
 }
 
+// every plot can be saved: as it is seen, and its values
+function plotDrawn(div) {
+  const word = (text) => `"${String(text ?? '').replaceAll('"', '""')}"`, box = document.createElement('span');
+  const name = (axis) => (axis.title?.text || '').replace('<br>', ' ');
+  const made = {
+    PNG: () => Plotly.toImage(div, { format: 'png', scale: 2, width: div.clientWidth, height: div.clientHeight }),
+    CSV: () => {
+      const { data, layout } = div.spec, rows = [['series', name(layout.xaxis), name(layout.yaxis)].map(word)];
+      for (const one of data) (one.x || []).forEach((x, k) => rows.push([word(one.name), x, one.y?.[k]]));
+      return URL.createObjectURL(new Blob([rows.map((row) => row.join()).join('\n') + '\n'], { type: 'text/csv' }));
+    },
+  };
+  box.className = 'save';
+  for (const kind of Object.keys(made)) {
+    const button = document.createElement('button'), link = document.createElement('a');
+    button.type = 'button';
+    button.textContent = kind;
+    button.dataset.test = `save-${kind.toLowerCase()}`;
+    button.setAttribute('aria-label', `save ${div.closest('figure').querySelector('strong').textContent} as ${kind}`);
+    button.onclick = async () => {
+      link.href = await made[kind]();
+      link.download = `${div.dataset.name}.${kind.toLowerCase()}`;
+      link.click();
+    };
+    box.append(button);
+  }
+  div.closest('figure').querySelector('figcaption').prepend(box);
+}
+
 // links that carry the state get it when they are used: panels come and go, and the state changes meanwhile
 for (const kind of ['pointerdown', 'focusin', 'click']) addEventListener(kind, (event) => {
   const link = event.target.closest?.('a[data-state]');

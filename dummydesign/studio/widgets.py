@@ -9,7 +9,6 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
-from html import escape
 from pathlib import Path
 from typing import Any, cast
 from urllib.parse import urlencode
@@ -21,7 +20,9 @@ from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.project.folder import Project, project_of
 from dummydesign.report import page as report_page
 from dummydesign.report.plot import plots_js
-from dummydesign.studio.jobs import changed_inputs, shown
+from dummydesign.studio.jobs import changed_inputs
+from dummydesign.studio.jobs import shown as as_typed
+from dummydesign.studio.markup import Markup, filled, joined
 from dummydesign.studio.select_options import offered
 from dummydesign.studio.state import State, address, page_link, read_state
 
@@ -30,10 +31,11 @@ STEPS = (
     ("/measured", "1 Measured"),
     ("/tissue", "2 Tissue"),
     ("/design", "3 Design"),
-    ("/mould", "4 Mould"),
-    ("/cast", "5 Cast pad"),
-    ("/campaign", "6 Campaign"),
-    ("/learn", "7 Learn"),
+    ("/resin", "4 Puck"),
+    ("/mould", "5 Mould"),
+    ("/cast", "6 Cast pad"),
+    ("/campaign", "7 Campaign"),
+    ("/learn", "8 Learn"),
 )
 
 
@@ -76,16 +78,18 @@ def lay_out(
         problem = problem_text(refused)
     if empty and not (project or problem):
         title = "New project"
-    links = "".join(page_link(path, words, current=path == here) for path, words in STEPS)
+    links = Markup().join(page_link(path, words, current=path == here) for path, words in STEPS)
     html(
-        '<a class="skip" href="#body">to the content</a><div class="top"><div class="bar"><span class="name">'
-        f'{escape(project.name if project else root.name)}</span><nav aria-label="steps">{links}</nav></div></div>'
+        '<a class="skip" href="#body">to the content</a><div class="top"><div class="bar"><span '
+        'class="name">{}</span><nav aria-label="steps">{}</nav></div></div>',
+        project.name if project else root.name,
+        links,
     )
     ui.page_title(f"{title} – dummydesign studio")
     kept = json.dumps(state.query() if state else "").replace("<", "\\u003c")
     ui.add_body_html(f"<script>stateQuery = {kept};</script>")
     with ui.element("div").classes("body").props('id="body" tabindex="-1"'):
-        html(f'<div class="head"><h1>{escape(title)}</h1><p>{escape(purpose)}</p></div>')
+        html('<div class="head"><h1>{}</h1><p>{}</p></div>', title, purpose)
         _tell_failures()
         if problem:
             tell_problem(f"{problem}. Fix the file in an editor, then load this page again; nothing was changed.")
@@ -98,10 +102,10 @@ def lay_out(
             elif empty:
                 empty(root)
             else:
-                html(f'<p class="note">This folder is no project yet: {page_link("/", "make it one")} first.</p>')
+                html('<p class="note">This folder is no project yet: {} first.</p>', page_link("/", "make it one"))
         except (InputError, OSError) as refused:
             tell_problem(problem_text(refused))
-        html(f'<footer class="glossary">{report_page.whole_glossary()}</footer>')
+        html('<footer class="glossary">{}</footer>', Markup(report_page.whole_glossary()))
 
 
 LONGEST_ADDRESS = 8000
@@ -157,9 +161,9 @@ for kind in (ui.expansion, ui.select):
     kind.default_style("width:100%")
 
 
-def html(text: str) -> ui.html:
-    """Add a piece of HTML of our own; whatever comes from a file is escaped by then."""
-    return ui.html(text, sanitize=False)
+def html(template: str, *values: object) -> ui.html:
+    """Add a piece of HTML of our own; the values in it are escaped unless they are :class:`Markup`."""
+    return ui.html(filled(template, *values) if values else template, sanitize=False)
 
 
 def area(test: str = "", live: bool = False) -> ui.element:
@@ -331,19 +335,18 @@ def select_several(label: str, known: Mapping[str, str], value: Sequence[str], t
     return added.props(f'use-chips data-test="{test}"')
 
 
-def marked(text: str) -> str:
+def marked(text: str) -> Markup:
     """Return a text as HTML in which the first use of each term opens its definition under the pointer and by touch."""
-    pieces, at = [], 0
+    shown, at = Markup(), 0
     for start, end, term in report_page.marked_terms(text):
-        definition = f'<abbr class="term" data-term="{escape(term.text)}">{escape(text[start:end])}</abbr>'
-        pieces += [escape(text[at:start]), definition]
+        shown += text[at:start] + filled('<abbr class="term" data-term="{}">{}</abbr>', term.text, text[start:end])
         at = end
-    return "".join([*pieces, escape(text[at:])])
+    return shown + text[at:]
 
 
 def tell_problem(text: str) -> None:
     """Say on the page what is wrong."""
-    html(f'<div class="problem" role="alert">{escape(text)}</div>')
+    html('<div class="problem" role="alert">{}</div>', text)
 
 
 @contextmanager
@@ -367,13 +370,18 @@ def problem_text(problem: Exception) -> str:
     return f"This failed unexpectedly ({type(problem).__name__}: {problem}). Load this page again"
 
 
+def without_options(text: str) -> str:
+    """Return a sentence of a command as a page has it: options are named as its fields are."""
+    return re.sub(r"--([a-z][a-z-]+)", lambda found: found[1].replace("-", " "), text)
+
+
 def command_lines(commands: Callable[[], Sequence[Sequence[str]]]) -> None:
     """Show the commands of what is chosen, or why it is refused."""
     try:
         for words in commands():
             command_line(words)
     except InputError as refused:
-        html(f'<p class="note">{escape(str(refused))}</p>')
+        html('<p class="note">{}</p>', without_options(str(refused)))
 
 
 def tell_changes(root: Path, manifest: str, advice: str) -> None:
@@ -382,37 +390,40 @@ def tell_changes(root: Path, manifest: str, advice: str) -> None:
         tell_problem(f"{name} has changed since. {advice}")
 
 
-def verdict_html(light: str, text: str, state: str = "", note: str = "", label: str = "", test: str = "") -> str:
+def verdict_html(light: str, text: str, state: str = "", note: str = "", label: str = "", test: str = "") -> Markup:
     """A verdict as HTML: its light, also for those who cannot see it, and its sentence."""
-    light, marks = escape(light), f' data-test="{escape(test)}"' if test else ""
-    more = f" <small>{escape(note)}</small>" if note else ""
-    more += f'<small class="label">{escape(label)}</small>' if label else ""
-    return (
-        f'<div class="verdict {light}" data-state="{escape(state)}"{marks}><span class="light" aria-hidden="true">'
-        f'</span><p><span class="hide">{light} light: </span>{marked(text)}{more}</p></div>'
+    more = filled(" <small>{}</small>", note) if note else Markup()
+    more += filled('<small class="label">{}</small>', label) if label else ""
+    return filled(
+        '<div class="verdict {}" data-state="{}" data-test="{}"><span class="light" aria-hidden="true"></span><p>'
+        '<span class="hide">{} light: </span>{}{}</p></div>',
+        light,
+        state,
+        test,
+        light,
+        marked(text),
+        more,
     )
 
 
 def tell_verdict(light: str, text: str, label: str = "", test: str = "") -> None:
     """Show a verdict."""
-    html(verdict_html(light, text, label=label, test=test))
+    html("{}", verdict_html(light, text, label=label, test=test))
 
 
 def command_line(words: Sequence[str]) -> None:
     """Show the command that does the same as the page, to copy."""
-    text = shown(words)
+    text = as_typed(words)
     with ui.element("div").classes("command"):
-        html(f'<code tabindex="0" title="{escape(text)}">{escape(text)}</code>')
+        html('<code tabindex="0" title="{}">{}</code>', text, text)
         copy = ui.button(icon="content_copy", on_click=lambda: ui.clipboard.write(text), color=None)
         copy.props('flat dense size=sm aria-label="copy the command"')
 
 
 def facts(rows: Sequence[tuple[str, str]]) -> None:
     """Show values, large, with what they are."""
-    values = "".join(
-        f'<div class="fact"><b>{escape(value)}</b><span>{marked(what)}</span></div>' for value, what in rows
-    )
-    html(f'<div class="facts">{values}</div>')
+    shown = joined('<div class="fact"><b>{}</b><span>{}</span></div>', ((value, marked(what)) for value, what in rows))
+    html('<div class="facts">{}</div>', shown)
 
 
 MOST_WARNINGS = 4
@@ -421,14 +432,14 @@ MOST_WARNINGS = 4
 
 def warnings(answer: Mapping[str, Any]) -> None:
     """Show what a command warned of."""
-    lines = [f"<li>{marked(str(one['message']))}</li>" for one in answer.get("warnings", [])]
-    left = len(lines) - MOST_WARNINGS
-    if lines:
-        html(f'<ul class="warnings">{"".join(lines[:MOST_WARNINGS])}</ul>')
-    if left > 0:
-        rest = "".join(lines[MOST_WARNINGS:])
+    lines = [[marked(str(one["message"]))] for one in answer.get("warnings", [])]
+    first, rest = (joined("<li>{}</li>", some) for some in (lines[:MOST_WARNINGS], lines[MOST_WARNINGS:]))
+    if first:
+        html('<ul class="warnings">{}</ul>', first)
+    if rest:
+        left = len(lines) - MOST_WARNINGS
         words = f"{left} more warning{'s' * (left > 1)}"
-        html(f'<details><summary>{words}</summary><ul class="warnings">{rest}</ul></details>')
+        html('<details><summary>{}</summary><ul class="warnings">{}</ul></details>', words, rest)
 
 
 def table(
@@ -442,14 +453,13 @@ def table(
 
     ``symbols`` are what the first cells of the rows say under the pointer.
     """
-    text = report_page.Table(head, rows).html()
+    text = str(report_page.Table(head, rows).html())
     for row, symbol in zip(rows, symbols):
-        cell = f"<td>{escape(str(row[0]))}</td>"
-        named = f'<td><abbr class="term" tabindex="0" data-term="{escape(symbol)}">{escape(str(row[0]))}</abbr></td>'
-        text = text.replace(cell, named, 1)
-    text = re.sub(r"(<th[^>]*>)([^<&]+)(</th>)", lambda match: match[1] + marked(match[2]) + match[3], text)
-    text = f'<div class="words">{text}</div>' if words else text
-    html(f"<details><summary>{escape(under)}</summary>{text}</details>" if under else text)
+        named = filled('<td><abbr class="term" tabindex="0" data-term="{}">{}</abbr></td>', symbol, row[0])
+        text = text.replace(str(filled("<td>{}</td>", row[0])), str(named), 1)
+    text = re.sub(r"(<th[^>]*>)([^<&]+)(</th>)", lambda match: match[1] + str(marked(match[2])) + match[3], text)
+    shown = filled('<div class="words">{}</div>', Markup(text)) if words else Markup(text)
+    html(*("<details><summary>{}</summary>{}</details>", under, shown) if under else ("{}", shown))
 
 
 def records(columns: Mapping[str, str], rows: Iterable[Mapping[str, Any]], **more: Any) -> None:
@@ -459,27 +469,29 @@ def records(columns: Mapping[str, str], rows: Iterable[Mapping[str, Any]], **mor
 
 def go(path: str, words: str, state: State | None = None, test: str = "") -> None:
     """Show a link to a page as a button: what comes next."""
-    html(f'<p class="next">{page_link(path, words, state, test, kind="go")}</p>')
+    html('<p class="next">{}</p>', page_link(path, words, state, test, kind="go"))
 
 
 def file_links(rows: Sequence[tuple[str, str]]) -> None:
     """Show links to files of the project: (words, path from the project folder on)."""
-    html(f'<div class="links">{"".join(file_link(*row) for row in rows)}</div>')
+    html('<div class="links">{}</div>', Markup().join(file_link(*row) for row in rows))
 
 
-def file_link(words: str, path: str, kind: str = "") -> str:
+def file_link(words: str, path: str, kind: str = "") -> Markup:
     """Return a link to a file of the project as HTML."""
-    return (
-        f'<a class="{escape(kind)}" href="{address(f"/files/{path}")}" target="_blank" rel="noopener">'
-        f"{escape(words)}</a>"
-    )
+    to = address(f"/files/{path}")
+    return filled('<a class="{}" href="{}" target="_blank" rel="noopener">{}</a>', kind, to, words)
 
 
 def zip_link(folder: str, sheets: Sequence[str] = ()) -> None:
     """Show a link that downloads a folder of the project as one file; a button beside that of its pour sheet."""
-    kind, more = "go" if sheets else "", "".join(file_link("Pour sheet (PDF)", path, "go more") for path in sheets)
-    link = f'<a class="{kind}" data-test="zip" href="{address(f"/zip/{folder}")}" download>Download all files (ZIP)</a>'
-    html(f'<div class="links">{link}{more}</div>')
+    kind, more = "go" if sheets else "", (file_link("Pour sheet (PDF)", path, "go more") for path in sheets)
+    html(
+        '<div class="links"><a class="{}" data-test="zip" href="{}" download>Download all files (ZIP)</a>{}</div>',
+        kind,
+        address(f"/zip/{folder}"),
+        Markup().join(more),
+    )
 
 
 def show_report(root: Path, files: Mapping[str, str], title: str) -> None:
@@ -492,5 +504,4 @@ def show_report(root: Path, files: Mapping[str, str], title: str) -> None:
 
 def shown_file(path: str, title: str, kind: str = "shown", **query: object) -> None:
     """Show a page of the project inside this one."""
-    source = escape(address(path, **query))
-    html(f'<iframe class="{kind}" src="{source}" title="{escape(title)}" loading="lazy"></iframe>')
+    html('<iframe class="{}" src="{}" title="{}" loading="lazy"></iframe>', kind, address(path, **query), title)

@@ -78,7 +78,11 @@ def test_a_red_design_asks_for_no_mould_and_an_unsettled_one_for_a_puck_first(tm
     text, command, page = then()
     assert "puck" in text and command.startswith("dummydesign mold --puck 50x30") and page == "/resin"
     assert next_state(status_of(project), read_state(project, {})).ratio == 15.4
+    # the mould of an earlier pad settles nothing, and is no ring
+    wrote(tmp_path / "moulds" / "earlier", "mold", "2026-01-01", **pad | {"thickness_mm": 12.0})
+    assert then() == (text, command, page)
     wrote(tmp_path / "moulds" / "puck_50x30", "mold", "2026-01-04", ratio=15.4, resin="x", preset="printed")
+    (tmp_path / "moulds" / "earlier" / "manifest.json").unlink()
     text, command, page = then()
     assert "press the puck" in text and "--diameter 50" in command and page == "/resin"
     change_project(project, resin="my-batch")

@@ -1,4 +1,4 @@
-"""Deleted, renamed, replaced, restored: nothing is lost, nothing is overwritten, the project follows."""
+"""Deleted, replaced, edited, restored: nothing is lost, nothing is overwritten."""
 
 from __future__ import annotations
 
@@ -13,12 +13,10 @@ import pytest
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import acquire_lock
 from dummydesign.core.manifest import sha256_of
-from dummydesign.project.folder import change_project, make_project, read_project
+from dummydesign.project.folder import make_project, read_project
 from dummydesign.studio import job_process as runner
 from dummydesign.studio import jobs
 from dummydesign.studio import trash as bin
-from dummydesign.studio import trash as uploads
-from dummydesign.studio.state import design_state
 from tests.support.refusal import raises_code
 
 
@@ -107,9 +105,8 @@ def test_a_delete_that_is_refused_changes_nothing(root, monkeypatch):
         return real(path, target)
 
     monkeypatch.setattr(pathlib.Path, "rename", refuse)
-    for change in (lambda: bin.delete(root, "designs/a"), lambda: bin.rename(root, "designs/a", "b")):
-        with raises_code("file_unwritable", "path"):
-            change()
+    with raises_code("file_unwritable", "path"):
+        bin.delete(root, "designs/a")
     assert (design / "report.html").read_text() == "report"
     assert names(root / "designs") == ["a"] and bin.deleted(root) == []
 
@@ -134,16 +131,34 @@ def test_what_cannot_be_moved_back_stays_in_the_bin(root, monkeypatch):
 def test_a_restore_overwrites_nothing(root):
     gone = bin.delete(root, "measured/a.csv")
     (root / "measured" / "a.csv").write_text("new")
-    assert bin.restore(root, gone) == "measured/a-2.csv"
-    assert (root / "measured" / "a.csv").read_text() == "new" and (root / "measured" / "a-2.csv").read_text() == "1"
+    assert bin.restore(root, gone) == "measured/a.csv"
+    assert (root / "measured" / "a.csv").read_text() == "1"
+    (other,) = bin.deleted(root)
+    bin.restore(root, other)
+    assert (root / "measured" / "a.csv").read_text() == "new" and len(bin.deleted(root)) == 1
 
 
-def test_a_tissue_restored_beside_a_new_one_gets_a_number_inside_and_out(root):
+def test_a_restore_that_would_write_over_a_part_is_refused_and_moves_nothing(root):
     gone = bin.delete(root, "tissue/mine.toml")
-    (root / "tissue" / "mine.toml").write_text("new")
-    assert bin.restore(root, gone) == "tissue/mine-2.toml"
-    assert (root / "tissue" / "mine.toml").read_text() == "new"
-    assert 'name = "mine-2"\n\n[[subject]]\nname = "mine"' in (root / "tissue" / "mine-2.toml").read_text()
+    (root / "tissue" / "mine-report.html").write_text("of another")
+    with raises_code("file_unwritable", "path"):
+        bin.restore(root, gone)
+    assert names(root / "tissue") == ["mine-report.html", "minerva.toml"]
+    assert (root / "tissue" / "mine-report.html").read_text() == "of another" and bin.deleted(root) == [gone]
+
+
+def test_a_choice_for_the_project_can_be_taken_back(root):
+    before = (root / "project.toml").read_bytes()
+    bin.choose_for_project(read_project(root), tissue="palm")
+    assert read_project(root).tissue == "palm"
+    bin.restore(root, bin.deleted(root)[0])
+    assert (root / "project.toml").read_bytes() == before
+
+
+def test_an_edit_that_is_refused_leaves_nothing_in_the_bin(root):
+    with pytest.raises(InputError), bin.kept_before(root, "measured/a.csv"):
+        raise InputError("no", "malformed", "x")
+    assert bin.deleted(root) == [] and names(root / ".studio" / "bin") == []
 
 
 def test_what_was_restored_cannot_be_restored_again(root):
@@ -166,97 +181,15 @@ def test_a_press_of_a_plan_that_is_gone_waits_for_its_plan(root):
     assert bin.restore(root, press) == "campaigns/first/t1.csv"
 
 
-def test_a_tissue_is_renamed_in_its_file_its_manifest_and_the_project(root):
-    assert bin.rename(root, "tissue/mine.toml", "thumb") == "tissue/thumb.toml"
-    assert names(root / "tissue") == ["minerva.toml", "thumb-manifest.json", "thumb-report.html", "thumb.toml"]
-    assert (root / "tissue" / "thumb.toml").read_text().split("\n")[1] == 'name = "thumb"'
-    assert read_project(root).tissue == "tissue/thumb.toml"
-    sums = json.loads((root / "tissue" / "thumb-manifest.json").read_text())["sha256"]
-    assert sums == {name: sha256_of(root / "tissue" / name) for name in ("thumb.toml", "thumb-report.html")}
-
-
-@pytest.mark.parametrize("whole", [False, True])
-def test_designs_follow_a_tissue_and_a_calibration_that_are_renamed(root, whole):
-    home = f"{root}/" if whole else ""
-    tissue, taught = f"{home}tissue/mine.toml", f"{home}calibrations/a/calibration.json"
-    (root / "calibrations" / "a").mkdir()
-    (root / "calibrations" / "a" / "calibration.json").write_text("{}")
-    design = root / "designs" / "a"
-    design.mkdir()
-    read = [
-        {"name": name, "file": file.name, "sha256": sha256_of(file)}
-        for name, file in (
-            (f"tissue {tissue}", root / "tissue" / "mine.toml"),
-            (taught, root / "calibrations" / "a" / "calibration.json"),
-        )
-    ]
-    pad = {"shape": "slab", "thickness_mm": 6.0, "ratio": 15.0, "resin": "polyurethane-nagoya"}
-    inputs = {"tissue": tissue, "calibration": taught}
-    kept = {"command": "suggest", "finished": True, "inputs": inputs, "files_read": read, "summary": pad}
-    (design / "manifest.json").write_text(json.dumps(kept))
-    bin.rename(root, "tissue/mine.toml", "thumb")
-    bin.rename(root, "calibrations/a", "monday")
-    state = design_state(root, "designs/a")
-    assert (state["tissue"], state["calibration"]) == ("tissue/thumb.toml", "calibrations/monday/calibration.json")
-    assert jobs.changed_inputs(root, design / "manifest.json") == []
-    bin.rename(root, "tissue/minerva.toml", "other")
-    assert design_state(root, "designs/a") == state
-
-
-def test_project_toml_follows_also_where_it_has_the_whole_path(root):
-    change_project(read_project(root), tissue=f"{root}/tissue/mine.toml")
-    bin.rename(root, "tissue/mine.toml", "thumb")
-    assert read_project(root).tissue == f"{root}/tissue/thumb.toml"
-
-
-@pytest.mark.parametrize("odd", ['{"inputs": [1]}', '{"inputs": {"tissue": "tissue/mine.toml"}, "files_read": [1]}'])
-def test_a_manifest_that_no_command_wrote_stays_as_it_is_and_hinders_no_rename(root, odd):
-    (root / "designs" / "a").mkdir()
-    (root / "designs" / "a" / "manifest.json").write_text(odd)
-    assert bin.rename(root, "tissue/mine.toml", "thumb") == "tissue/thumb.toml"
-    assert (root / "designs" / "a" / "manifest.json").read_text() == odd
-
-
-def test_of_a_tissue_in_another_encoding_the_name_alone_changes(root):
-    content = b'note = "\xe9"\r\nname = "minerva"\r\n[[subject]]\r\nname = "minerva"\r\n'
-    (root / "tissue" / "minerva.toml").write_bytes(content)
-    bin.rename(root, "tissue/minerva.toml", "thumb")
-    assert (root / "tissue" / "thumb.toml").read_bytes() == content.replace(b"minerva", b"thumb", 1)
-
-
 def test_a_file_whose_name_is_as_long_as_a_name_may_be_is_deleted_and_comes_back(root):
     name = f"{'a' * 251}.csv"
     (root / "measured" / name).write_text("1")
     assert bin.restore(root, bin.delete(root, f"measured/{name}")) == f"measured/{name}"
 
 
-def test_a_calibration_is_renamed_in_the_project(root):
-    (root / "calibrations" / "loop-a").mkdir()
-    change_project(read_project(root), calibration="calibrations/loop-a/calibration.json")
-    bin.rename(root, "calibrations/loop-a", "monday")
-    assert dict(read_project(root).asked)["calibration"] == "calibrations/monday/calibration.json"
-    assert read_project(root).tissue == "tissue/mine.toml"
-
-
-def test_a_file_keeps_its_ending_and_an_import_its_beginning(root):
-    assert bin.rename(root, "measured/a.csv", "b") == "measured/b.csv"
-    assert bin.rename(root, "measured/b.csv", "c.csv") == "measured/c.csv"
-    assert bin.rename(root, "measured/import-a", "monday") == "measured/import-monday"
-
-
-@pytest.mark.parametrize("name", ["", "../b", "b/c", ".b", "a\tb", "taken"])
-def test_a_name_that_is_not_plain_or_is_taken_is_refused_and_nothing_moves(root, name):
-    (root / "measured" / "taken.csv").write_text("2")
-    before = names(root / "measured")
-    with pytest.raises(InputError):
-        bin.rename(root, "measured/a.csv", name)
-    assert names(root / "measured") == before
-
-
 @pytest.mark.parametrize(
     "path",
     [
-        "project.toml",
         "measured",
         "measured/",
         "../other",
@@ -285,9 +218,10 @@ def test_only_things_of_the_steps_can_be_deleted(root, path):
 )
 def test_what_a_running_command_reads_or_writes_stays(root, running, words, path):
     running(*words)
-    for change in (lambda: bin.delete(root, path), lambda: bin.rename(root, path, "other")):
-        with raises_code("busy", "path"):
-            change()
+    with raises_code("busy", "path"):
+        bin.delete(root, path)
+    with raises_code("busy", "path"), bin.kept_before(root, path):
+        pass
     assert (root / path).exists()
     # and nothing else is held back: '.' and numbers are no folders of it
     other = "measured/import-a" if "measured/a.csv" in words else "tissue/minerva.toml"
@@ -295,39 +229,25 @@ def test_what_a_running_command_reads_or_writes_stays(root, running, words, path
 
 
 def test_an_upload_with_the_content_of_another_file_is_not_copied(root):
-    stored = uploads.store(root, root / "measured", "b.csv", b"1")
-    assert (stored.name, stored.outcome) == ("a.csv", "same")
-    assert uploads.store(root, root / "measured", "a.csv", b"1").outcome == "same"
+    assert bin.twin(root / "measured", "b.csv", b"1") == "a.csv"
+    assert bin.twin(root / "measured", "a.csv", b"1") is None and bin.twin(root / "measured", "b.csv", b"2") is None
+    assert bin.keep_file(root, root / "measured", "a.csv", b"1").gone is None
     assert names(root / "measured") == ["a.csv", "import-a"]
 
 
-def test_an_upload_of_a_name_that_is_there_gets_a_number_and_can_take_its_place(root):
-    stored = uploads.store(root, root / "measured", "a.csv", b"2")
-    assert (stored.name, stored.outcome) == ("a-2.csv", "numbered")
-    done = uploads.rename_over(root, root / "measured", "a-2.csv", "a.csv")
-    assert (root / "measured" / "a.csv").read_bytes() == b"2" and not (root / "measured" / "a-2.csv").exists()
-    assert (done.gone.folder / bin.CONTENT / "a.csv").read_bytes() == b"1"
-
-
-def test_an_upload_that_replaces_takes_the_name_and_the_old_file_comes_back_with_a_number(root):
-    gone = uploads.replace_file(root, root / "measured", "a.csv", b"2")
-    assert gone.why == "replaced" and (root / "measured" / "a.csv").read_bytes() == b"2"
-    assert bin.restore(root, gone) == "measured/a-2.csv"
-    assert (root / "measured" / "a-2.csv").read_bytes() == b"1"
+def test_an_upload_of_a_name_that_is_there_takes_its_place_and_the_old_file_comes_back(root):
+    taken = bin.keep_file(root, root / "measured", "a.csv", b"2")
+    assert (taken.name, taken.gone.why) == ("a.csv", "replaced")
+    assert (root / "measured" / "a.csv").read_bytes() == b"2"
+    bin.restore(root, taken.gone)
+    assert (root / "measured" / "a.csv").read_bytes() == b"1"
 
 
 def test_an_upload_does_not_replace_what_a_running_command_reads(root, running):
     running("import", "measured/a.csv", "--out", "measured/import-b")
     with raises_code("busy", "path"):
-        uploads.replace_file(root, root / "measured", "a.csv", b"2")
+        bin.keep_file(root, root / "measured", "a.csv", b"2")
     assert (root / "measured" / "a.csv").read_bytes() == b"1"
-
-
-def test_a_file_that_is_gone_meanwhile_is_not_replaced(root):
-    bin.delete(root, "measured/a.csv")
-    with raises_code("file_not_found", "path"):
-        uploads.replace_file(root, root / "measured", "a.csv", b"2")
-    assert names(root / "measured") == ["import-a"]
 
 
 @pytest.mark.parametrize("when", ["1e300", "NaN", "Infinity", "-1e300", "null"])
@@ -342,5 +262,5 @@ def test_an_upload_into_a_folder_that_leads_out_of_the_project_is_refused(root, 
     (tmp_path / "theirs").mkdir()
     (root / "pucks").symlink_to(tmp_path / "theirs")
     with pytest.raises(InputError):
-        uploads.store(root, root / "pucks", "a.csv", b"1")
+        bin.keep_file(root, root / "pucks", "a.csv", b"1")
     assert names(tmp_path / "theirs") == []

@@ -12,10 +12,8 @@ from dummydesign.core.files import acquire_lock, is_locked
 from dummydesign.core.files import os as files_os
 from dummydesign.project.folder import make_project
 from dummydesign.studio import file_transfer, jobs
-from dummydesign.studio import incoming_presses as bring_in
 from dummydesign.studio import incoming_presses as incoming
 from dummydesign.studio import trash as bin
-from dummydesign.studio import trash as uploads
 from tests.support import lab_project as lab
 from tests.support.refusal import raises_code
 from tests.support.studio import browser, running
@@ -72,10 +70,10 @@ def test_a_file_that_cannot_take_the_place_of_another_leaves_it_there(tmp_path, 
     before = content_of(root)
     free = full("entry.json")
     with pytest.raises(InputError):
-        uploads.replace_file(root, root / "measured", "a.csv", b"2")
+        bin.keep_file(root, root / "measured", "a.csv", b"2")
     assert content_of(root) == before and bin.deleted(root) == []
     free()
-    uploads.replace_file(root, root / "measured", "a.csv", b"2")
+    bin.keep_file(root, root / "measured", "a.csv", b"2")
     assert (root / "measured" / "a.csv").read_bytes() == b"2"
 
 
@@ -89,20 +87,6 @@ def test_a_press_that_cannot_take_the_place_of_another_leaves_it_there(tmp_path,
     with pytest.raises(InputError):
         incoming.take(root, "campaigns/first", names[0], content)
     assert content_of(root) == before
-
-
-@pytest.mark.parametrize("written", [(), ("new.toml",), ("new.toml", "new-manifest.json", "mine.toml")])
-def test_a_tissue_that_cannot_be_renamed_whole_keeps_its_name(tmp_path, full, written):
-    root = make_project(tmp_path / "thumb", tissue="tissue/mine.toml").root
-    (root / "tissue" / "mine.toml").write_text('schema = 1\nname = "mine"\n\n[[subject]]\nname = "mine"\n')
-    (root / "tissue" / "mine-manifest.json").write_text('{"sha256": {"mine.toml": "0"}}')
-    before = content_of(root)
-    free = full(*written, "mine")
-    with pytest.raises(InputError):
-        bin.rename(root, "tissue/mine.toml", "new")
-    assert content_of(root) == before
-    free()
-    assert bin.rename(root, "tissue/mine.toml", "new") == "tissue/new.toml"
 
 
 def test_no_room_to_read_a_press_is_a_sentence(tmp_path, monkeypatch):
@@ -124,12 +108,12 @@ def test_a_file_in_the_place_of_a_folder_is_a_sentence(tmp_path):
     (root / "measured").rmdir()
     (root / "measured").write_text("no folder")
     with pytest.raises(InputError):
-        bring_in.save_waiting_file(root, "b.csv", b"1")
+        bin.keep_file(root, root / "measured", "b.csv", b"1")
     with pytest.raises(InputError):
         bin.restore(root, gone)
     (root / "measured").unlink()
     assert bin.restore(root, gone) == "measured/a.csv"
-    assert bring_in.save_waiting_file(root, "b.csv", b"1") == "b.csv"
+    assert bin.keep_file(root, root / "measured", "b.csv", b"1").name == "b.csv"
 
 
 def test_what_runs_is_known_in_a_folder_that_cannot_be_written(tmp_path, monkeypatch):

@@ -8,6 +8,7 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.studio import file_transfer as files
+from dummydesign.studio import trash
 from dummydesign.studio.access import Guard
 from tests.support.refusal import raises_code
 
@@ -224,17 +225,9 @@ def test_files_of_the_project_run_apart_and_reach_no_server(path):
         "calibration.json",
     ],
 )
-def test_a_name_that_is_not_plain_is_refused_and_nothing_is_written(tmp_path, name):
+def test_a_name_that_is_not_plain_is_refused(name):
     with raises_code("bad_name", "file_name"):
-        files.save_upload(tmp_path / "measured", name, b"1")
-    assert not (tmp_path / "measured").exists() and not (tmp_path / "a.csv").exists()
-
-
-def test_a_file_of_the_same_name_is_never_written_over(tmp_path):
-    assert files.save_upload(tmp_path, "a.csv", b"1").name == "a.csv"
-    assert files.save_upload(tmp_path, "a.csv", b"1").name == "a.csv"
-    assert files.save_upload(tmp_path, "a.csv", b"2").name == "a-2.csv"
-    assert (tmp_path / "a.csv").read_bytes() == b"1"
+        files.plain_name(name)
 
 
 def test_a_disk_that_is_full_is_said_and_leaves_nothing(tmp_path, monkeypatch):
@@ -243,8 +236,8 @@ def test_a_disk_that_is_full_is_said_and_leaves_nothing(tmp_path, monkeypatch):
 
     monkeypatch.setattr("os.fsync", full)
     with raises_code("file_unwritable", "file"):
-        files.save_upload(tmp_path, "a.csv", b"1")
-    assert list(tmp_path.iterdir()) == []
+        trash.keep_file(tmp_path, tmp_path / "measured", "a.csv", b"1")
+    assert list((tmp_path / "measured").iterdir()) == []
 
 
 @pytest.mark.parametrize(

@@ -109,9 +109,7 @@ def test_a_job_that_ended_before_the_page_was_opened_tells_nobody(panel):
     assert panel.log["ended"] == []
 
 
-@pytest.mark.parametrize(
-    ("answer", "status"), [({"tissue": 1}, "done in 3 s, but the answer is not acceptable"), (None, None)]
-)
+@pytest.mark.parametrize(("answer", "status"), [({"tissue": 1}, "done in 3 s"), (None, None)])
 def test_a_failure_is_told_over_an_older_answer(panel, answer, status):
     panel.every += [job("1", "done", answer={"tissue": 1}), job("2", "failed", answer=answer, error="too few samples")]
     panel.panel.update()

@@ -44,6 +44,13 @@ def test_a_command_is_run_in_the_folder_takes_no_module_of_it_and_its_answer_is_
     assert not (tmp_path / "was-run").exists()
 
 
+@pytest.mark.parametrize("path", ["/etc/passwd", "../tip.csv"])
+def test_no_command_is_given_a_punch_from_outside_the_project(tmp_path, path):
+    with raises_code("not_allowed", "path"):
+        jobs.start(tmp_path, "suggest", ["tissues", "list"], ["suggest", "--punch", f"profile:{path}"])
+    assert jobs.all_jobs(tmp_path) == []
+
+
 def test_of_several_commands_each_keeps_its_answer_and_the_last_one_counts(tmp_path):
     started = jobs.start(tmp_path, "two", ["tissues", "list"], ["resins", "list"])
     assert started.state != "running" or started.progress.startswith(("step 1 of 2", "step 2 of 2"))

@@ -103,21 +103,17 @@ def test_a_file_dropped_twice_is_known_by_its_content_under_any_name(page, studi
     for path in (root.parent / "exports" / EXPORTS[0], tmp_path / "copy.txt", tmp_path / "copy.txt"):
         drop(page, path)
         page.wait_for_selector(f".note >> text={path.name} is")
-        assert EXPORTS[0] in page.locator(".note >> text=not copied").inner_text()
+        assert EXPORTS[0] in page.locator(".note >> text=nothing was changed").inner_text()
         page.wait_for_timeout(500)
     assert names(root / "measured") == sorted(EXPORTS)
 
 
-def test_a_file_of_a_taken_name_can_replace_the_earlier_one_which_comes_back(page, studio, tmp_path):
+def test_a_file_of_a_taken_name_replaces_the_earlier_one_which_comes_back(page, studio, tmp_path):
     _, root = studio
     other = tmp_path / EXPORTS[0]
     other.write_text("other")
     before = (root / "measured" / EXPORTS[0]).read_bytes()
     drop(page, other)
-    page.wait_for_selector(by("replace-earlier"))
-    assert len(names(root / "measured")) == 4
-    wait_for_chips(page, "finger_v010_f04-2.txt")
-    page.locator(by("replace-earlier")).click()
     page.wait_for_selector(by("undo-last"))
     assert names(root / "measured") == sorted(EXPORTS) and (root / "measured" / EXPORTS[0]).read_text() == "other"
     wait_for_chips(page, EXPORTS[0])
@@ -126,43 +122,19 @@ def test_a_file_of_a_taken_name_can_replace_the_earlier_one_which_comes_back(pag
     assert (root / "measured" / EXPORTS[0]).read_bytes() == before
 
 
-def test_files_are_renamed_replaced_and_deleted_by_the_keyboard_and_come_back(page, studio, tmp_path):
+def test_files_are_deleted_by_the_keyboard_and_come_back(page, studio):
     _, root = studio
     choose(page, EXPORTS[0], EXPORTS[1])
     page.locator(by("change-files")).click()
-    page.wait_for_selector(by("rename"))
-
-    def press(word, name):
-        page.locator(f'{by(word)}[data-name="{name}"]').focus()
-        page.keyboard.press("Enter")
-
-    press("rename", EXPORTS[0])
-    page.wait_for_selector(by("new-name"))
-    page.wait_for_function("document.activeElement.matches('[data-test=new-name]')")
-    page.keyboard.press("Control+A")
-    page.keyboard.type(EXPORTS[1])
+    page.wait_for_selector(by("delete"))
+    page.locator(f'{by("delete")}[data-name="{EXPORTS[0]}"]').focus()
     page.keyboard.press("Enter")
-    page.wait_for_selector(".problem >> text=there already")
-    page.wait_for_function("document.activeElement.matches('[data-test=new-name]')")
-    page.keyboard.press("Control+A")
-    page.keyboard.type("monday")
-    page.keyboard.press("Enter")
-    wait_for_chips(page, "monday.txt", EXPORTS[1])
-    assert names(root / "measured") == sorted(["monday.txt", *EXPORTS[1:]])
-    press("delete", "monday.txt")
     wait_for_chips(page, EXPORTS[1])
     page.wait_for_function("document.activeElement.matches('[data-test=undo-last]')")
-    assert [one.path for one in bin.deleted(root)] == ["measured/monday.txt"]
+    assert [one.path for one in bin.deleted(root)] == [f"measured/{EXPORTS[0]}"]
     page.keyboard.press("Enter")
-    wait_for_chips(page, "monday.txt", EXPORTS[1])
-    assert names(root / "measured") == sorted(["monday.txt", *EXPORTS[1:]])
-    (tmp_path / "better.txt").write_text("better")
-    press("replace", "monday.txt")
-    with page.expect_file_chooser() as chooser:
-        page.locator(f"button{by('replace')}:not([data-name])").click()
-    chooser.value.set_files(str(tmp_path / "better.txt"))
-    page.wait_for_selector(f"{by('undo')} >> text=replaced")
-    assert (root / "measured" / "monday.txt").read_text() == "better"
+    wait_for_chips(page, EXPORTS[0], EXPORTS[1])
+    assert names(root / "measured") == sorted(EXPORTS)
 
 
 def test_the_result_belongs_to_the_chosen_files_and_a_reload_keeps_both(page, studio):
@@ -240,12 +212,9 @@ def test_the_page_with_all_that_it_offers_fits_a_phone_and_the_keyboard(page, st
     page.locator(by("run-import")).click()
     page.wait_for_selector(f"{by('found-import')} iframe")
     page.locator(by("change-files")).click()
-    page.wait_for_selector(by("rename"))
-    page.locator(f'{by("rename")}[data-name="{EXPORTS[1]}"]').click()
-    page.wait_for_selector(by("new-name"))
+    page.wait_for_selector(by("delete"))
     page.locator(f'{by("delete")}[data-name="{EXPORTS[2]}"]').click()
     page.wait_for_selector(by("undo-last"))
-    page.locator(f'{by("replace")}[data-name="{EXPORTS[1]}"]').click()
     page.set_viewport_size({"width": 390, "height": 844})
     page.wait_for_timeout(800)
     for held in page.locator("iframe").all():
@@ -273,7 +242,7 @@ def test_a_deletion_can_be_undone_on_a_page_that_is_opened_right_after(studio, p
     assert names(root / "measured") == sorted(EXPORTS)
 
 
-def test_the_overview_lists_what_was_deleted_and_restores_it_beside_a_new_file(studio, page):
+def test_the_overview_lists_what_was_deleted_and_restores_it_in_the_place_of_a_new_file(studio, page):
     found, root = studio
     for name in EXPORTS[:2]:
         bin.delete(root, f"measured/{name}")
@@ -284,6 +253,8 @@ def test_the_overview_lists_what_was_deleted_and_restores_it_beside_a_new_file(s
     assert page.evaluate(NAMELESS) == [] and page.evaluate(RULES) == []
     for name in EXPORTS[:2]:
         page.locator(f'{by("restore")}[aria-label="Restore measured/{name}"]').click()
-        page.wait_for_selector(f'{by("restore")}[aria-label="Restore measured/{name}"]', state="detached")
-    assert names(root / "measured") == sorted([*EXPORTS, "finger_v010_f04-2.txt"])
-    assert (root / "measured" / EXPORTS[0]).read_text() == "new"
+        page.wait_for_selector(f"{by('undo')} >> text={name} is back")
+    assert names(root / "measured") == sorted(EXPORTS)
+    # what had its name by then is in the bin
+    assert (root / "measured" / EXPORTS[0]).read_text() != "new"
+    assert [one.path for one in bin.deleted(root)] == [f"measured/{EXPORTS[0]}"]

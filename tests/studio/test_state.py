@@ -61,6 +61,12 @@ def test_without_an_address_the_newest_design_of_the_chosen_tissue_is_shown(proj
     assert read_state(project, {"design": "designs/a"}).thickness_mm == 7.0
 
 
+@pytest.mark.parametrize("path", ["/etc/passwd", "../tip.csv", "./.studio/address"])
+def test_an_address_names_no_punch_outside_the_project(project, path):
+    assert read_state(project, {"punch": f"profile:{path}"}).punch == "square:14"
+    assert read_state(project, {"punch": "profile:tip.csv"}).punch == "profile:tip.csv"
+
+
 def test_a_design_brings_its_calibration_and_a_changed_pad_is_no_longer_that_design(project):
     (project.root / "calibrations" / "x").mkdir(parents=True)
     (project.root / "calibrations" / "x" / "calibration.json").write_text("{}", encoding="utf-8")

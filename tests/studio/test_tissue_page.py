@@ -106,33 +106,27 @@ def test_the_result_goes_with_its_presses_and_name_and_has_a_button_of_its_own(p
     page.wait_for_selector(f"{by('found-fit')} div.plot")
 
 
-def test_a_renamed_tissue_is_followed_a_deleted_one_stays_chosen_and_comes_back(page, studio):
+def test_a_deleted_tissue_stays_chosen_and_comes_back(page, studio):
     _, root, _ = studio
     fit_anna(page)
     page.locator(by("use")).click()
     page.wait_for_url("**/design?**")
     page.go_back()
-    page.wait_for_selector(by("rename"))
-    page.locator(by("rename")).click()
-    page.locator(f"input{by('new-name')}").fill("thumb")
-    page.locator(by("save-name")).click()
-    page.wait_for_selector(".command code >> text=show tissue/thumb.toml")
-    assert read_project(root).tissue == "tissue/thumb.toml" and load_tissue(str(root / "tissue/thumb.toml"))
-    assert not list((root / "tissue").glob("anna*"))
+    page.wait_for_selector(by("delete"))
     page.locator(by("delete")).click()
-    page.wait_for_selector(f"{by('tissue')} >> text=tissue/thumb.toml (missing)")
-    assert list((root / "tissue").iterdir()) == [] and read_project(root).tissue == "tissue/thumb.toml"
+    page.wait_for_selector(f"{by('tissue')} >> text=tissue/anna.toml (missing)")
+    assert list((root / "tissue").iterdir()) == [] and read_project(root).tissue == "tissue/anna.toml"
     page.locator(by("use")).click()
     page.wait_for_function("document.querySelectorAll('.problem').length === 2")
     page.reload()
-    page.wait_for_selector(f"{by('tissue')} >> text=tissue/thumb.toml (missing)")
-    assert "tissue=tissue%2Fthumb.toml" in page.url
+    page.wait_for_selector(f"{by('tissue')} >> text=tissue/anna.toml (missing)")
+    assert "tissue=tissue%2Fanna.toml" in page.url
     page.locator(by("undo-last")).click()
-    page.wait_for_selector(by("rename"))
-    assert (root / "tissue" / "thumb-report.html").is_file()
+    page.wait_for_selector(by("delete"))
+    assert (root / "tissue" / "anna-report.html").is_file()
 
 
-def test_a_tissue_in_use_by_a_running_command_is_neither_renamed_nor_deleted(page, studio):
+def test_a_tissue_in_use_by_a_running_command_is_not_deleted(page, studio):
     _, root, _ = studio
     fit_anna(page)
     folder = root / ".studio" / "jobs" / "0900-suggest"
@@ -180,7 +174,6 @@ def test_the_page_with_results_fits_a_phone_and_names_its_controls(page):
     fit_anna(page)
     page.locator(by("people")).click()
     page.locator(by("guess-people")).click()
-    page.locator(by("rename")).click()
     page.set_viewport_size({"width": 390, "height": 844})
     page.wait_for_timeout(800)
     assert page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") <= 0

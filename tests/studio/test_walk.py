@@ -80,7 +80,9 @@ def _to_mould(page, studio, base, told):
     page.wait_for_selector('[data-test="verdict"] .verdict')
     told["seconds"]["slider"], told["seconds"]["slider_processor"] = _slide(page, studio.process.pid)
     _search_slabs(page, click)
-    page.wait_for_selector(f"{by('found-suggest')} {by('mould')}", timeout=LONG_MS)
+    page.wait_for_selector(f"{by('found-suggest')} {by('why')}", timeout=LONG_MS)
+    page.wait_for_selector(f"{by('verdict')} .verdict.red[data-state=settled]")
+    page.wait_for_timeout(1000)
     click(by("mould"))
     page.wait_for_selector(by("run-mould"))
     click(by("run-mould"))
@@ -154,8 +156,11 @@ def _slide(page, number):
                 const end = () => { watch.disconnect(); done((performance.now() - start) / 1e3); };
                 const watch = new MutationObserver(end);
                 watch.observe(plots, {childList: true, subtree: true, characterData: true});
-                const slider = document.querySelector('[data-test="slide-thickness"]');
-                slider.value = value; slider.dispatchEvent(new Event('input', {bubbles: true}));
+                const slider = document.querySelector('[data-test="slide-thickness"] .q-slider__track-container');
+                const { left, width, top } = slider.getBoundingClientRect();
+                const at = { clientX: left + width * (value - 3) / 27, clientY: top + 5, bubbles: true };
+                slider.dispatchEvent(new MouseEvent('mousedown', at));
+                document.dispatchEvent(new MouseEvent('mouseup', at));
             })""",
                 5.0 + 0.5 * step,
             )

@@ -118,11 +118,6 @@ class PadCastings:
         """Readings of the search's castings, with the ratio chosen anew for each batch after one puck."""
         return self.few.readings((), self.outlook.ratios)
 
-    @property
-    def has_puck(self) -> bool:
-        """Whether the outlook chose a ratio for each casting; that of a slider has fewer batches."""
-        return not self.space.resin.measured and len(self.outlook.ratios) == self.few.castings.n
-
     def steady_depth_mm(self, force_N: ArrayLike, known: Collection[str] = ()) -> NDArray:
         """Depths of all castings at steady forces (m,) of the slowest speed, shape (n, m); NaN out of reach."""
         slow, sampling = self.space.targets.protocol.slow_mm_s, self.space.sampling.coarse
@@ -183,7 +178,7 @@ def verdict_of_design(cast: PadCastings, beyond: float = 1.0) -> Verdict:
         limits=space.targets.limits,
         beyond=beyond,
         measure="the cast pad" if space.resin.measured else "one puck of the batch",
-        after_puck=cast.after_puck if cast.has_puck else None,
+        after_puck=None if space.resin.measured else cast.after_puck,
     )
 
 

@@ -171,10 +171,12 @@ class DesignCandidate:
 
 
 def thickness_steps(low_mm: float, high_mm: float) -> NDArray:
-    """Thicknesses in steps of 0.5 mm inside a range, both ends included. [mm]"""
+    """Thicknesses in steps of 0.5 mm inside a range, both ends included; of one thickness that alone. [mm]"""
     for value in (low_mm, high_mm):
         if not (math.isfinite(value) and THICKNESS_MM[0] <= value <= THICKNESS_MM[1]):
             raise out_of_range("thickness in mm", value, *THICKNESS_MM, "slabs that can be cast")
+    if low_mm == high_mm:
+        return np.array([low_mm])
     first = math.ceil(low_mm / THICKNESS_STEP_MM - 1e-9)
     last = math.floor(high_mm / THICKNESS_STEP_MM + 1e-9)
     if last < first:

@@ -508,11 +508,11 @@ class Resin:
         return tuple(dict.fromkeys([*MIXED, *self.properties]))
 
     def ratios(self, low: float | None = None, high: float | None = None) -> NDArray:
-        """Ratios that can be weighed in practical steps inside ``low`` to ``high``, both ends included."""
+        """Ratios in practical steps inside ``low`` to ``high``, both ends included; where they are one, that alone."""
         first = self.ratio_min if low is None else max(low, self.ratio_min)
         last = self.ratio_max if high is None else min(high, self.ratio_max)
-        if self.ratio_min == self.ratio_max:
-            return np.array([self.ratio_min]) if first <= last else np.array([])
+        if first == last or self.ratio_min == self.ratio_max:
+            return np.array([first] if first <= last else [])
         start = math.ceil(first / self.ratio_step - 1e-9)
         stop = math.floor(last / self.ratio_step + 1e-9)
         return np.round(np.arange(start, stop + 1) * self.ratio_step, INCREMENT_DIGITS)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from html import escape
 from pathlib import Path
 from typing import Any
 
 from nicegui import events, run, ui
 
 from dummydesign.core.errors import InputError
+from dummydesign.measurement.campaign_file import FILE
 from dummydesign.measurement.campaign_from_files import read_trials, write_trial_values
 from dummydesign.measurement.campaign_status import CampaignStatus, check_campaign
 from dummydesign.project.folder import Project
@@ -18,131 +18,9 @@ from dummydesign.studio import incoming_presses as incoming
 from dummydesign.studio import trash as bin
 from dummydesign.studio.file_actions import DropList, manage, undo_bar
 from dummydesign.studio.job_panel import JobPanel
+from dummydesign.studio.markup import Markup, filled, joined
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.widgets import html, open_page
-
-FIELDS = {
-    "young": "Modulus of the pads [kPa]",
-    "ratio": "Ratio",
-    "punch": "Punch",
-    "pad": "Outline [mm]",
-    "shape": "Shape",
-    "base": "Base",
-    "contact": "Contact under the punch",
-    "lowpass": "Filter of the force, HZ[:ORDER[:PASSES]]",
-}
-
-
-class BringIn:
-    """Files that wait, and the two ways to a campaign."""
-
-    def __init__(self, root: Path, state: State) -> None:
-        self.root, self.state = root, state
-        self.drop = DropList(
-            lambda name, content: f"{incoming.save_waiting_file(self.root, name, content)} was added.",
-            self.show,
-            "Drop all files of the campaign at once: the presses (CSV) and, where there is "
-            "one, campaign.toml or a table trials.csv.",
-            "campaign",
-        )
-        self.name = ui.input("Name of the campaign", value=select_options.free_name(root, "campaigns", "earlier"))
-        self.name.props('data-test="bring-name"').on_value_change(self.renew)
-        self.problem, self.as_it_is, self.by_table, self.files = (
-            widgets.area(),
-            widgets.area(),
-            widgets.area(),
-            widgets.area(),
-        )
-        with self.as_it_is:
-            html("<p>campaign.toml is among the files. They are taken as they are.</p>")
-            widgets.button("Bring it in", self.bring, "bring", main=True)
-        with self.by_table:
-            html(
-                "<p>No campaign.toml: say of each press what it was. Pad and speed are needed; empty means unknown.</p>"
-            )
-            self.table_problem, self.table = widgets.area(live=True), widgets.area()
-            start = {
-                "ratio": f"{state.ratio:g}",
-                "punch": state.punch,
-                "pad": "150x120",
-                "shape": "slab",
-                "base": "bonded",
-                "contact": "bonded",
-            }
-            self.form = widgets.Form("bring")
-            with widgets.fields():
-                self.form.choice("resin", "Resin of the pads", {"": "unknown", **select_options.resins()}, state.resin)
-                for key, label in FIELDS.items():
-                    self.form.text(key, label, start.get(key, ""))
-            self.work = JobPanel(root, "fromfiles", "Make the campaign", self.words, self.done, self.belongs)
-            self.form.on_change(self.work.renew)
-        self.empty = widgets.button("Remove these files", self.remove, "bring-remove")
-        self.show()
-
-    def show(self) -> None:
-        """Show what waits, and the way it goes in."""
-        names = [name for name in incoming.waiting(self.root) if name != incoming.TABLE]
-        as_it_is = incoming.FILE in names
-        self.as_it_is.set_visibility(as_it_is)
-        # what was made stays in sight once its files are gone
-        self.by_table.set_visibility(not as_it_is)
-        self.empty.set_visibility(bool(names))
-        with widgets.fresh(self.files):
-            if names:
-                first = escape(", ".join(names[:8])) + " …" * (len(names) > 8)
-                html(f'<p data-test="waiting">{len(names)} files wait: {first}</p>')
-        self.rows = [] if as_it_is else incoming.table(self.root)
-        with widgets.fresh(self.table):
-            if self.rows:
-                value_table(incoming.KEYS, self.rows, self.changed, self.table_problem)
-                incoming.write_table(self.root, self.rows)
-        self.renew()
-
-    def changed(self, row: int, key: str, text: str) -> None:
-        """Take over a value of the table."""
-        self.rows[row][key] = widgets.number_of(text, f"{self.rows[row]['file']}: {HEADS[key]}", key)
-        incoming.write_table(self.root, self.rows)
-
-    def renew(self) -> None:
-        """Write the command anew."""
-        self.problem.clear()
-        self.work.renew()
-
-    def words(self) -> list[str]:
-        """The campaign as a command."""
-        given = self.form.values()
-        if given["young"]:
-            given["resin"] = given["ratio"] = None
-        return incoming.words(self.root, self.name.value or "", jobs.options(given))
-
-    def belongs(self, job: jobs.Job, words: list[str]) -> bool:
-        """Whether a job made the campaign that is named, and it is still there."""
-        same = job.words[2:3] == (f"campaigns/{(self.name.value or '').strip()}",)
-        return same and (self.root / folder_of(job)).is_dir()
-
-    def done(self, job: jobs.Job) -> None:
-        """What was made."""
-        folder = folder_of(job)
-        if not folder:
-            return
-        widgets.warnings(job.answer)
-        if made := job.answer.get("decisions", []):
-            columns = {"file": "what", "taken as": "value", "because": "why"}
-            widgets.records(columns, made, words=True, under=f"how {len(made)} files were read")
-        widgets.go("/campaign", f"Go on with {folder}", self.state.changed(campaign=folder), "brought")
-        html('<p class="note">The files that waited can be removed.</p>')
-
-    def bring(self) -> None:
-        """Make a campaign of the files as they are."""
-        with widgets.problems_in(self.problem):
-            open_page("/campaign", self.state.changed(campaign=incoming.bring_in(self.root, self.name.value or "")))
-
-    def remove(self) -> None:
-        """Move the files that wait to the bin."""
-        with widgets.problems_in(self.problem):
-            bin.delete(self.root, incoming.FOLDER)
-            self.drop.listed.clear()
-            self.show()
 
 
 def show_campaigns(project: Project, state: State, query: Mapping[str, str]) -> None:
@@ -157,7 +35,10 @@ def show_campaigns(project: Project, state: State, query: Mapping[str, str]) -> 
     with widgets.fold("Plan a new campaign", "plan-new", opened=not known):
         PlanForm(root, state)
     with widgets.fold("Bring in a campaign that was pressed earlier", "bring-in"):
-        BringIn(root, state)
+        html("<p>Copy its folder, with campaign.toml, into the folder campaigns. Then load this page again.</p>")
+        html("<p>Without campaign.toml, a command makes it of the traces:</p>")
+        words = ["campaign", "from-files", "campaigns/earlier", "traces/*.csv", "--resin", "NAME", "--ratio", "R"]
+        widgets.command_line(words)
 
 
 class CampaignPresses:
@@ -170,12 +51,11 @@ class CampaignPresses:
         with ui.element("div").classes("pair"):
             self.status_area = widgets.area("state")
             with ui.element("div"):
-                DropList(
-                    self.take,
-                    self.renew,
-                    "Drop the presses (CSV). A file with a planned name takes its place; the "
-                    "earlier one goes to the bin. Any other file is assigned to a press below.",
+                names = {str(trial["file"]): str(trial["file"]) for trial in read_trials(self.folder)}
+                self.press = widgets.select(
+                    "Press of the file", {"": "the one that the file is named after", **names}, "", "assign-to"
                 )
+                DropList(root, self.take, self.renew, "Drop the presses (CSV).")
         links = [
             ("the sheet to press from", f"{self.campaign}/{name}")
             for name in ("sheet.html", "sheet.csv")
@@ -184,76 +64,25 @@ class CampaignPresses:
         with ui.element("div").classes("links"):
             widgets.file_links([*links, ("campaign.toml", f"{self.campaign}/campaign.toml")])
             widgets.zip_link(self.campaign)
-        self.undone, self.held = widgets.area(), widgets.area()
         self.holder = widgets.area()
         self.values = widgets.fold(
             "Values of the presses: order, age, temperature, rest",
             "values",
-            lambda: TrialTable(self.folder, self.renew),
+            lambda: TrialTable(root, self.campaign, self.renew),
         )
         self.change = widgets.area()
         manage(root, self.campaign, "plan", lambda old, new: open_page("/campaign", state.changed(campaign=new)))
-        self.show_held()
         status = check_campaign(self.folder)
         self.show(status)
         if not status.pressed and incoming.plan_of(root, self.campaign):
             with self.change, widgets.fold("Change this plan: nothing was pressed yet", "replan"):
                 PlanForm(root, state, self.campaign)
 
-    def take(self, name: str, content: bytes) -> str:
+    def take(self, name: str, content: bytes) -> bin.Taken:
         """Take a file that was dropped."""
-        taken = incoming.take(self.root, self.campaign, name, content)
-        self._offer_undo(taken)
-        self.show_held()
-        return taken.text
-
-    def _offer_undo(self, taken: incoming.Taken) -> None:
-        if taken.gone is None:
-            return
-        gone, name = taken.gone, taken.gone.path.rpartition("/")[2]
-
-        def undo() -> None:
-            with widgets.problems_in(line):
-                bin.take_back(self.root, gone)
-                with line:
-                    html(f"The earlier {escape(name)} is back. The other one is in the bin.")
-            self.renew()
-
-        with self.undone, ui.element("p").classes("note") as line:
-            html(f"{escape(name)} took the place of an earlier file.")
-            widgets.button(f"Bring back the earlier {name}", undo, "bring-back")
-
-    def show_held(self) -> None:
-        """Files without a planned name, each with the presses it may be."""
-        with widgets.fresh(self.held):
-            for name in incoming.held(self.root, self.campaign):
-                self._held(name)
-
-    def _held(self, name: str) -> None:
-        def assign() -> None:
-            with widgets.problems_in(self.undone):
-                if not pressed.value:
-                    raise InputError(f"Choose which press {name} is, then assign it.", "missing", "press")
-                taken = incoming.assign(self.root, self.campaign, name, pressed.value)
-                with self.undone:
-                    html(f'<p class="note" role="status">{escape(taken.text)}</p>')
-                self._offer_undo(taken)
-                self.show_held()
-                self.renew()
-
-        def discard() -> None:
-            bar = undo_bar(self.root)
-            bar.offer(incoming.discard(self.root, self.campaign, name), lambda old, new: self.show_held())
-            bar.run(self.show_held)
-
-        with ui.element("div").classes("links").props('data-test="held"'):
-            pressed = (
-                ui.select(incoming.presses_for(self.root, self.campaign, name), label=f"{name} is the press")
-                .props('data-test="assign-to"')
-                .style("min-width:min(100%,20rem)")
-            )
-            widgets.button("Assign", assign, "assign", f"assign {name}", main=True)
-            widgets.button("Move to the bin", discard, "discard", f"move {name} to the bin")
+        taken = incoming.take(self.root, self.campaign, name, content, self.press.value)
+        self.press.set_value("")
+        return taken
 
     def renew(self) -> None:
         """Check the campaign anew, once for all that changed in the meantime."""
@@ -291,15 +120,15 @@ class CampaignPresses:
 def _show_status(status: CampaignStatus, chosen: State) -> None:
     """How far a campaign is, in words, and what comes next."""
     done, left = len(status.pressed), len(status.missing)
-    html(f'<p role="status"><b>{done} of {done + left} presses are there</b></p>')
+    html('<p role="status"><b>{} of {} presses are there</b></p>', done, done + left)
     if left:
-        html(f"<p>To press: {escape(', '.join(status.missing[:6]))}{' …' * (left > 6)}</p>")
+        html("<p>To press: {}{}</p>", ", ".join(status.missing[:6]), " …" * (left > 6))
     if status.wrong:
         widgets.records({"file": "file", "looks wrong": "message"}, status.wrong, words=True)
     if status.ready:
         widgets.go("/learn", "Learn from it", chosen, "learn")
     if done:
-        html(f"<p>{page_link('/cast', 'Check a cast pad', chosen, 'cast')}: its presses against the tissue.</p>")
+        html("<p>{}: its presses against the tissue.</p>", page_link("/cast", "Check a cast pad", chosen, "cast"))
     widgets.warnings({"warnings": status.warnings})
 
 
@@ -318,24 +147,23 @@ HEADS = {
 CHANGED = "({target: t}) => { if (t.dataset.key) emit([Number(t.dataset.row), t.dataset.key, t.value]); }"
 
 
-def table_html(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
+CELL = '<td><input inputmode="decimal" size="6" data-row="{}" data-key="{}" value="{}" aria-label="{} of {}"></td>'
+
+
+def table_html(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> Markup:
     """The table as HTML; each row has ``file`` and the keys, None where a value is unknown."""
-    head = "".join(f"<th scope=col>{escape(HEADS[key])}</th>" for key in keys)
-    body = ""
-    for number, row in enumerate(rows):
-        body += f"<tr><th scope=row>{escape(str(row['file']))}</th>"
-        for key in keys:
-            value = row.get(key)
-            shown = f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else ""
-            label = escape(f"{HEADS[key]} of {row['file']}")
-            body += (
-                f'<td><input inputmode="decimal" size="6" data-row="{number}" data-key="{key}" value="{shown}" '
-                f'aria-label="{label}"></td>'
-            )
-        body += "</tr>"
-    return (
-        f'<div class="values"><table><thead><tr><th scope=col>press</th>{head}</tr></thead>'
-        f"<tbody>{body}</tbody></table></div>"
+
+    def shown(value: object) -> str:
+        return f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else ""
+
+    body = (
+        (row["file"], joined(CELL, ((number, key, shown(row.get(key)), HEADS[key], row["file"]) for key in keys)))
+        for number, row in enumerate(rows)
+    )
+    return filled(
+        '<div class="values"><table><thead><tr><th scope=col>press</th>{}</tr></thead><tbody>{}</tbody></table></div>',
+        joined("<th scope=col>{}</th>", ([HEADS[key]] for key in keys)),
+        joined("<tr><th scope=row>{}</th>{}</tr>", body),
     )
 
 
@@ -346,7 +174,7 @@ def value_table(
     refusal: ui.element,
 ) -> None:
     """Show the table; why a value is refused stands in a place of its own."""
-    shown = html(table_html(keys, rows)).style("width:100%")
+    shown = html("{}", table_html(keys, rows)).style("width:100%")
 
     def typed(event: events.GenericEventArguments) -> None:
         row, key, text = event.args
@@ -369,8 +197,8 @@ ALL = "all presses"
 class TrialTable:
     """The table of a campaign; each value is written into ``campaign.toml`` when it was typed."""
 
-    def __init__(self, folder: Path, then: Callable[[], None]) -> None:
-        self.folder, self.then = folder, then
+    def __init__(self, root: Path, campaign: str, then: Callable[[], None]) -> None:
+        self.root, self.path, self.folder, self.then = root, f"{campaign}/{FILE}", root / campaign, then
         html("<p>Empty means unknown. Each value is written into campaign.toml when you leave its field.</p>")
         with ui.element("div").classes("fields"):
             self.day = widgets.select("Fill in for", {ALL: ALL}, ALL, "fill-day")
@@ -400,19 +228,28 @@ class TrialTable:
         rows, key = rows_of(self.rows, self.day.value), str(self.key.value)
         with widgets.problems_in(self.message):
             value = widgets.number_of(str(self.value.value or ""), key)
+            if value is None:
+                raise InputError("type the value to fill in", "missing", key)
             self.write({row: {key: value} for row in rows}, f"{HEADS[key]} of {len(rows)} presses is kept.")
             self.read()
+
+    def back(self) -> None:
+        """Show the file after a change was taken back."""
+        self.read()
+        self.then()
 
     def write(self, changes: Mapping[int, Mapping[str, float | None]], words: str) -> None:
         """Write values where the presses are still those of the table."""
         if [row["file"] for row in read_trials(self.folder)] != [row["file"] for row in self.rows]:
             message = "campaign.toml was changed meanwhile: load the page again"
             raise InputError(message, "changed_meanwhile", "campaign.trials")
-        write_trial_values(self.folder, changes)
+        with bin.kept_before(self.root, self.path) as before:
+            write_trial_values(self.folder, changes)
+        undo_bar(self.root).offer(before, lambda old, new: self.back(), focus=False)
         for row, values in changes.items():
             self.rows[row].update(values)
         with self.message:
-            html(f'<p class="note">{escape(words)}</p>')
+            html('<p class="note">{}</p>', words)
         self.then()
 
 
@@ -499,7 +336,9 @@ class PlanForm:
         moulds = list(self.moulds.value or []) if self.source.value == MOULDED else []
         if self.source.value == MOULDED and not moulds:
             raise InputError("choose the moulds whose pads are pressed", "missing", "moulds")
-        given |= {"moulds": moulds, "punch": self.punch, "repeats": int(given["repeats"])}
+        if given["repeats"] % 1.0:
+            raise InputError(f"repeats = {given['repeats']:g}: type a whole number", "malformed", "repeats")
+        given |= {"moulds": moulds, "punch": self.punch}
         folder = self.replaced or f"campaigns/{file_transfer.plain_name((self.name.value or '').strip())}"
         return [
             "campaign",
@@ -517,9 +356,9 @@ class PlanForm:
     def show(self, job: jobs.Job) -> None:
         """Show what was planned."""
         answer, folder = job.answer, folder_of(job)
-        html(f'<p data-test="planned">{len(answer["trials"])} presses planned in {escape(folder)}</p>')
+        html('<p data-test="planned">{} presses planned in {}</p>', len(answer["trials"]), folder)
         if power := answer.get("power"):
-            html(f"<p>Effects that this plan can detect: {escape(', '.join(power['seen']) or 'none')}.</p>")
+            html("<p>Effects that this plan can detect: {}.</p>", ", ".join(power["seen"]) or "none")
         widgets.warnings(answer)
         widgets.go("/campaign", "Go on to the presses", self.state.changed(campaign=folder), "presses")
 

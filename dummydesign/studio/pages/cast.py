@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,12 +15,15 @@ from dummydesign.core.parsing import QuantitySpec
 from dummydesign.person.drives import DRIVES, read_drive
 from dummydesign.project.folder import Project
 from dummydesign.report import on_person_facts as people
-from dummydesign.studio import file_transfer, project_index, select_options, widgets
+from dummydesign.report.plot import plots_html
+from dummydesign.studio import figures, file_transfer, project_index, select_options, widgets
 from dummydesign.studio.file_actions import DropList
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, changed_since, options
+from dummydesign.studio.markup import Markup, filled
 from dummydesign.studio.project_index import PadWithPresses
 from dummydesign.studio.state import State, page_link
+from dummydesign.studio.trash import LIMITS, Taken, keep_file
 from dummydesign.studio.widgets import NumberField, html
 
 if TYPE_CHECKING:
@@ -75,7 +77,8 @@ class PressComparison:
             self.work = JobPanel(root, "compare", "Compare with the tissue", self.words, self.show, needs="verdict")
             with widgets.fold("Presses from elsewhere", "more-presses", opened=not project_index.pads(root, state)):
                 DropList(
-                    lambda name, content: f"{project_index.keep_press(self.root, name, content)} was added.",
+                    root,
+                    lambda name, content: project_index.keep_press(self.root, name, content),
                     lambda: self.find_pads(dropped=True),
                     "CSV with time_s, displacement_mm, force_N. Bring files in another form in under Measured first.",
                     "cast",
@@ -194,7 +197,7 @@ class PressComparison:
             if mine and one.get("verdict"):
                 show_verdict(one["verdict"])
             elif mine:
-                html(f"<p>{escape(str(one.get('reason') or 'no verdict'))}</p>")
+                html("<p>{}</p>", one.get("reason") or "no verdict")
         names = {path.rpartition("/")[2] for path in pad.files}
         widgets.records(ERRORS, (one for one in answer["trials"] if one["file"] in names))
         widgets.warnings(answer)
@@ -204,10 +207,13 @@ class PressComparison:
         answer, files = job.answer, job.answer.get("files") or {}
         widgets.tell_changes(self.root, str(files.get("manifest") or ""), "Compare again.")
         show_verdict(answer["verdict"])
-        html(f'<p data-test="correction">{escape(correction(answer["verdict"]))}</p>')
+        html('<p data-test="correction">{}</p>', correction(answer["verdict"]))
         if pad := answer.get("pad"):
             size = f"{pad['thickness_mm']:.2f} mm (standard error {pad['thickness_sd_mm']:.2f} mm)"
-            html(f"<p>Cast: {size}, {'accepted' if pad['accepted'] else 'not accepted'}.</p>")
+            html("<p>Cast: {}, {}.</p>", size, "accepted" if pad["accepted"] else "not accepted")
+        if path := files.get("report_values"):
+            plots = figures.compared_plots(self.root / path)
+            html('<div data-test="compared-plots">{}</div>', Markup(plots_html(plots)))
         widgets.records(COMPARED, map(compared_row, answer.get("by_trace", [])))
         widgets.warnings(answer)
         widgets.show_report(self.root, files, "report of the comparison")
@@ -254,7 +260,7 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
     """Fields for what was really cast, a map of where it is gauged, and the verdict of the record."""
     moulds = [one for one in reversed(project_index.moulds(root)) if project_index.gauge_points(root / one.folder)]
     if not moulds:
-        html(f'<p class="note">No mould in this project yet: {page_link("/mould", "make one")}.</p>')
+        html('<p class="note">No mould in this project yet: {}.</p>', page_link("/mould", "make one"))
         return
     known = {one.folder: f"{one.folder}: {one.label}" for one in moulds}
     first = next((one for one in moulds if one.is_of(kept.state)), moulds[0]).folder
@@ -383,8 +389,6 @@ def show_record(answer: Mapping[str, Any]) -> None:
     widgets.table(["what", "value", "", "allowed", "", "what to do"], rows, words=True)
 
 
-LIMITS = "limits"
-"""Folder of a project with the user's own limits."""
 LIGHTS = {"pass": "green", "undecided": "amber", "fail": "red"}
 SHORT = {
     "position": "the arm keeps its path",
@@ -419,14 +423,20 @@ class PeopleOfPad:
             needs="presses",
         )
         with widgets.fold("Limits of your own: force and pressure with their source", "own-limits"):
-            DropList(self._keep_limits, self._find_limits, "A TOML file as 'on-person --limits' takes it.", "limits")
+            DropList(
+                self.root,
+                self._keep_limits,
+                self._find_limits,
+                "A TOML file as 'on-person --limits' takes it.",
+                "limits",
+            )
         self.drive.on_value_change(self._new_drive)
         widgets.on_change(self.work.renew, self.limits, *self.numbers.values())
         self._new_drive()
 
     def tell_pad(self, words: str) -> None:
         """Say whose presses are put on people."""
-        self.pad.set_content(f"<p>{escape(words)} Choose others under Compare.</p>")
+        self.pad.set_content(filled("<p>{} Choose others under Compare.</p>", words))
 
     def words(self) -> list[str]:
         """The command of what is chosen."""
@@ -463,17 +473,16 @@ class PeopleOfPad:
         known = self._known_limits()
         self.limits.set_options(known, value=self.limits.value if self.limits.value in known else "")
 
-    def _keep_limits(self, name: str, content: bytes) -> str:
+    def _keep_limits(self, name: str, content: bytes) -> Taken:
         """Keep a file of limits that can be read, and choose it."""
         from dummydesign.person.limits import read_limits
 
         if Path(file_transfer.plain_name(name)).suffix.lower() != ".toml":
             raise InputError("choose a file that ends in .toml", "unknown_name", "file_ending", name, ".toml")
         file_transfer.read_sent(name, content, read_limits)
-        kept = file_transfer.save_upload(file_transfer.inside(self.root, LIMITS), name, content)
-        chosen = kept.relative_to(self.root).as_posix()
-        self.limits.set_options(self._known_limits(), value=chosen)
-        return f"{chosen} was added."
+        kept = keep_file(self.root, self.root / LIMITS, name, content)
+        self.limits.set_options(self._known_limits(), value=f"{LIMITS}/{kept.name}")
+        return kept
 
 
 def _numbers() -> dict[QuantitySpec, float | None]:
@@ -499,7 +508,7 @@ def show_people(root: Path, answer: Mapping[str, Any]) -> None:
     elif word in LIGHTS:
         widgets.tell_verdict(LIGHTS[word], f"{word.upper()}. {text}", test="people")
     else:
-        html(f'<p data-test="people">{escape(text)}</p>')
+        html('<p data-test="people">{}</p>', text)
     widgets.table(*people.press_table(result))
     rows = [
         [

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import json
+import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -13,26 +14,98 @@ from typing import Any
 
 from nicegui import background_tasks, run, ui
 
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import DummydesignError, InputError
 from dummydesign.design.pad_evaluator import EvaluatedPad, NotTabulated, PadEvaluator
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.pad_shape import PadShape
-from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
 from dummydesign.report.plot import Plot
 from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio import slider_model as sliders
 from dummydesign.studio.pages import search
-from dummydesign.studio.slider_model import Slider
-from dummydesign.studio.state import PAD_FIELDS, State, absolute
+from dummydesign.studio.state import PAD_FIELDS, State, absolute, page_link, punch_of
 from dummydesign.studio.widgets import html, keep_state, open_page
 
 SETTLE_S = 0.35
 """After this time without a move the verdict counts what castings may turn out as. [s]"""
 WATCH_S = 2.0
 """How often the files behind the verdict are looked at. [s]"""
-ESTIMATE = "Estimate by interpolation; a search solves the pad."
+ESTIMATE = "Estimate by interpolation; to be sure, solve this pad."
+NO_LIGHT = "grey"
+
+
+LONG_UNIT = 8
+NUMBER = """(value) => {
+  const field = document.querySelector('input[data-test="number-NAME"]');
+  if (field) field.value = Number(value.toPrecision(6));
+}"""
+
+
+class Bar(ui.slider):
+    """A slider to which nothing is sent back: an answer to the first of several keys would take the later ones back."""
+
+    LOOPBACK = False
+
+
+class Slider:
+    """A slider and a number field that follow each other."""
+
+    def __init__(
+        self, name: str, unit: str, low: float, high: float, step: float, value: float, moved: Callable[[], None]
+    ) -> None:
+        self.value, self._name, self._moved = value, name, moved
+        with ui.element("div").classes("slider"):
+            with ui.element("div").classes("line"):
+                ui.label(name)
+                self.beside = ui.label("").classes("beside")
+                self._field = ui.input().props("dense outlined")
+            self._bar = Bar(min=low, max=high, step=step, value=value)
+            self._unit, self._note = ui.label("").classes("source"), ui.label("").props("role=status")
+        self._bar.props.update({"aria-label": f"{name}, slider", "data-test": f"slide-{name.lower()}"})
+        self._field.props.update({"data-test": f"number-{name.lower()}", "inputmode": "decimal"})
+        self._bar.on_value_change(lambda: self._take(float(self._bar.value)))
+        # past the framework, which would lay out the whole page anew; :meth:`set` follows once the sliders rest
+        self._bar.on("update:model-value", js_handler=NUMBER.replace("NAME", name.lower()))
+        self._field.on("change", self._typed)
+        self.limit(low, high, step, unit)
+
+    def limit(self, low: float, high: float, step: float, unit: str) -> None:
+        """Set the ends and the step; the value is moved inside."""
+        self._field.props["suffix" if len(unit) <= LONG_UNIT else "title"] = unit
+        self._field.props["aria-label"] = f"{self._name} {unit}".strip()
+        self._unit.set_text(f"{low:g} to {high:g}" + (f", {unit}" if len(unit) > LONG_UNIT else ""))
+        self._low, self._high = low, high
+        self._bar.props.update({"min": low, "max": high, "step": step})
+        self.set(min(max(self.value, low), high))
+
+    def set(self, value: float) -> None:
+        """Move it from here, without a call."""
+        self.value = float(value)
+        self._field.set_value(f"{self.value:.6g}")
+        self._note.set_text("")
+        self._bar.set_value(self.value)
+
+    def _take(self, value: float) -> None:
+        if value != self.value:
+            self.value = value
+            self._moved()
+
+    def _typed(self) -> None:
+        """Take a number once it is typed to its end; one that is not allowed gives way to the one in use."""
+        typed = (self._field.value or "").strip()
+        try:
+            value = widgets.number_of(typed, self._name)
+        except InputError:
+            value = math.inf
+        before = self.value
+        if value is not None and self._low <= value <= self._high:
+            self.set(value)
+        else:
+            self.set(before)
+            self._note.set_text(f"{typed} is not allowed: {self._low:g} to {self._high:g}." if typed else "")
+        if self.value != before:
+            self._moved()
 
 
 @dataclass(frozen=True)
@@ -65,13 +138,13 @@ class DesignPage:
                 with widgets.area("verdict", live=True).classes("sticky"):
                     self.verdict = html("")
                 found = widgets.area()
+                with widgets.area("next-of-pad").classes("actions"):
+                    self.made = widgets.area()
+                    self.solved = search.SolvedPad(self.root, lambda: self.state, self.evaluate)
                 self.plots = html("").props('data-test="plots"').style("width:100%")
-                self.solved = search.SolvedPad(self.root, lambda: self.state, self._say)
                 self.numbers = widgets.area("numbers")
                 with widgets.fold("The pad as a solid, to turn"):
                     self.solid = widgets.area("solid")
-                with widgets.fold("This pad by the command line"):
-                    self.same = widgets.area("same")
                 with widgets.fold("Designs of this project", "earlier"):
                     search.DesignList(self.root, lambda: self.state)
             with choices:
@@ -153,6 +226,7 @@ class DesignPage:
     def take(self, state: State) -> None:
         """Show a state: every control and every panel."""
         self.state, self.setting, self.stamp = state, True, sliders.stamp_of(self.root, state)
+        self.unchosen = self.unchosen and not state.design
         try:
             self._set_choices(state)
             self._set_sliders(state)
@@ -178,7 +252,8 @@ class DesignPage:
         }
         for name, offered in known.items():
             value = getattr(state, name)
-            self.fields[name].set_options(select_options.offered(offered, value, f"{value} (missing)"), value=value)
+            shown = f"{value} (missing)" if value else "choose one"
+            self.fields[name].set_options(select_options.offered(offered, value, shown), value=value)
         asked = (state.tissue, state.aim, state.resin, Path(state.calibration).parent.name, state.punch)
         self.question.set_text(f"Judged against {', '.join(name for name in asked if name)}")
         self.kind.set_value(state.kind)
@@ -206,7 +281,7 @@ class DesignPage:
         """Sliders of the shape's lengths, with the ends that they have at this thickness."""
         state = self.state
         try:
-            radius_mm = read_punch(state.punch).radius_mm
+            radius_mm = punch_of(self.root, state.punch).radius_mm
             values = dict(read_shape(state.shape).parameters)
             lengths = sliders.lengths_of(state.kind, state.thickness_mm, radius_mm)
         except (InputError, AttributeError):
@@ -273,15 +348,16 @@ class DesignPage:
         modulus = f"modulus {1e3 * float(evaluator.problem.resin.young_MPa(state.ratio)):.3g} kPa"
         return PadView(evaluator, shape, pad, plots, [one.figure() for one in plots], rows, modulus)
 
-    def solvable(self, view: InputError) -> bool:
-        """Whether finite elements can solve a pad that no table holds."""
-        return isinstance(view, NotTabulated) and not self.state.calibration
+    def solvable(self, view: PadView | InputError) -> bool:
+        """Whether finite elements can solve a pad."""
+        return isinstance(view, PadView) or (isinstance(view, NotTabulated) and not self.state.calibration)
 
     def draw(self, state: State, view: PadView | InputError) -> None:
         """Draw a pad, or why there is none.
 
         Where the same plots are drawn already the page is sent what changed of them, past its framework, which would
-        lay out the whole page anew. What belongs to another pad is dimmed until the sliders rest.
+        lay out the whole page anew. What belongs to another pad is dimmed until the sliders rest. A light takes all
+        castings: until they are counted there is none.
         """
         before, self.drawn = self.drawn, () if isinstance(view, InputError) else view.figures
         if isinstance(view, InputError):
@@ -290,10 +366,15 @@ class DesignPage:
             text = str(view).replace(f"{self.root}{os.sep}", "")
             self._say(state, "amber" if self.solvable(view) else "red", text, "refused")
             return
-        verdict = view.pad.verdict.light, view.pad.verdict.text, "", "(castings are being counted …)"
+        one = view.pad.verdict
+        inside = one.peaks - one.peaks_below - one.peaks_above
+        text = f"{inside} of {one.peaks + one.not_reached} peaks are inside the subjects' range at central estimates."
+        verdict = NO_LIGHT, text, "", "Castings are being counted …"
         if [len(one["data"]) for one in before] == [len(one["data"]) for one in self.drawn]:
-            text = widgets.verdict_html(*verdict, state.label)
-            new = {self.verdict.html_id: text, self.ratio.beside.html_id: view.modulus}
+            new = {
+                self.verdict.html_id: widgets.verdict_html(*verdict, state.label),
+                self.ratio.beside.html_id: view.modulus,
+            }
             changes = [plot.change(*pair) for plot, *pair in zip(view.plots, before, self.drawn)]
             ui.run_javascript(f"follow({json.dumps([new, changes], separators=(',', ':'))})")
         else:
@@ -303,18 +384,18 @@ class DesignPage:
 
     def _clear(self) -> None:
         """Take away what belongs to another pad."""
-        for area in (self.numbers, self.solid, self.same):
+        for area in (self.numbers, self.solid, self.made):
             area.clear()
-        self.solved.hide()
 
     async def settle(self, state: State, view: PadView | InputError, number: int) -> None:
-        """After the last move: castings in the verdict, solid, command line, address, ends of the lengths."""
+        """After the last move: castings in the verdict, what comes next, solid, address, ends of the lengths."""
         keep_state(state)
+        for slider in (self.thickness, self.ratio, *self.lengths.values()):
+            slider.set(slider.value)
         self._clear()
         if (state.kind, state.thickness_mm) != self.kind_of_lengths:
             self._set_lengths()
-        with self.same:
-            widgets.command_lines(lambda: [self.pad_words()])
+        self.solved.renew(self.solvable(view), not self.unchosen, isinstance(view, InputError))
         if isinstance(view, InputError):
             with self.numbers:
                 if (
@@ -323,8 +404,9 @@ class DesignPage:
                     and not str(view.quantity).startswith("calibration")
                 ):
                     widgets.button("Use lengths that fit", lambda: self.choose_kind(state.kind), "fit-lengths")
-            if self.solvable(view):
-                self.solved.offer()
+            if (solved := self.solved.verdict) is not None:
+                self._say(state, *solved, "solved")
+                self._next(state, solved[0], True)
             return
         self.ratio.beside.set_text(view.modulus)
         with self.numbers:
@@ -334,7 +416,9 @@ class DesignPage:
         verdict = await run.io_bound(self._verdict, state, view)
         if number != self.wanted or verdict is None:
             return
-        self._say(state, *verdict[:2], "settled", verdict[2])
+        light, text, note = verdict
+        self._say(state, light, text, "settled", note)
+        self._next(state, light, not note)
         with self.solid:
             size = f"{state.thickness_mm:g}"
             widgets.shown_file(
@@ -343,25 +427,34 @@ class DesignPage:
 
     def _verdict(self, state: State, view: PadView) -> tuple[str, str, str]:
         """Light, sentence and source: the design of this pad where there is one, else an estimate by the table."""
-        if solved := project_index.verdict_of_design(self.root, state):
+        if solved := project_index.verdict_of_design(self.root, state) or self.solved.verdict:
             return *solved, ""
-        verdict = view.evaluator.with_castings(view.pad, view.shape)
+        try:
+            verdict = view.evaluator.with_castings(view.shape, state.thickness_mm, state.ratio)
+        except DummydesignError as refused:
+            return "red", f"Do not use it: {refused}.", ESTIMATE
         return verdict.light, verdict.text, ESTIMATE
+
+    def _next(self, state: State, light: str, solved: bool) -> None:
+        """What comes next for the pad that is seen: solve it, measure its resin, make its mould."""
+        puck = solved and light == "amber" and project_index.wants_puck(self.root, state)
+        with self.made:
+            main = solved and light != "red" and not self.unchosen
+            if puck:
+                widgets.go("/resin", "Measure one puck first", test="puck-first")
+            if not self.unchosen:
+                pad = f"{state.kind}, {state.thickness_mm:g} mm, ratio {state.ratio:g}"
+                kind = "go" if main and not puck else "go more"
+                html("{}", page_link("/mould", f"Make its mould: {pad}", test="mould", kind=kind))
+        self.search.work.main = self.unchosen or (solved and light == "red")
+        self.search.work.update()
+        self.solved.work.main = not self.unchosen and not solved
+        self.solved.work.update()
 
     def _say(self, state: State, light: str, text: str, shown: str, note: str = "") -> None:
         # numbered, so that a text written before still replaces what the browser has moved since
         self.written += 1
-        if self.unchosen and not state.design and shown != "refused":
-            light, text = "grey", f"No pad is chosen yet: find the best one. The sliders begin with a slab. {text}"
+        if self.unchosen and shown != "refused":
+            light, text = NO_LIGHT, f"No pad is chosen yet: find the best one. The sliders begin with a slab. {text}"
         said = widgets.verdict_html(light, text, shown, note, state.label)
         self.verdict.set_content(f"{said}<!--{self.written}-->")
-
-    def pad_words(self) -> list[str]:
-        """The pad under the sliders as a command: a search whose limits are this pad."""
-        state = self.state
-        if abs(2.0 * state.thickness_mm - round(2.0 * state.thickness_mm)) < 1e-9:
-            return search.suggest_words(state)
-        if state.calibration:
-            message = "with a calibration the command line takes steps of 0.5 mm: choose such a thickness"
-            raise InputError(message, "unsupported", "thickness_mm", state.thickness_mm)
-        return search.predict_words(state)

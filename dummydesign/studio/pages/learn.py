@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, options
+from dummydesign.studio.markup import filled, joined
 from dummydesign.studio.state import State, design_summary, page_link
 from dummydesign.studio.widgets import html, keep_state, open_page
 
@@ -30,7 +30,7 @@ class LearnPage:
         self.root, self.state = project.root, state
         known = select_options.campaigns(self.root)
         if not known:
-            html(f'<p class="note">No campaign yet: {page_link("/campaign", "plan one")}.</p>')
+            html('<p class="note">No campaign yet: {}.</p>', page_link("/campaign", "plan one"))
             return
         with ui.element("div").classes("fields"):
             self.campaign = widgets.select("Campaign", known, state.campaign, "campaign")
@@ -122,8 +122,8 @@ class LearnPage:
         folder = Path(answer["calibration_file"]).parent.as_posix()
         self._outdated(folder)
         first, *more = answer["answer"] or [""]
-        html(f'<p class="lead" data-test="verdict"><b>{escape(first)}</b></p>')
-        html("".join(f"<p>{escape(text)}</p>" for text in more))
+        html('<p class="lead" data-test="verdict"><b>{}</b></p>', first)
+        html("{}", joined("<p>{}</p>", ([text] for text in more)))
         rows = [
             [effect["name"].replace("_", " "), *project_index.name_and_unit(name), *(value[key] for key in INTERVAL)]
             for effect in answer["effects"]
@@ -133,7 +133,7 @@ class LearnPage:
             widgets.table(["effect", "parameter", "unit", "value", "95 % low", "95 % high"], rows)
         with ui.element("div").classes("links"):
             kind = "go more" if self._again(answer["calibration_file"]) else "go"
-            html(f'<a class="{escape(kind)}" href="#next">Plan the next measurement</a>')
+            html('<a class="{}" href="#next">Plan the next measurement</a>', kind)
         widgets.warnings(answer)
         _curves(self.root, folder)
 
@@ -163,12 +163,12 @@ class LearnPage:
                 html("<h2>Calibrations of this campaign</h2>")
             for one in known:
                 above = ": it is shown above" if one.folder == shown else ""
-                words = f'<span data-test="calibration"><b>{escape(one.folder)}</b>{above}</span>'
+                words = filled('<span data-test="calibration"><b>{}</b>{}</span>', one.folder, above)
                 thing(words, self.root, one.folder, "calibration", self._moved)
                 if above:
                     continue
                 self._outdated(one.folder)
-                html(f"<p>{escape(one.text)}</p>")
+                html("<p>{}</p>", one.text)
                 self._again(one.file)
                 with widgets.fold("Measured and predicted force", opened=not shown and one is known[0]):
                     _curves(self.root, one.folder)
@@ -206,6 +206,6 @@ def _curves(root: Path, folder: str) -> None:
         if plots and there:
             widgets.file_links([("the whole report", report)])
     if plots:
-        html(f'<div data-test="curves">{plots_html(plots, small=True)}</div>')
+        html('<div data-test="curves">{}</div>', plots_html(plots, small=True))
     elif there:
         widgets.shown_file(f"/files/{report}", "report of the loop")

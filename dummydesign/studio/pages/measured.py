@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from html import escape
 from itertools import takewhile
 from pathlib import Path
 
@@ -15,8 +14,10 @@ from dummydesign.project.folder import Project
 from dummydesign.project.status import TEXTS
 from dummydesign.studio import jobs, widgets
 from dummydesign.studio import trash as bin
-from dummydesign.studio.file_actions import DropList, manage, thing, undo_bar
+from dummydesign.studio.file_actions import DropList, manage, thing
+from dummydesign.studio.file_transfer import plain_name
 from dummydesign.studio.job_panel import JobPanel
+from dummydesign.studio.markup import filled
 from dummydesign.studio.project_index import presses_text
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.widgets import html, keep_state
@@ -57,8 +58,7 @@ class MeasuredPage:
         for name in chosen:
             if wanted and name not in self._names():
                 widgets.tell_problem(f"'{name}' is not in measured/ (any more). Choose another file, or bring it back.")
-        self._bar = undo_bar(self._root)
-        self._drop = DropList(self._take, lambda: None, test="measured")
+        DropList(self._root, self._take, self._list_files, test="measured")
         self._chosen = widgets.select_several("Files to read", {}, [], "files")
         self._all = widgets.button("Choose all files", lambda: self._choose(self._names()), "all-files")
         self._all.style("margin-top:.4rem")
@@ -76,45 +76,26 @@ class MeasuredPage:
         with widgets.fold("Columns, units and signs (only where a reading asks for them)"), widgets.fields():
             for name, text in OPEN.items():
                 self._open.text(name, text)
-        self._change = widgets.fold("Rename, replace or delete files", "change-files", self._list_files)
+        self._change = widgets.fold("Delete files", "change-files", self._list_files)
         self._choose(chosen)
         self._open.on_change(self._renew)
         widgets.on_change(self._renew, self._chosen)
         self._imports = widgets.area("imports")
         self._list_imports()
         link = page_link("/resin", "find its modulus", test="resin")
-        html(f'<p class="note">A puck of resin was pressed: {link}.</p>')
+        html('<p class="note">A puck of resin was pressed: {}.</p>', link)
 
-    def _take(self, name: str, content: bytes) -> str:
-        """Store a file that was dropped and choose it; one that differs from an earlier one may replace it."""
+    def _take(self, name: str, content: bytes) -> bin.Taken:
+        """Keep a file that was dropped and choose it."""
         if Path(name).suffix.lower() not in TEXTS:
             message = f"choose a file that ends in {', '.join(TEXTS)}"
             raise InputError(message, "unknown_name", "file_ending", name, TEXTS)
-        stored = bin.store(self._root, self._folder, name, content)
-        if stored.outcome == "numbered":
-            self._offer_swap(stored)
-        self._add(stored.name)
-        return "" if stored.outcome == "numbered" else stored.text
-
-    def _offer_swap(self, stored: bin.Stored) -> None:
-        def swap() -> None:
-            with widgets.problems_in(problem):
-                done = bin.rename_over(self._root, self._folder, stored.name, stored.sent)
-                row.delete()
-                self._drop.tell(done.text)
-                if done.gone is not None:
-                    self._bar.offer(done.gone, self._came_back)
-                self._bar.run(lambda: self._add(done.name))
-
-        with self._drop.listed:
-            problem = ui.element("div")
-            with ui.element("div").classes("note thing") as row:
-                html(f'<span role="status">{escape(stored.text)}</span>')
-                widgets.button(f"Replace the earlier {stored.sent}", swap, "replace-earlier").props("dense")
-
-    def _came_back(self, old: str, new: str) -> None:
-        self._drop.listed.clear()
-        self._add(Path(new).name)
+        if same := bin.twin(self._folder, name, content):
+            self._add(same)
+            return bin.Taken(same, f"{name} is the same as {same}, which is there: nothing was changed.")
+        taken = bin.keep_file(self._root, self._folder, plain_name(name), content)
+        self._add(taken.name)
+        return taken
 
     def _names(self) -> list[str]:
         paths = (path for path in self._folder.glob("*.*") if path.suffix.lower() in TEXTS and path.is_file())
@@ -157,7 +138,7 @@ class MeasuredPage:
         names = self._names() if self._change.value else []
         with widgets.fresh(self._change):
             for name in names:
-                thing(f"<span>{escape(name)}</span>", self._root, f"measured/{name}", "file", self._moved)
+                thing(filled("<span>{}</span>", name), self._root, f"measured/{name}", "file", self._moved)
 
     def _moved(self, old: str, new: str) -> None:
         """Follow a file that was renamed, replaced, deleted or brought back; what was chosen stays chosen."""
@@ -196,7 +177,7 @@ class MeasuredPage:
         read = names if len(files) < 3 else f"{len(files)} files"
         with ui.element("div").classes("links"):
             widgets.go("/tissue", "Fit a tissue to these presses", test="to-tissue")
-            html(f'<p title="{escape(names)}"><b>{escape(presses_text(traces))}</b> read from {escape(read)}</p>')
+            html('<p title="{}"><b>{}</b> read from {}</p>', names, presses_text(traces), read)
         if doubts:
             widgets.fold(f"{doubts} doubt{'s' * (doubts > 1)}", "doubts", lambda: widgets.warnings(answer))
         with ui.element("div").classes("pair"):

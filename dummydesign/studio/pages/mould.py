@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, holds_answer, options
+from dummydesign.studio.markup import Markup, filled, joined
 from dummydesign.studio.state import State, design_state, design_summary, page_link
 from dummydesign.studio.widgets import html, keep_state, open_page
 
@@ -93,7 +93,7 @@ class MouldPage:
         now = self.chosen()
         with widgets.fresh(self.source):
             _source(self.root, now)
-        self.section.set_content(figures.section_html(now))
+        self.section.set_content(figures.section_html(self.root, now))
         self.work.main = not verdict_of(self.root, now)
         self.work.renew()
         self.list_moulds()
@@ -103,24 +103,29 @@ class MouldPage:
         answer = job.answer
         folder = folder_of(answer)
         batch = answer.get("batch") or {**answer["pour"], "pour_g": answer["pour"]["fill_mass_g"]}
-        poured = [(f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in batch["components"]]
+        puck = batch.get("witness") or {}
+        mixed = "to mix for pad and witness puck" if puck else "to mix"
+        poured = [(f"{part['mass_g']:.1f} g", f"{part['name']}, {mixed}") for part in (puck or batch)["components"]]
         poured.append((f"{batch['pour_g']:.1f} g", "of the mix, into the mould"))
+        poured += [(f"{puck['mass_g']:.1f} g", "of the mix, into the ring of the witness puck")] if puck else []
         silicone = answer["pour"]["silicone_mass_g"]
         widgets.facts([*poured, *([(f"{silicone:.0f} g", "silicone for the mould")] if silicone else [])])
         if folder:
             self._files(folder)
         widgets.warnings(answer)
         html(
-            f"<p>Cast the pads, then {page_link('/cast', 'check a cast pad')} or "
-            f"{page_link('/campaign', 'plan what to press')}.</p>"
+            "<p>Cast the pads, then {} or {}.</p>",
+            page_link("/cast", "check a cast pad"),
+            page_link("/campaign", "plan what to press"),
         )
 
     def _files(self, folder: str, label: str = "", test: str = "") -> None:
         """Buttons, solids, files and checks of a mould; of a pad that must not be cast, folded away."""
-        words = f'<h2 data-test="{escape(test)}">{escape(folder)}</h2><p>{escape(label)}</p>'
+        words = filled('<h2 data-test="{}">{}</h2><p>{}</p>', test, folder, label)
         thing(words, self.root, folder, "mould", lambda old, new: open_page("/mould", self.chosen()))
+        widgets.tell_changes(self.root, f"{folder}/manifest.json", "Make the mould again before you weigh.")
         if red := verdict_of(self.root, self.chosen()):
-            html(f'<p class="problem" data-test="do-not-cast">Do not cast. {escape(red)}</p>')
+            html('<p class="problem" data-test="do-not-cast">Do not cast. {}</p>', red)
             with widgets.fold("Files of this mould, for the record", "files-for-the-record"):
                 _links(self.root, folder)
         else:
@@ -136,9 +141,9 @@ class MouldPage:
                     self._files(one.folder, one.label, "mould-of-this-pad")
                 elif one.folder != shown:
                     other = self.state.changed(**one.pad, design="")
-                    links.append(f"<li>{page_link('/mould', one.label, other, 'other-mould')}</li>")
+                    links.append([page_link("/mould", one.label, other, "other-mould")])
             if links:
-                html(f"<h2>Moulds of other pads</h2><ul>{''.join(links)}</ul>")
+                html("<h2>Moulds of other pads</h2><ul>{}</ul>", joined("<li>{}</li>", links))
 
 
 def pad_of(words: Sequence[str]) -> list[str]:
@@ -165,17 +170,20 @@ def _source(root: Path, state: State) -> None:
     design = project_index.design_of_pad(root, state)
     if not design:
         link = page_link("/design", "design one")
-        html(f'<p class="note">This pad is not one of the designs. Check it, or {link}.</p>')
+        html('<p class="note">This pad is not one of the designs. Check it, or {}.</p>', link)
         return
-    html(f"<p>This pad is the design <b>{escape(design)}</b>.</p>")
+    html("<p>This pad is the design <b>{}</b>.</p>", design)
+    widgets.tell_changes(root, f"{design}/manifest.json", "Solve the pad again on the design page.")
     if not project_index.answers(root, design, state):
         words = State(**design_state(root, design)).label.partition("; ")[2]
         html(
-            f'<p class="note" data-test="other-question">That design was judged for {escape(words)}. '
-            f"For what is chosen, check it on the {page_link('/design', 'design page')}.</p>"
+            '<p class="note" data-test="other-question">That design was judged for {}. For what is '
+            "chosen, check it on the {}.</p>",
+            words,
+            page_link("/design", "design page"),
         )
     if red := verdict_of(root, state):
-        html(f'<p class="problem" role="alert" data-test="red">Do not cast this pad. {escape(red)}</p>')
+        html('<p class="problem" role="alert" data-test="red">Do not cast this pad. {}</p>', red)
 
 
 def _links(root: Path, folder: str) -> None:
@@ -189,26 +197,23 @@ def _links(root: Path, folder: str) -> None:
             widgets.shown_file(f"/files/{folder}/{view.name}", "the parts as solids", "shown solid")
         made_of = groups.pop("Print or machine", []) + groups.pop("Draw", [])
         if made_of:
-            html(_part_table(made_of, folder))
+            html('<table class="files" data-test="parts"><tbody>{}</tbody></table>', _part_rows(made_of, folder))
     _checks(root / folder)
     with widgets.fold("Further files", "further-files"):
         for group, rows in groups.items():
-            html(f"<h3>{escape(group)}</h3>")
+            html("<h3>{}</h3>", group)
             widgets.file_links([(words, f"{folder}/{name}") for words, name in rows])
 
 
-def _part_table(rows: Sequence[tuple[str, str]], folder: str) -> str:
+def _part_rows(rows: Sequence[tuple[str, str]], folder: str) -> Markup:
     """A row a part, with a link to each of its formats."""
     by_part: dict[str, list[tuple[str, str]]] = {}
     for words, name in rows:
         part, _, kind = words.removeprefix("Drawing of the ").removeprefix("Picture of the ").partition(", ")
         part, kind = part.capitalize(), kind or name.rpartition(".")[2].upper()
         by_part.setdefault(part, []).append((kind, f"{folder}/{name}"))
-    lines = "".join(
-        f"<tr><th scope=row>{escape(part)}</th><td>{' '.join(widgets.file_link(*one) for one in files)}</td></tr>"
-        for part, files in by_part.items()
-    )
-    return f'<table class="files" data-test="parts"><tbody>{lines}</tbody></table>'
+    links = ((part, Markup(" ").join(widgets.file_link(*one) for one in files)) for part, files in by_part.items())
+    return joined("<tr><th scope=row>{}</th><td>{}</td></tr>", links)
 
 
 def _checks(folder: Path) -> None:
@@ -222,4 +227,4 @@ def _checks(folder: Path) -> None:
     said = f"{passed} of {len(checks)} checks passed"
     if rest and all(row[1] == "skipped" for row in rest):
         said += ", the others could not be run"
-    widgets.table(["check", "", "because"], rest, words=True, under=said) if rest else html(f"<p>{escape(said)}</p>")
+    widgets.table(["check", "", "because"], rest, words=True, under=said) if rest else html("<p>{}</p>", said)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import shlex
-from collections.abc import Mapping, Sequence
-from html import escape
+from collections.abc import Mapping
 from pathlib import Path
 
 from nicegui import ui
@@ -14,6 +14,7 @@ from dummydesign.project.folder import Project, make_example, make_project
 from dummydesign.project.status import STANDARD_RESIN, ProjectStatus, pads_of, status_of
 from dummydesign.studio import figures, jobs, project_index, select_options, widgets
 from dummydesign.studio.file_actions import deleted_files
+from dummydesign.studio.markup import Markup, filled, joined
 from dummydesign.studio.state import State, address, design_state, is_design, next_page, next_state, page_link
 from dummydesign.studio.widgets import html
 
@@ -74,26 +75,28 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
     """Build the page of a project."""
     status = status_of(project)
     following, page = next_state(status, state), next_page(status)
-    html(_strip(status, page, following))
+    html('<ol class="strip" data-test="steps">{}</ol>', _strip(status, page, following))
     with ui.element("div").classes("pair"):
         with ui.element("div"):
             # what must not be done, and why, is no name of a button
-            before, _, words = status.next_text.rpartition("; then ")
-            html(f"<p>Next step: {escape(before)}</p>")
-            html(page_link(page, f"{words[:1].upper()}{words[1:]}", following, "next", kind="go"))
+            before, _, words = re.sub(r" \([^)]*project\.toml\)", "", status.next_text).rpartition("; then ")
+            html("<p>Next step: {}</p>", before)
+            html("{}", page_link(page, f"{words[:1].upper()}{words[1:]}", following, "next", kind="go"))
             widgets.command_line(shlex.split(status.next_command)[1:])
             given = ", ".join(f"{name} {value}" for name, value in project.given().items()) or "nothing chosen yet"
-            html(f"<p>Chosen for this project: {escape(given)}</p>")
+            html("<p>Chosen for this project: {}</p>", given)
         _show_newest(project.root, status, state)
     for problem in status.problems:
         widgets.tell_problem(problem)
-    links, cards = links_of(project.root, status, state), ""
+    links, cards = links_of(project.root, status, state), []
     for room, (path, words) in ROOMS.items():
-        lines = [links.get(one.folder) or escape(select_options.file_line(one)) for one in reversed(status.files[room])]
-        more = f"<details><summary>{len(lines) - 8} more</summary><ul>{_list(lines[8:])}</ul></details>"
-        listed = f"<ul>{_list(lines[:8])}</ul>{more if lines[8:] else ''}" if lines else "<p>none yet</p>"
-        cards += f"<div><h2>{page_link(path, words)}</h2>{listed}</div>"
-    html(f'<div class="cards">{cards}</div>')
+        lines = [[links.get(one.folder) or select_options.file_line(one)] for one in reversed(status.files[room])]
+        first, rest = (joined("<li>{}</li>", some) for some in (lines[:8], lines[8:]))
+        folded = (
+            filled("<details><summary>{} more</summary><ul>{}</ul></details>", len(lines) - 8, rest) if rest else ""
+        )
+        cards.append((page_link(path, words), first or Markup("<li>none yet</li>"), folded))
+    html('<div class="cards">{}</div>', joined("<div><h2>{}</h2><ul>{}</ul>{}</div>", cards))
     reports = [
         (f"{one.folder.partition('/')[2]}: report", f"{one.folder}/report.html")
         for one in (*status.files["designs"], *status.files["calibrations"])
@@ -105,16 +108,15 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
     with widgets.fold("Deleted", "bin"):
         deleted_files(project.root)
     with widgets.fold("What was run"):
-        rows = "".join(
-            f"<li>{escape('answer not acceptable' if job.state == 'failed' and job.answer else job.state)}, "
-            f"{job.seconds:.0f} s: <code>{escape(job.begun)}</code></li>"
+        rows = (
+            ("red" if job.state == "failed" and job.answer else job.state, job.seconds, job.begun)
             for job in reversed(jobs.all_jobs(project.root)[-12:])
         )
-        html(f"<ul>{rows}</ul>" if rows else "<p>nothing yet</p>")
+        html("<ul>{}</ul>", joined("<li>{}, {:.0f} s: <code>{}</code></li>", rows))
 
 
-def _strip(status: ProjectStatus, next_path: str, following: State) -> str:
-    """The seven steps: what each has, ticked when it is done; the next one stands out."""
+def _strip(status: ProjectStatus, next_path: str, following: State) -> Markup:
+    """The steps: what each has, ticked when it is done; the next one stands out."""
     files, tissue = status.files, status.project.tissue
     designs = [one for one in files["designs"] if is_design(one) and one.command == "suggest"]
     verdict = str((designs[-1].summary or {}).get("verdict", "")) if designs else ""
@@ -132,6 +134,7 @@ def _strip(status: ProjectStatus, next_path: str, following: State) -> str:
         "/measured": (bool(imports), read or ("tissue of the library" if own else "")),
         "/tissue": (bool(own), own),
         "/design": (verdict not in ("", LEVELS[-1]), level_name(verdict)),
+        "/resin": (project_index.measured_resin(status.project.root, following), following.resin),
         "/mould": (bool(moulds), f"{len(moulds)} made" if moulds else ""),
         "/cast": (
             bool(compared),
@@ -143,15 +146,14 @@ def _strip(status: ProjectStatus, next_path: str, following: State) -> str:
         ),
         "/learn": (bool(learned), learned),
     }
-    items = ""
+    items = []
     for path, name in widgets.STEPS[1:]:
         done, what = words[path]
         mark = "next" if path == next_path else "done" if done else ""
-        tick = "✓ " if done else ""
-        spoken = '<span class="hide">done: </span>' if done else ""
-        link = page_link(path, f"{tick}{name}", following if path == next_path else None)
-        items += f'<li class="{mark}">{spoken}{link}<small>{escape(what)}</small></li>'
-    return f'<ol class="strip" data-test="steps">{items}</ol>'
+        spoken = Markup('<span class="hide">done: </span>' if done else "")
+        link = page_link(path, f"{'✓ ' * done}{name}", following if path == next_path else None)
+        items.append((mark, spoken, link, what))
+    return joined('<li class="{}">{}{}<small>{}</small></li>', items)
 
 
 def _show_newest(root: Path, status: ProjectStatus, state: State) -> None:
@@ -161,16 +163,15 @@ def _show_newest(root: Path, status: ProjectStatus, state: State) -> None:
         return
     newest, summary = state.changed(**design_state(root, designs[-1].folder)), designs[-1].summary or {}
     light, text = LIGHTS.get(str(summary.get("verdict")), "amber"), str(summary.get("text", ""))
+    doubts = project_index.doubts_of_design(root, designs[-1].folder, state)
     with ui.element("div"):
-        widgets.tell_verdict(light, text, newest.label, "newest")
-    html(figures.section_html(newest))
+        widgets.tell_verdict("grey" if doubts else light, text, newest.label, "newest")
+        if doubts:
+            widgets.tell_problem(f"{' '.join(doubts)} Search again.")
+    html("{}", figures.section_html(root, newest))
 
 
-def _list(lines: Sequence[str]) -> str:
-    return "".join(f"<li>{line}</li>" for line in lines)
-
-
-def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:
+def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, Markup]:
     """Links by folder: each opens its page with that design, mould, campaign, calibration, tissue or pad chosen."""
     states: dict[str, tuple[str, State]] = {}
     tabs = {one.folder: f"cast_tab={TABS[one.command]}" for one in status.files["designs"] if one.command in TABS}

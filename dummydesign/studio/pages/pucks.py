@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from html import escape
 from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.user_library import entries
-from dummydesign.project.folder import Project, change_project, project_of
+from dummydesign.project.folder import Project, project_of
 from dummydesign.project.status import witness_size
 from dummydesign.studio import jobs, select_options, widgets
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.state import State, page_link
+from dummydesign.studio.trash import choose_for_project
 from dummydesign.studio.widgets import html, keep_state, open_page
 
 OWN = ("puck", "diameter", "height", "mixed", "name", "base")
@@ -31,7 +31,7 @@ class PuckPage:
         with widgets.fold("Print the ring of a puck", "ring", opened=not known):
             JobPanel(project.root, "ring", "Make the ring", self._ring_words, _show_ring, needs="files")
         if not known:
-            html(f'<p class="note">No presses yet: {page_link("/measured", "bring in the file of a puck")} first.</p>')
+            html('<p class="note">No presses yet: {} first.</p>', page_link("/measured", "bring in the file of a puck"))
             return
         # several presses may be those of people: which one is the puck's is for the user to say
         first = start.get("puck") or (next(iter(known)) if len(known) == 1 else "")
@@ -102,7 +102,7 @@ class PuckPage:
     def _show(self, job: jobs.Job) -> None:
         answer, name = job.answer, job.answer["name"]
         puck, friction = answer["young_kPa"], answer["friction"]
-        html(f"<p><b>{escape(name)}</b> from {escape(Path(job.words[2]).name)}, ratio {answer['ratio']:g}.</p>")
+        html("<p><b>{}</b> from {}, ratio {:g}.</p>", name, Path(job.words[2]).name, answer["ratio"])
         low, high = ("bonded" if friction[end] is None else f"{friction[end]:.2g}" for end in ("low", "high"))
         widgets.facts(
             [
@@ -113,19 +113,19 @@ class PuckPage:
         )
         rows, problem = _moduli(self._root / job.words[2], answer)
         if problem:
-            html(f'<p class="problem" role="alert">{escape(problem)}</p>')
+            html('<p class="problem" role="alert">{}</p>', problem)
         widgets.table(["", "modulus kPa", "95 % low", "95 % high"], rows)
         if answer["action"] == "unchanged":
-            html(f'<p class="note">{escape(name)} has this puck already. Nothing was changed.</p>')
+            html('<p class="note">{} has this puck already. Nothing was changed.</p>', name)
         if answer.get("before"):
-            html(f'<p class="note">The puck was known at {escape(str(answer["before"]))}. It was replaced.</p>')
+            html('<p class="note">The puck was known at {}. It was replaced.</p>', answer["before"])
         widgets.warnings(answer)
         html("<p>The resin is in your own library, for all projects. Add further pucks under its name.</p>")
         if not problem:
             widgets.button(f"Use {name} for this project", lambda: self._use(name), "use-resin", main=True)
 
     def _use(self, name: str) -> None:
-        change_project(project_of(self._root) or self._project, resin=name)
+        choose_for_project(project_of(self._root) or self._project, resin=name)
         open_page("/design", self._state.changed(resin=name))
 
     def _list(self) -> None:
@@ -133,12 +133,12 @@ class PuckPage:
         with widgets.fresh(self._own):
             if own:
                 names = ", ".join(f"{one.name}{' (chosen)' * (one.name == self._state.resin)}" for one in own)
-                html(f"<h2>Your own resins</h2><p>{escape(names)}</p>")
+                html("<h2>Your own resins</h2><p>{}</p>", names)
 
 
 def _show_ring(job: jobs.Job) -> None:
     folder = Path(next(iter(job.answer["files"].values()))).parent.as_posix()
-    html(f"<p>The ring is in <b>{escape(folder)}</b>, with its pour sheet and how the puck is pressed.</p>")
+    html("<p>The ring is in <b>{}</b>, with its pour sheet and how the puck is pressed.</p>", folder)
     widgets.zip_link(folder)
 
 

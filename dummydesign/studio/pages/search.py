@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from html import escape
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,6 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.levels import level_name
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.geometry.dimensions import PUNCH
-from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
@@ -24,11 +22,18 @@ from dummydesign.studio import figures, jobs, select_options, widgets
 from dummydesign.studio import slider_model as sliders
 from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
-from dummydesign.studio.state import QUESTION_FIELDS, State, design_state, is_design, page_link
+from dummydesign.studio.markup import Markup, filled, joined
+from dummydesign.studio.state import (
+    NO_TISSUE,
+    QUESTION_FIELDS,
+    State,
+    design_state,
+    is_design,
+    page_link,
+    punch_of,
+)
 from dummydesign.studio.widgets import html, open_page
 
-PATIENCE_S = 2.0
-"""How long a pad must stay chosen before it is solved in the background. [s]"""
 PRESS_HEAD = ("steady N", "mm/s", "depth mm", "pad peak N", "subjects N", "")
 
 
@@ -110,6 +115,8 @@ class Search:
     def words(self) -> list[str]:
         """The search as a command."""
         state = self.state()
+        if not state.tissue:
+            raise InputError(NO_TISSUE, "missing", "tissue")
         stem = state.tissue.rpartition("/")[2].removesuffix(".toml")
         return jobs.suggest(
             {**state.question, "shape": self.kinds.value}, f"suggest-{stem}{'-calibrated' if state.calibration else ''}"
@@ -132,13 +139,10 @@ class Search:
         widgets.tell_changes(self.root, f"{_folder(job)}/{MANIFEST}", "Search again.")
         best, light = answer["recommendation"], answer["verdict"]["light"]
         designed = state_of_answer(self.state(), answer, _folder(job))
-        pad = f"{best['shape'].partition(':')[0]}, {best['thickness_mm']:g} mm"
+        pad = f"{best['shape'].partition(':')[0]}, {best['thickness_mm']:g} mm, ratio {best['ratio']:g}"
         if light == "red":
             widgets.tell_problem(f"The best pad found ({pad}) is red: do not cast it.")
-        with ui.element("div").classes("links"):
-            kind = "go more" if light == "red" else "go"
-            html(page_link("/mould", f"Make the mould: {pad}", designed, "mould", kind=kind))
-            widgets.button("Put the sliders at this pad", lambda: self.take(designed))
+        widgets.button(f"Put the sliders at this pad: {pad}", lambda: self.take(designed), "best-pad")
 
         def tell_why() -> None:
             widgets.warnings(answer)
@@ -153,7 +157,7 @@ class Search:
 
     def _compare_kinds(self, answer: dict[str, Any]) -> None:
         """The best pad of each kind, and why this one; the verdicts of the others come a moment later."""
-        html("".join(f"<p>{widgets.marked(one)}</p>" for one in figures.kind_sentences(answer)))
+        html("{}", joined("<p>{}</p>", ([widgets.marked(one)] for one in figures.kind_sentences(answer))))
         rows, state = figures.kind_rows(answer), self.state()
         if len(rows) < 2:
             return
@@ -209,7 +213,7 @@ class DesignList:
                 opened = self.state().changed(**design_state(root, one.folder), missing=())
                 verdict = level_name((one.summary or {}).get("verdict", ""))
                 link = page_link("/design", opened.design.partition("/")[2], opened)
-                words = f"<span>{link}: {escape(opened.label)}: <b>{escape(verdict)}</b></span>"
+                words = filled("<span>{}: {}: <b>{}</b></span>", link, opened.label, verdict)
                 thing(words, root, one.folder, "design", self.moved).props('data-test="design"')
         folders = [one.folder for one in designs]
         kept = [name for name in self.chosen.value if name in folders]
@@ -219,66 +223,47 @@ class DesignList:
     def draw(self) -> None:
         """Draw the steady curves of the designs that are chosen over each other."""
         plot = figures.designs_plot(self.root, self.chosen.value)
-        self.drawn.set_content("" if plot is None else plot.html())
-
-
-def predict_words(state: State, **more: str) -> list[str]:
-    """The pad of a state as a command of ``predict``; project.toml may change, so all is typed."""
-    pad = {"shape": state.shape, "thickness": state.thickness_mm, "ratio": state.ratio}
-    return ["predict", *jobs.options({**state.question, **pad, **more})]
-
-
-def suggest_words(state: State) -> list[str]:
-    """The pad of a state as a search whose limits are this pad."""
-    t, r = f"{state.thickness_mm:g}", f"{state.ratio:g}"
-    given = {**state.question, "shape": state.shape, "thickness": f"{t}:{t}", "ratio": f"{r}:{r}"}
-    return jobs.suggest(given, f"pad-{t}mm-{r}")
+        self.drawn.set_content("" if plot is None else Markup(plot.html()))
 
 
 class SolvedPad:
-    """A pad that no table holds, solved in the background; shown while it is the pad that is chosen."""
+    """The pad that is seen, solved by finite elements where a click asks for it."""
 
-    def __init__(self, root: Path, state: Callable[[], State], judge: Callable[[State, str, str, str], None]) -> None:
-        self.root, self.state, self.judge = root, state, judge
+    def __init__(self, root: Path, state: Callable[[], State], solved: Callable[[], None]) -> None:
+        self.root, self.state = root, state
+        self.untabulated = False
         self.box = widgets.area("solved")
-        self.work: JobPanel | None = None
-        self.hide()
+        with self.box:
+            self.work = JobPanel(
+                self.root, "pad", "Solve this pad", self.words, self.show, self.belongs, lambda job, mine: solved()
+            )
+        self.renew(False, False)
 
-    def hide(self) -> None:
-        """Another pad is chosen."""
-        self.box.set_visibility(False)
+    def renew(self, able: bool, main: bool, untabulated: bool = False) -> None:
+        """Offer to solve the pad that is chosen now; ``untabulated`` is whether no table holds it."""
+        self.untabulated = untabulated
+        self.box.set_visibility(able)
+        self.work.main = main
+        if able:
+            self.work.renew()
 
-    def offer(self) -> None:
-        """Solve the chosen pad, unless it is solved or something of this kind is at work."""
-        self.box.set_visibility(True)
-        if self.work is None:
-            with self.box:
-                html("<p>No table holds this pad. It is solved by finite elements in the background.</p>")
-                self.work = JobPanel(
-                    self.root, "pad", "Solve this pad", self.words, self.show, self.belongs, self.ended
-                )
-        self.work.show_again()
-        chosen = self.state()
-        ui.timer(PATIENCE_S, lambda: self._begin(chosen), once=True)
-
-    def _begin(self, chosen: State) -> None:
-        """Start to solve a pad that is still chosen and not solved yet."""
-        work = self.work
-        if work and not (work.answered or work.running) and self.box.visible and self.state() == chosen:
-            work.begin()
-
-    def ended(self, job: jobs.Job, mine: bool) -> None:
-        """A pad that was chosen meanwhile is solved next."""
-        if self.box.visible and not mine:
-            self.offer()
+    @property
+    def verdict(self) -> tuple[str, str] | None:
+        """Light and sentence of the pad that is chosen; None before it was solved."""
+        job = self.work.shown if self.box.visible else None
+        found = job.answer.get("verdict") if job else None
+        return (str(found["light"]), str(found["text"])) if found else None
 
     def words(self) -> list[str]:
-        """The pad as a command that solves it."""
+        """The pad as a command that solves it: a search that may take this pad alone."""
         state = self.state()
-        # predict solves one shape under a flat punch on a glued base
-        if state.kind != "slab" and read_punch(state.punch).profile_mm is None:
-            return predict_words(state, fidelity=read_shape(state.shape).fidelity)
-        return suggest_words(state)
+        t, r = f"{state.thickness_mm:g}", f"{state.ratio:g}"
+        # predict solves a shape that no table holds, under a flat punch on a glued base
+        if self.untabulated and state.kind != "slab" and punch_of(self.root, state.punch).profile_mm is None:
+            pad = {"shape": state.shape, "thickness": t, "ratio": r, "fidelity": read_shape(state.shape).fidelity}
+            return ["predict", *jobs.options({**state.question, **pad})]
+        given = {**state.question, "shape": state.shape, "thickness": f"{t}:{t}", "ratio": f"{r}:{r}"}
+        return jobs.suggest(given, f"pad-{state.kind}-{t}mm-{r}")
 
     def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job solved the pad that is chosen."""
@@ -286,11 +271,7 @@ class SolvedPad:
         return list(job.words) == words and not jobs.changed_since(files, job.started)
 
     def show(self, job: jobs.Job) -> None:
-        """The verdict and the presses of the solved pad."""
-        answer = job.answer
-        if not answer.get("verdict"):
-            return
-        self.judge(self.state(), answer["verdict"]["light"], answer["verdict"]["text"], "solved")
-        widgets.warnings(answer)
-        rows = (answer.get("recommendation") or answer).get("conditions") or []
-        widgets.table(PRESS_HEAD, press_rows([one for one in rows if "reads" in one]))
+        """The presses and warnings of the solved pad."""
+        widgets.warnings(job.answer)
+        rows = (job.answer.get("recommendation") or job.answer).get("conditions") or []
+        widgets.table(PRESS_HEAD, press_rows([one for one in rows if "reads" in one]), under="the solved presses")

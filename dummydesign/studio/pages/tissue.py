@@ -6,22 +6,24 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from html import escape
 from pathlib import Path
 from typing import Any
 
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
-from dummydesign.project.folder import Project, change_project, project_of
+from dummydesign.project.folder import Project, project_of
 from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, file_transfer, jobs, project_index, select_options, widgets
 from dummydesign.studio.file_actions import manage
 from dummydesign.studio.job_panel import JobPanel, Steps
-from dummydesign.studio.state import State, absolute, page_link
+from dummydesign.studio.markup import Markup, joined
+from dummydesign.studio.state import NO_TISSUE, State, absolute, page_link
+from dummydesign.studio.trash import choose_for_project
 from dummydesign.studio.widgets import html, keep_state, open_page
 from dummydesign.tissue.model.parameters import arm_names, parameter_words
 
+CHOOSE = "choose one"
 OWN = ("presses", "name", "touched", "people", "group")
 """Choices of this page in the address."""
 
@@ -44,7 +46,7 @@ class TissuePage:
         self._renew()
         self._chosen.on_value_change(self._choose_shown)
         if not select_options.traces(self.root):
-            html(f'<p class="note">Your own tissue: {page_link("/measured", "bring in files")} of presses first.</p>')
+            html('<p class="note">Your own tissue: {} of presses first.</p>', page_link("/measured", "bring in files"))
             return
         # who has presses and no tissue of their own came to fit one
         with fits, widgets.fold("Fit a tissue to your own presses", "fit", opened=True):
@@ -80,12 +82,14 @@ class TissuePage:
     def use(self, tissue: str) -> None:
         """Make a tissue the project's, and go on to the design."""
         self._problem.clear()
+        if not tissue:
+            raise InputError(NO_TISSUE, "missing", "tissue")
         if tissue not in select_options.tissues(self.root):
             with self._problem:
                 _tell_missing(tissue)
             return
         after = self._state if tissue == self.tissue else self._state.changed(tissue=tissue, aim="average")
-        change_project(
+        choose_for_project(
             project_of(self.root) or self._project, tissue=tissue, aim=None if after.aim == "average" else after.aim
         )
         open_page("/design", after)
@@ -95,7 +99,8 @@ class TissuePage:
         widgets.button(f"Use {tissue} for this project", lambda: self.use(tissue), "use-fitted")
 
     def _renew(self) -> None:
-        known = select_options.offered(select_options.tissues(self.root), self.tissue, f"{self.tissue} (missing)")
+        shown = f"{self.tissue} (missing)" if self.tissue else CHOOSE
+        known = select_options.offered(select_options.tissues(self.root), self.tissue, shown)
         self._chosen.set_options(known, value=self.tissue)
         self._problem.clear()
         with widgets.fresh(self._shown):
@@ -120,6 +125,8 @@ def _show_tissue(root: Path, name: str) -> None:
     from dummydesign.design.scoring.targets import make_targets
     from dummydesign.tissue import load_tissue
 
+    if not name:
+        return
     if name.endswith(".toml") and not (root / name).is_file():
         _tell_missing(name)
         return
@@ -132,18 +139,20 @@ def _show_tissue(root: Path, name: str) -> None:
         return
     subjects, deep = f"{len(tissue.subjects)} subject{'s' * (len(tissue.subjects) != 1)}", figures.depth_text(targets)
     with ui.element("div").classes("pair"):
-        html(plot.html())
+        html("{}", Markup(plot.html()))
         with ui.element("div"):
-            html(f"<p><b>{escape(name)}</b>: {escape(tissue.title)}, {escape(subjects)}. {escape(deep)}</p>")
+            html("<p><b>{}</b>: {}, {}. {}</p>", name, tissue.title, subjects, deep)
             parameter_table(("mean", "lowest", "highest", "kind"), tissue.to_dict()["bands"], lambda one: one["kind"])
             widgets.command_line(["tissues", "show", name])
     report = f"{name.removesuffix('.toml')}-report.html"
     if name.endswith(".toml") and (root / report).is_file():
         widgets.file_links([("report of the fit", report)])
-    html("".join(f'<p class="source">{escape(note)}</p>' for note in tissue.notes))
+    html("{}", joined('<p class="source">{}</p>', ([note] for note in tissue.notes)))
 
 
 SEPARATOR = "\n"
+POOR = 10.0
+"""Residual over noise from which a fit is called poor."""
 CONTACT = {"": "as the files were read", "per-press": "fitted for each press"}
 
 
@@ -210,7 +219,13 @@ def _start(page: TissuePage, known: dict[str, str]) -> tuple[list[str], str, str
     for job in reversed(jobs.all_jobs(root, "fit")):
         if _tissue_of(job) == page.tissue:
             return _presses(job.words), Path(job.words[-1]).stem, "per-press" if "per-press" in job.words else ""
-    return list(known), query.get("name") or select_options.free_name(root, "tissue", "mine"), ""
+    # presses of several people are not those of one subject: which are is for the user to say
+    people = {Path(path).stem.split("_")[0] for path in known}
+    return (
+        list(known) if len(people) == 1 else [],
+        query.get("name") or select_options.free_name(root, "tissue", "mine"),
+        "",
+    )
 
 
 def _tissue_of(job: jobs.Job) -> str:
@@ -225,9 +240,19 @@ def _show(page: TissuePage, job: jobs.Job) -> None:
     answer, root, tissue = job.answer, page.root, _tissue_of(job)
     widgets.tell_changes(root, answer["files"].get("manifest", ""), "Fit the tissue again.")
     html(
-        f"<p><b>{escape(tissue)}</b>: {escape(str(answer['elements']))} elements, {escape(answer['mode'])}. Residual "
-        f"{answer['rmse_N']:.3g} N rms, noise {answer['noise_floor_N']:.3g} N.</p>"
+        "<p><b>{}</b>: {} elements, {}. Residual {:.3g} N rms, noise {:.3g} N.</p>",
+        tissue,
+        answer["elements"],
+        answer["mode"],
+        answer["rmse_N"],
+        answer["noise_floor_N"],
     )
+    if answer["rmse_N"] > POOR * answer["noise_floor_N"]:
+        times = answer["rmse_N"] / answer["noise_floor_N"]
+        widgets.tell_problem(
+            f"The residual is {times:.0f} times the noise: one law does not fit these presses. "
+            "Check whose they are, and fit each person alone."
+        )
     page.use_button(tissue)
     widgets.warnings(answer)
     show_curves(root, answer)
@@ -242,7 +267,7 @@ def show_curves(root: Path, answer: Mapping[str, Any]) -> None:
     # several fits on a page have presses of the same name
     own = Path(answer["files"]["tissue"]).with_suffix("").as_posix().replace("/", "-")
     plots = figures.measured_over_fitted(root, answer)
-    html(plots_html(replace(one, name=f"{own}-{one.name}") for one in plots))
+    html("{}", Markup(plots_html(replace(one, name=f"{own}-{one.name}") for one in plots)))
     report = answer["files"].get("report", "")
     if report and (root / report).is_file():
         widgets.file_links([("report of the fit, with its residuals", report)])
@@ -266,7 +291,7 @@ def parameter_table(
         rows, shown = [[*row, note] for row, note in zip(rows, notes)], [*shown, head[3]]
     widgets.table(["parameter", "", *shown], rows, symbols=symbols)
     if notes and notes[0] and not differ:
-        html(f"<p class=source>All values: {escape(notes[0])}.</p>")
+        html("<p class=source>All values: {}.</p>", notes[0])
 
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
@@ -386,12 +411,12 @@ class _People:
         answer, name = job.answer, job.answer["name"]
         fits = [job.answer_of(number) for number in range(1, len(job.commands))]
         if not jobs.is_last(self._root, job, lambda one: str(one.answer.get("name") or "")):
-            html(f'<p class="note">The tissue {escape(name)} was made anew since, from other presses.</p>')
+            html('<p class="note">The tissue {} was made anew since, from other presses.</p>', name)
             return
         if name not in select_options.tissues(self._root):
-            html(f'<p class="note">The tissue {escape(name)} is no longer in your library.</p>')
+            html('<p class="note">The tissue {} is no longer in your library.</p>', name)
             return
-        html(f"<p><b>{escape(name)}</b>: {len(fits)} people. It is in your own library, for all projects.</p>")
+        html("<p><b>{}</b>: {} people. It is in your own library, for all projects.</p>", name, len(fits))
         self._page.use_button(name)
         rows = [
             [Path(fit["inputs"]["out"]).stem, len(fit["by_trace"]), fit["rmse_N"], fit["noise_floor_N"]] for fit in fits

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dummydesign.design.assessment.pad_castings import PadCastings, shares_of_pad, verdict_of_design
-from dummydesign.design.pad_evaluator import law_of_shape
+from dummydesign.design.pad_evaluator import cast_pad, law_of_shape
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, RELAXATION, Castings
@@ -16,7 +16,7 @@ from dummydesign.design.scoring.finite_strain import finite_strain_of
 from dummydesign.design.scoring.outlook import Match
 from dummydesign.design.scoring.verdict import CLASSES, classes, deviations, ranges_of
 from dummydesign.design.search.shape_search import candidate_of, outlook_for, search_shapes
-from dummydesign.design.suggest import cast_pad, design
+from dummydesign.design.suggest import design
 from dummydesign.geometry.shape_registry import read_shape
 
 CROWN, THICKNESS_MM, YOUNG_MPA = "crowned:radius=2.4,height=3.5,foot=7.8", 11.0, 0.034

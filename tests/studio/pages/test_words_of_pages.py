@@ -16,7 +16,7 @@ from dummydesign.person.drives import DRIVES
 from dummydesign.project.folder import make_project
 from dummydesign.project.status import ProjectFile, status_of
 from dummydesign.studio import select_options, widgets
-from dummydesign.studio.pages import cast, design, learn, measured, mould, overview, tissue
+from dummydesign.studio.pages import cast, learn, measured, mould, overview, tissue
 from dummydesign.studio.state import State
 from tests.support.refusal import raises_code
 
@@ -53,19 +53,6 @@ def test_fields_of_drives_have_the_numbers_of_all_drives_with_their_usual_values
     assert usual["damping ratio"] == 0.0 and [one for one in usual.values() if one is not None] == [0.0]
 
 
-def test_a_pad_between_steps_of_half_a_millimetre_is_no_search_of_a_calibration():
-    words = {}
-    for thickness, calibration in ((10.5, "c.json"), (10.3, ""), (10.3, "c.json")):
-        page = SimpleNamespace(state=State("palm", thickness_mm=thickness, calibration=calibration))
-        if thickness == 10.3 and calibration:
-            with raises_code("unsupported", "thickness_mm"):
-                design.DesignPage.pad_words(page)
-        else:
-            words[thickness] = design.DesignPage.pad_words(page)
-    assert words[10.5][0] == "suggest" and words[10.3][0] == "predict"
-    assert "10.3" in words[10.3]
-
-
 def test_the_plan_of_an_answer_is_the_folder_of_its_file():
     assert learn._plan_folder({"files": {"plan_campaign": "campaigns/next/campaign.toml"}}) == "campaigns/next"
     assert learn._plan_folder({"files": {}}) == learn._plan_folder({}) == ""
@@ -90,7 +77,7 @@ def test_a_mould_is_that_of_its_words_without_the_folder():
 
 def test_a_part_has_one_row_with_a_link_to_each_of_its_formats():
     rows = [("Base, STEP", "base.step"), ("Drawing of the base, PDF", "base.pdf"), ("Frame", "frame.stl")]
-    table = mould._part_table(rows, "moulds/a <b>")
+    table = mould._part_rows(rows, "moulds/a <b>")
     assert table.count("<tr>") == 2 and table.count("<th scope=row>Base</th>") == 1
     for words in ("STEP", "PDF", "STL"):
         assert f">{words}<" in table
@@ -120,7 +107,7 @@ def lab(tmp_path):
 def test_the_strip_ticks_what_is_done_and_marks_what_is_next(lab):
     status = status_of(lab)
     strip = overview._strip(status, "/design", State("palm"))
-    assert strip.count("<li") == 7 and strip.count('class="next"') == 1
+    assert strip.count("<li") == 8 and strip.count('class="next"') == 1
     # the tissue of the library is chosen, nothing else is done
     assert strip.count("done: ") == 1 and "✓ " in strip and "tissue=palm" in strip
     for path in ("measured/a.csv", "moulds/m/record.json", "moulds/m/record-2.json"):
@@ -151,7 +138,7 @@ def test_the_strip_counts_the_presses_of_all_campaigns_and_links_results_on_peop
 def test_a_tissue_of_one_subject_has_one_column_of_values(monkeypatch):
     shown = []
     monkeypatch.setattr(tissue.widgets, "table", lambda head, rows, **more: shown.append((head, rows)))
-    monkeypatch.setattr(tissue, "html", lambda text: None)
+    monkeypatch.setattr(tissue, "html", lambda *text: None)
     head = ("mean", "lowest", "highest", "kind")
     for high in (3.0, 4.0):
         one = {"value": 3.0, "low": 3.0, "high": high, "kind": "fitted"}
@@ -163,7 +150,7 @@ def test_a_tissue_of_one_subject_has_one_column_of_values(monkeypatch):
 
 def test_one_warning_more_is_no_warnings(monkeypatch):
     said = []
-    monkeypatch.setattr(widgets, "html", said.append)
+    monkeypatch.setattr(widgets, "html", lambda template, *values: said.append(template.format(*values)))
     for count in (5, 6):
         widgets.warnings({"warnings": [{"message": str(number)} for number in range(count)]})
     assert "1 more warning<" in said[1] and "2 more warnings<" in said[3]

@@ -45,11 +45,11 @@ def test_a_press_under_its_planned_name_replaces_the_bad_one_which_can_come_back
     place = root / FOLDER / "a.csv"
     assert place.read_bytes() == trace(3.0)
     assert taken.gone is not None and "bin" in taken.text
-    bin.take_back(root, taken.gone)
+    bin.restore(root, taken.gone)
     assert place.read_bytes() == trace(2.0)
     assert not list((root / FOLDER).glob("a-*"))
     again = [one for one in bin.deleted(root) if one.path == f"{FOLDER}/a.csv"]
-    bin.take_back(root, again[0])
+    bin.restore(root, again[0])
     assert place.read_bytes() == trace(3.0)
 
 
@@ -59,31 +59,19 @@ def test_a_file_that_is_no_trace_is_refused_and_the_good_one_stays(root, content
     with raises_code("missing"):
         incoming.take(root, FOLDER, "a.csv", content)
     with raises_code("missing"):
-        incoming.take(root, FOLDER, "odd.csv", content)
+        incoming.take(root, FOLDER, "odd.csv", content, "a.csv")
     assert (root / FOLDER / "a.csv").read_bytes() == trace()
-    assert incoming.held(root, FOLDER) == []
 
 
-def test_a_file_of_another_name_is_held_and_assigned_to_a_planned_press(root):
-    taken = incoming.take(root, FOLDER, "run 7.csv", trace(9.0))
-    assert incoming.held(root, FOLDER) == ["run 7.csv"]
-    assert not (root / FOLDER / "run 7.csv").exists()
-    assert "run 7.csv" in taken.text
-    choices = incoming.presses_for(root, FOLDER, "run 7.csv")
-    assert list(choices) == ["b.csv", "a.csv"]
-    assert choices["b.csv"] != choices["a.csv"]
+def test_a_file_of_another_name_becomes_the_press_that_is_chosen(root):
+    with raises_code("unknown_name", "campaign.trials"):
+        incoming.take(root, FOLDER, "run 7.csv", trace(9.0))
+    assert [path.name for path in (root / FOLDER).iterdir()] == ["campaign.toml"]
     incoming.take(root, FOLDER, "b.csv", trace(8.5))
-    assigned = incoming.assign(root, FOLDER, "run 7.csv", "b.csv")
-    assert (root / FOLDER / "b.csv").read_bytes() == trace(9.0)
-    assert incoming.held(root, FOLDER) == [] and assigned.gone is not None
-    bin.take_back(root, assigned.gone)
+    taken = incoming.take(root, FOLDER, "run 7.csv", trace(9.0), "b.csv")
+    assert (root / FOLDER / "b.csv").read_bytes() == trace(9.0) and "run 7.csv" in taken.text
+    bin.restore(root, taken.gone)
     assert (root / FOLDER / "b.csv").read_bytes() == trace(8.5)
-
-
-def test_what_a_file_manager_leaves_is_no_press(root):
-    incoming.take(root, FOLDER, "run.csv", trace())
-    (root / FOLDER / incoming.HELD / ".DS_Store").write_bytes(b"1")
-    assert incoming.held(root, FOLDER) == ["run.csv"]
 
 
 def test_the_same_press_is_not_taken_twice(root):
@@ -95,34 +83,28 @@ def test_the_same_press_is_not_taken_twice(root):
     assert same.gone is None and not bin.deleted(root)
 
 
-def test_only_planned_presses_can_be_assigned(root):
-    incoming.take(root, FOLDER, "run.csv", trace())
+def test_only_planned_presses_can_be_chosen(root):
     for name in ("c.csv", "../a.csv", "campaign.toml"):
         with pytest.raises(InputError):
-            incoming.assign(root, FOLDER, "run.csv", name)
-    assert incoming.held(root, FOLDER) == ["run.csv"]
-    incoming.discard(root, FOLDER, "run.csv")
-    assert incoming.held(root, FOLDER) == []
-    assert bin.deleted(root)[0].path.endswith("run.csv")
+            incoming.take(root, FOLDER, "run.csv", trace(), name)
+    assert [path.name for path in (root / FOLDER).iterdir()] == ["campaign.toml"]
 
 
 def test_a_plan_that_names_itself_as_a_press_stays(root):
     place = root / FOLDER / "campaign.toml"
     place.write_text(PLAN.replace("b.csv", "campaign.toml"), encoding="utf-8")
     before = place.read_bytes()
-    incoming.take(root, FOLDER, "run.csv", trace())
     with pytest.raises(InputError):
-        incoming.assign(root, FOLDER, "run.csv", "campaign.toml")
+        incoming.take(root, FOLDER, "run.csv", trace(), "campaign.toml")
     assert place.read_bytes() == before and not bin.deleted(root)
 
 
 @pytest.mark.parametrize("file", ["../../../theirs.csv", "/elsewhere/theirs.csv", "in/theirs.csv"])
 def test_a_plan_cannot_name_a_press_in_another_folder(root, file):
     (root / FOLDER / "campaign.toml").write_text(PLAN.replace("b.csv", file), encoding="utf-8")
-    incoming.take(root, FOLDER, "run.csv", trace())
     with pytest.raises(InputError):
-        incoming.assign(root, FOLDER, "run.csv", file)
-    assert incoming.held(root, FOLDER) == ["run.csv"] and not (root.parent / "theirs.csv").exists()
+        incoming.take(root, FOLDER, "run.csv", trace(), file)
+    assert not (root.parent / "theirs.csv").exists()
 
 
 def test_a_campaign_folder_that_leads_out_takes_no_press(root, tmp_path):

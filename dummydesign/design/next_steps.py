@@ -94,7 +94,10 @@ def _puck_helps(answer: Suggestion) -> bool:
 
 def _pad(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     """Cast the pad, press it by a campaign and compare it with the subjects."""
+    from dummydesign.design.suggestion import mould_command
+
     made, best = _mould(answer), answer.best
+    sheet = [] if _written(inputs) else [Step("make its mould and pour sheet", mould_command(answer))]
     hours = None if made.printing_h is None else made.printing_h + _curing_h(answer)
     given = {**inputs, "resin": str(inputs["resin"]), "condition": _typed_condition(inputs)}
     shape = "" if best.shape.plain else f" --shape {shlex.quote(str(best.shape))}"
@@ -106,12 +109,18 @@ def _pad(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     compared = f"dummydesign compare {CAMPAIGN}/*.csv --tissue {shlex.quote(given['tissue'])}"
     compared += command_words(Request, given, (*TEST, "condition", "deceleration_mm_s2"))
     return [
+        *sheet,
         Step("cast the pad by its pour sheet", None, hours, {"silicone": made.silicone_g, "resin": made.resin_g}),
         # a campaign knows no punch of two sides
         Step("plan its presses", None if given["punch"].startswith("rectangle") else planned),
         Step(f"press in the order of its sheet; save each trace under its name in {CAMPAIGN}", None, PRESSING_H),
         Step("compare it with the subjects", compared),
     ]
+
+
+def _written(inputs: Mapping[str, Any]) -> Any:
+    """The folder in which mould and pour sheet were written; nothing where they were not."""
+    return inputs.get("out") if inputs.get("cad") else None
 
 
 def _typed_condition(inputs: Mapping[str, Any]) -> str | None:
@@ -130,7 +139,6 @@ def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     take = ring_cost(*WITNESS_MM, resin=str(inputs["resin"]), ratio=ratio)
     # not the resin's own name
     batch = BATCH if answer.resin.name != BATCH else f"{BATCH}-2"
-    wait = _curing_h(answer)
     speeds = " and ".join(f"{speed:g}" for speed in SPEEDS_MM_S)
     named = f"--resin {shlex.quote(inputs['resin'])} --ratio {ratio:g}"
     added = command(trace_names(size), diameter, height, ratio, shlex.quote(inputs["resin"]), batch)
@@ -144,7 +152,7 @@ def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
         Step(
             f"cast the puck at ratio {ratio:g}; press it at {speeds} mm/s, 10 s hold",
             None,
-            wait + PRESSING_H,
+            _curing_h(answer) + PRESSING_H,
             {"resin": take.resin_g},
         ),
         Step("read the puck", added),
@@ -155,10 +163,9 @@ def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
 def _search_again(inputs: Mapping[str, Any], batch: str) -> str:
     """The command of the next search: of the same mould where one was made."""
     given = {**inputs, "condition": _typed_condition(inputs)}
-    folder = given.get("mould") or (given.get("out") if given.get("cad") else None)
+    folder = given.get("mould") or _written(given)
     names = TYPED_AGAIN if folder else (*TYPED_AGAIN, *SEARCHED_AGAIN)
-    words = command_words(Request, given, names)
-    words += f" --mould {shlex.quote(str(folder))}" if folder else ""
+    words = command_words(Request, given, names) + (f" --mould {shlex.quote(str(folder))}" if folder else "")
     return f"dummydesign suggest --tissue {shlex.quote(given['tissue'])}{words} --resin {batch}"
 
 
@@ -171,10 +178,9 @@ def paths_of(answer: Suggestion) -> list[PadPath]:
 
     pad, poured, after = _mould(answer), answer.shares.as_poured.usable, answer.shares.after_puck.usable
     ring, wait = ring_cost(*WITNESS_MM, resin=answer.request.resin, ratio=answer.best.ratio), _curing_h(answer)
-    printing, kept = pad.printing_h, answer.request.mould is not None
+    kept = answer.request.mould is not None
+    printing = 0.0 if kept else pad.printing_h
     grams = {"silicone": 0.0 if kept else pad.silicone_g, "resin": pad.resin_g}
-    if kept:
-        printing = 0.0
     # the pad's mould is printed while the puck cures, and is the same for every batch
     known_h = max(ring.printing_h + wait + PRESSING_H, printing or 0.0)
     filament = 0.0 if kept else pad.filament_g or 0.0
@@ -211,7 +217,7 @@ def why_red(answer: Suggestion) -> str:
     readings = answer.best.readings
     missing = ~np.isfinite(readings.peak_N)
     if missing.any():
-        force = float(ranges.force_N[missing].min())
+        force = ranges.force_N[missing].min()
         return f"{force:g} N is out of reach: the gel bottoms out; a stiffer resin, or a thicker pad (--thickness)"
     differences = deviations(ranges, readings)
     low, high = (limits.stands_shortfall, np.inf) if ranges.strict else (limits.shortfall, limits.over)
@@ -254,8 +260,8 @@ def _relaxation(
     whose: str,
 ) -> str:
     """Peak over steady of subject and pad, and by how much the resin would have to relax otherwise."""
-    wanted, own = subject_N / limit / force_N, pad_N / force_N
-    factor = (wanted - 1.0) / max(own - 1.0, 1e-9)
+    own = pad_N / force_N
+    factor = (subject_N / limit / force_N - 1.0) / max(own - 1.0, 1e-9)
     than = f"{factor:.1f} times as much" if factor > 0.0 else "not at all"
     return (
         f"the resin relaxes too {word}: at {force_N:g} N, {speed_mm_s:g} mm/s {whose} is "

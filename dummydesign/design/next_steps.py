@@ -13,6 +13,7 @@ from dummydesign.core.serialise import Serialised
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.verdict import PEAK, deviations, ranges_of
 from dummydesign.design.test_conditions import beyond_people
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.mold.pour.plan import WITNESS_MM
 
 if TYPE_CHECKING:
@@ -94,28 +95,38 @@ def _puck_helps(answer: Suggestion) -> bool:
 
 def _pad(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     """Cast the pad, press it by a campaign and compare it with the subjects."""
-    from dummydesign.design.suggestion import mould_command
-
     made, best = _mould(answer), answer.best
     sheet = [] if _written(inputs) else [Step("make its mould and pour sheet", mould_command(answer))]
     hours = None if made.printing_h is None else made.printing_h + _curing_h(answer)
     given = {**inputs, "resin": str(inputs["resin"]), "condition": _typed_condition(inputs)}
     shape = "" if best.shape.plain else f" --shape {shlex.quote(str(best.shape))}"
+    contact = f" --contact {given['condition']}" if given["condition"] else ""
     planned = (
         f"dummydesign campaign new {CAMPAIGN} --resin {shlex.quote(given['resin'])} --ratio {best.ratio:g} "
-        f"--pads {best.thickness_mm:g}{shape}{command_words(Request, given, ('pad_mm', 'base', *TEST))}"
+        f"--pads {best.thickness_mm:g}{shape}{command_words(Request, given, ('pad_mm', 'base', *TEST))}{contact}"
     )
-    planned += f" --contact {given['condition']}" if given["condition"] else ""
-    compared = f"dummydesign compare {CAMPAIGN}/*.csv --tissue {shlex.quote(given['tissue'])}"
-    compared += command_words(Request, given, (*TEST, "condition", "deceleration_mm_s2"))
+    words = command_words(Request, given, (*TEST, "condition", "deceleration_mm_s2"))
     return [
         *sheet,
         Step("cast the pad by its pour sheet", None, hours, {"silicone": made.silicone_g, "resin": made.resin_g}),
         # a campaign knows no punch of two sides
         Step("plan its presses", None if given["punch"].startswith("rectangle") else planned),
         Step(f"press in the order of its sheet; save each trace under its name in {CAMPAIGN}", None, PRESSING_H),
-        Step("compare it with the subjects", compared),
+        Step(
+            "compare it with the subjects",
+            f"dummydesign compare {CAMPAIGN}/*.csv --tissue {shlex.quote(given['tissue'])}{words}",
+        ),
     ]
+
+
+def mould_command(answer: Suggestion) -> str:
+    """The command that makes the mould of the recommended pad."""
+    best, request = answer.best, answer.request
+    words = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {shlex.quote(request.resin)}"
+    words += f" --ratio {best.ratio:g} --shape {shlex.quote(str(answer.shape))}"
+    if request.pad_mm != (PAD_LENGTH_MM, PAD_WIDTH_MM):
+        words += " --length {:g} --width {:g}".format(*request.pad_mm)
+    return words + (f" --preset {shlex.quote(request.preset)}" if request.preset != "open" else "")
 
 
 def _written(inputs: Mapping[str, Any]) -> Any:
@@ -140,12 +151,11 @@ def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     # not the resin's own name
     batch = BATCH if answer.resin.name != BATCH else f"{BATCH}-2"
     speeds = " and ".join(f"{speed:g}" for speed in SPEEDS_MM_S)
-    named = f"--resin {shlex.quote(inputs['resin'])} --ratio {ratio:g}"
     added = command(trace_names(size), diameter, height, ratio, shlex.quote(inputs["resin"]), batch)
     return [
         Step(
             f"print the ring of a puck ({diameter} mm diameter, {height} mm high)",
-            f"dummydesign mold --puck {size} {named}",
+            f"dummydesign mold --puck {size} --resin {shlex.quote(inputs['resin'])} --ratio {ratio:g}",
             take.printing_h,
             {"filament": take.filament_g},
         ),

@@ -20,7 +20,7 @@ Array = np.ndarray
 
 SURPRISE = 3.0
 """Standard deviations of ln of their ratio from which on two numbers contradict each other."""
-ODD_PRESS = 2.6
+ODD_PRESS = 2.7
 """The same of a press against the others of its puck: with 2 to 4 presses it is passed by chance in 3 % of pucks at
 most, and by 5 % of force in nine of ten."""
 VOLUME_SPREAD = 0.02

@@ -21,8 +21,8 @@ Array = np.ndarray
 SURPRISE = 3.0
 """Standard deviations of ln of their ratio from which on two numbers contradict each other."""
 ODD_PRESS = 2.7
-"""The same of a press against the others of its puck: with 2 to 4 presses it is passed by chance in 3 % of pucks at
-most, and by 5 % of force in nine of ten."""
+"""The same of a press against the others of its puck: by the scatter alone it is passed by chance in 3 % of pucks with
+2 to 4 presses at most."""
 VOLUME_SPREAD = 0.02
 """Standard deviation of ln volume by diameter and height: 0.2 mm of either and the meniscus, assumed."""
 SLIP_FITS = 0.5

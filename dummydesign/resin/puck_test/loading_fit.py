@@ -178,8 +178,9 @@ def press_levels(
     """
     count = len(strains)
     presses = np.arange(count)
-    # before, the force is no longer linear in the contact
-    rows = np.concatenate(strains) >= LEVEL_FROM
+    # before, the force is no longer linear in the contact; beyond the shallowest press nothing is compared
+    strain = np.concatenate(strains)
+    rows = (strain >= LEVEL_FROM) & (strain <= min(float(one.max()) for one in strains))
     own = np.repeat(presses, [len(one) for one in strains])[:, None] == presses
     step = math.copysign(GRIP_STEP, 0.5 - grip)
     film = own * ((residual(grip + step) - residual(grip)) / step)[:, None]
@@ -349,9 +350,9 @@ REPEAT = 0.01
 """Scatter of the force between presses of one puck (lubricant, seating, rest): assumed, by judgement."""
 LEVEL_FROM = 0.1
 """Compression, over height, from which on presses are compared."""
-GRIP_STEP, GRIP_REPEAT = 0.02, 0.05
-"""Step of a slope over the grip, and the scatter of the grip between presses of one puck, a third of that of a film of
-oil (friction 0.05): assumed, by judgement."""
+GRIP_STEP, GRIP_REPEAT = 0.02, 0.03
+"""Step of a slope over the grip, and the scatter of the grip between presses of one puck; a film of oil
+(friction 0.05) has 0.2: assumed, by judgement."""
 JITTER = 1e-4
 """Relative error of taking the motion as straight between nodes."""
 

@@ -41,7 +41,7 @@ from dummydesign.pad.pad_under_punch import Puck
 from dummydesign.pad.tables.puck import table_for
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.resin import PUCK_SCATTER
-from dummydesign.resin.puck_test.add_compression import Compressed, add_compression, steps
+from dummydesign.resin.puck_test.add_compression import add_compression, steps
 from dummydesign.resin.puck_test.loading_fit import LoadingCurve, fit_pucks
 from dummydesign.resin.puck_test.plates import LUBRICATED, read_plates
 
@@ -236,7 +236,7 @@ def read(batch: Batch, plates: str, declared: str, files: Sequence[Path]) -> Row
     """Add the puck to the paper's resin and compare what results with the batch."""
     began = time.process_time()
     size = DIAMETER_MM + batch.gauge_mm[0], HEIGHT_MM + batch.gauge_mm[1]
-    done: Compressed = add_compression(
+    done = add_compression(
         files, *size, "batch", batch.ratio, "polyurethane-nagoya", replace_own=True, friction=declared or None
     )
     resin = load_resin("batch")
@@ -254,19 +254,19 @@ def read(batch: Batch, plates: str, declared: str, files: Sequence[Path]) -> Row
         if len(resin.arms) == len(truth)
         else [False]
     )
-    own = done.young_kPa
+    own = done["young_kPa"]
     return Row(
         plates,
         declared,
         batch.young_kPa,
         young.low <= batch.young_kPa <= young.high,
         0.5 * math.log(young.high / young.low),
-        own.low <= batch.young_kPa <= own.high,
-        0.5 * math.log(own.high / own.low),
+        own["low"] <= batch.young_kPa <= own["high"],
+        0.5 * math.log(own["high"] / own["low"]),
         bool(low <= batch.strength <= high),
         0.5 * math.log(high / low),
         float(np.mean(arms)),
-        any(one["code"] == "plates_doubted" for one in done.warnings),
+        any(one["code"] == "plates_doubted" for one in done["warnings"]),
         spent,
     )
 

@@ -13,6 +13,7 @@ from dummydesign.core.serialise import Serialised
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.verdict import PEAK, deviations, ranges_of
 from dummydesign.design.test_conditions import beyond_people
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.mold.pour.plan import WITNESS_MM
 
 if TYPE_CHECKING:
@@ -95,23 +96,42 @@ def _puck_helps(answer: Suggestion) -> bool:
 def _pad(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     """Cast the pad, press it by a campaign and compare it with the subjects."""
     made, best = _mould(answer), answer.best
+    sheet = [] if _written(inputs) else [Step("make its mould and pour sheet", mould_command(answer))]
     hours = None if made.printing_h is None else made.printing_h + _curing_h(answer)
     given = {**inputs, "resin": str(inputs["resin"]), "condition": _typed_condition(inputs)}
     shape = "" if best.shape.plain else f" --shape {shlex.quote(str(best.shape))}"
+    contact = f" --contact {given['condition']}" if given["condition"] else ""
     planned = (
         f"dummydesign campaign new {CAMPAIGN} --resin {shlex.quote(given['resin'])} --ratio {best.ratio:g} "
-        f"--pads {best.thickness_mm:g}{shape}{command_words(Request, given, ('pad_mm', 'base', *TEST))}"
+        f"--pads {best.thickness_mm:g}{shape}{command_words(Request, given, ('pad_mm', 'base', *TEST))}{contact}"
     )
-    planned += f" --contact {given['condition']}" if given["condition"] else ""
-    compared = f"dummydesign compare {CAMPAIGN}/*.csv --tissue {shlex.quote(given['tissue'])}"
-    compared += command_words(Request, given, (*TEST, "condition", "deceleration_mm_s2"))
+    words = command_words(Request, given, (*TEST, "condition", "deceleration_mm_s2"))
     return [
+        *sheet,
         Step("cast the pad by its pour sheet", None, hours, {"silicone": made.silicone_g, "resin": made.resin_g}),
         # a campaign knows no punch of two sides
         Step("plan its presses", None if given["punch"].startswith("rectangle") else planned),
         Step(f"press in the order of its sheet; save each trace under its name in {CAMPAIGN}", None, PRESSING_H),
-        Step("compare it with the subjects", compared),
+        Step(
+            "compare it with the subjects",
+            f"dummydesign compare {CAMPAIGN}/*.csv --tissue {shlex.quote(given['tissue'])}{words}",
+        ),
     ]
+
+
+def mould_command(answer: Suggestion) -> str:
+    """The command that makes the mould of the recommended pad."""
+    best, request = answer.best, answer.request
+    words = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {shlex.quote(request.resin)}"
+    words += f" --ratio {best.ratio:g} --shape {shlex.quote(str(answer.shape))}"
+    if request.pad_mm != (PAD_LENGTH_MM, PAD_WIDTH_MM):
+        words += " --length {:g} --width {:g}".format(*request.pad_mm)
+    return words + (f" --preset {shlex.quote(request.preset)}" if request.preset != "open" else "")
+
+
+def _written(inputs: Mapping[str, Any]) -> Any:
+    """The folder in which mould and pour sheet were written; nothing where they were not."""
+    return inputs.get("out") if inputs.get("cad") else None
 
 
 def _typed_condition(inputs: Mapping[str, Any]) -> str | None:
@@ -130,21 +150,19 @@ def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     take = ring_cost(*WITNESS_MM, resin=str(inputs["resin"]), ratio=ratio)
     # not the resin's own name
     batch = BATCH if answer.resin.name != BATCH else f"{BATCH}-2"
-    wait = _curing_h(answer)
     speeds = " and ".join(f"{speed:g}" for speed in SPEEDS_MM_S)
-    named = f"--resin {shlex.quote(inputs['resin'])} --ratio {ratio:g}"
     added = command(trace_names(size), diameter, height, ratio, shlex.quote(inputs["resin"]), batch)
     return [
         Step(
             f"print the ring of a puck ({diameter} mm diameter, {height} mm high)",
-            f"dummydesign mold --puck {size} {named}",
+            f"dummydesign mold --puck {size} --resin {shlex.quote(inputs['resin'])} --ratio {ratio:g}",
             take.printing_h,
             {"filament": take.filament_g},
         ),
         Step(
             f"cast the puck at ratio {ratio:g}; press it at {speeds} mm/s, 10 s hold",
             None,
-            wait + PRESSING_H,
+            _curing_h(answer) + PRESSING_H,
             {"resin": take.resin_g},
         ),
         Step("read the puck", added),
@@ -155,10 +173,9 @@ def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
 def _search_again(inputs: Mapping[str, Any], batch: str) -> str:
     """The command of the next search: of the same mould where one was made."""
     given = {**inputs, "condition": _typed_condition(inputs)}
-    folder = given.get("mould") or (given.get("out") if given.get("cad") else None)
+    folder = given.get("mould") or _written(given)
     names = TYPED_AGAIN if folder else (*TYPED_AGAIN, *SEARCHED_AGAIN)
-    words = command_words(Request, given, names)
-    words += f" --mould {shlex.quote(str(folder))}" if folder else ""
+    words = command_words(Request, given, names) + (f" --mould {shlex.quote(str(folder))}" if folder else "")
     return f"dummydesign suggest --tissue {shlex.quote(given['tissue'])}{words} --resin {batch}"
 
 
@@ -171,10 +188,9 @@ def paths_of(answer: Suggestion) -> list[PadPath]:
 
     pad, poured, after = _mould(answer), answer.shares.as_poured.usable, answer.shares.after_puck.usable
     ring, wait = ring_cost(*WITNESS_MM, resin=answer.request.resin, ratio=answer.best.ratio), _curing_h(answer)
-    printing, kept = pad.printing_h, answer.request.mould is not None
+    kept = answer.request.mould is not None
+    printing = 0.0 if kept else pad.printing_h
     grams = {"silicone": 0.0 if kept else pad.silicone_g, "resin": pad.resin_g}
-    if kept:
-        printing = 0.0
     # the pad's mould is printed while the puck cures, and is the same for every batch
     known_h = max(ring.printing_h + wait + PRESSING_H, printing or 0.0)
     filament = 0.0 if kept else pad.filament_g or 0.0
@@ -211,7 +227,7 @@ def why_red(answer: Suggestion) -> str:
     readings = answer.best.readings
     missing = ~np.isfinite(readings.peak_N)
     if missing.any():
-        force = float(ranges.force_N[missing].min())
+        force = ranges.force_N[missing].min()
         return f"{force:g} N is out of reach: the gel bottoms out; a stiffer resin, or a thicker pad (--thickness)"
     differences = deviations(ranges, readings)
     low, high = (limits.stands_shortfall, np.inf) if ranges.strict else (limits.shortfall, limits.over)
@@ -254,8 +270,8 @@ def _relaxation(
     whose: str,
 ) -> str:
     """Peak over steady of subject and pad, and by how much the resin would have to relax otherwise."""
-    wanted, own = subject_N / limit / force_N, pad_N / force_N
-    factor = (wanted - 1.0) / max(own - 1.0, 1e-9)
+    own = pad_N / force_N
+    factor = (subject_N / limit / force_N - 1.0) / max(own - 1.0, 1e-9)
     than = f"{factor:.1f} times as much" if factor > 0.0 else "not at all"
     return (
         f"the resin relaxes too {word}: at {force_N:g} N, {speed_mm_s:g} mm/s {whose} is "

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,14 +12,13 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.design.assessment.decision import ShapeComparison, low_force
 from dummydesign.design.assessment.pad_castings import PadCastings, PourYield, Shares
-from dummydesign.design.next_steps import next_steps, paths_of
+from dummydesign.design.next_steps import mould_command, next_steps, paths_of
 from dummydesign.design.problem import recipe_and_batch, recipe_of_pour
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import GROUPS
 from dummydesign.design.scoring.people import shares_below
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import TOLERANCE, Verdict
-from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
 
 if TYPE_CHECKING:
@@ -262,16 +260,6 @@ def _low_force(candidate: DesignCandidate, targets: Targets) -> list[dict[str, A
     names = ("force_N", "depth_mm", "tissue_depth_low_mm", "tissue_depth_high_mm")
     stiff, soft = targets.depth_range_mm(np.array(forces))
     return [to_plain(dict(zip(names, row))) for row in zip(forces, depths, stiff, soft)]
-
-
-def mould_command(answer: Suggestion) -> str:
-    """The command that makes the mould of the recommended pad."""
-    best, request = answer.best, answer.request
-    words = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {quote(request.resin)}"
-    words += f" --ratio {best.ratio:g} --shape {quote(str(answer.shape))}"
-    if request.pad_mm != (PAD_LENGTH_MM, PAD_WIDTH_MM):
-        words += " --length {:g} --width {:g}".format(*request.pad_mm)
-    return words + (f" --preset {quote(request.preset)}" if request.preset != "open" else "")
 
 
 def make_mould(answer: Suggestion, folder: Path) -> dict[str, Any]:

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import output_folder
 from dummydesign.core.quantity import Quantity
-from dummydesign.core.serialise import Serialised
-from dummydesign.core.user_library import make_room, user_folder
+from dummydesign.core.user_library import make_room
 from dummydesign.resin.model.hardness import SHORE_00, SHORE_A, hardness_law
 from dummydesign.resin.model.modulus_laws import LAWS
-from dummydesign.resin.model.resin import Liquid, Resin, ResinArm, save_resin
-from dummydesign.resin.model.resin_file import DEFAULT, KIND, load_resin
-from dummydesign.resin.update.modulus import base_numbers, base_title
+from dummydesign.resin.model.resin import Liquid, Resin, ResinArm
+from dummydesign.resin.model.resin_file import DEFAULT, KIND, load_resin, save_resin
+from dummydesign.resin.update.modulus import without_points
 
 RELAXES_LITTLE = "ecoflex-00-30"
 """Of the built-in resins the one that relaxes least; the polyurethane relaxes most."""
@@ -24,27 +22,16 @@ DOUBT = 2.0
 """Factor by which strengths of relaxation taken from another resin may be wrong: assumed."""
 
 
-@dataclass(frozen=True)
-class FromHardness(Serialised):
-    """The resin that was made: its modulus at ``ratio``, the base whose law it has (None: one fixed mix)."""
-
-    name: str
-    shore: dict[str, Any]
-    base: str | None
-    ratio: float
-    young_kPa: Quantity
-    warnings: tuple[dict[str, str], ...]
-    files: dict[str, str]
-
-
 def add_hardness(
     name: str,
     shore_00: float | None = None,
     shore_a: float | None = None,
     base: str | None = None,
     replace_own: bool = False,
-) -> FromHardness:
+) -> dict[str, Any]:
     """Make a resin of a supplier's Shore value and keep it in the user's own folder.
+
+    The answer has plain values: the modulus at ``ratio``, and the ``base`` (None: one fixed mix).
 
     With a base its law of the ratio is kept and moved to the modulus at its reference ratio; relaxation and liquid
     properties are the base's, with doubt. Without one the resin has one fixed mix, and its relaxation lies anywhere
@@ -76,7 +63,7 @@ def add_hardness(
     resin = _moved(load_resin(base), young) if base is not None else _fixed(young)
     stated = f"Shore {scale} {shore:g}"
     resin = replace(resin, name=name, title=f"{resin.title}, {stated} as stated by its supplier", origin="user")
-    path = save_resin(resin, output_folder(user_folder() / KIND) / f"{name}.toml")
+    path = save_resin(resin)
     factor = max(young.high / young.value, young.value / young.low)
     warnings = [
         {
@@ -86,27 +73,22 @@ def add_hardness(
         },
         *shadowed,
     ]
-    return FromHardness(
-        name,
-        {"scale": scale, "value": shore},
-        base,
-        resin.relaxation_ratio_ref,
-        young,
-        tuple(warnings),
-        {"resin": str(path)},
-    )
-
-
-def reference_ratio(resin: Resin) -> float:
-    """Ratio at which the law's own modulus, its first number, holds: its reference, or 0 where it has none."""
-    return resin.central.get("ratio_ref", 0.0)
+    return {
+        "name": name,
+        "shore": {"scale": scale, "value": shore},
+        "base": base,
+        "ratio": resin.relaxation_ratio_ref,
+        "young_kPa": young.to_dict(),
+        "warnings": warnings,
+        "files": {"resin": str(path)},
+    }
 
 
 def _moved(base: Resin, young: Quantity) -> Resin:
     """The base with its law's modulus replaced; what its own points and pucks said is left out."""
-    numbers = base_numbers(base)
-    scale = base.law.parameters[0]
-    arms, ratio_ref = base.prior_relaxation or (base.arms, base.relaxation_ratio_ref)
+    origin = without_points(base)
+    # the law's first number is its modulus at its reference, or at 0 where it has none
+    at = base.central.get("ratio_ref", 0.0)
     taken = f"taken from resin {base.name}, not of this product"
     kept = tuple(
         ResinArm(
@@ -119,27 +101,19 @@ def _moved(base: Resin, young: Quantity) -> Resin:
                 f"{taken}, a factor of {DOUBT:g} wider: {arm.beta.source}",
             ),
         )
-        for arm in arms
+        for arm in origin.arms
     )
-    at = reference_ratio(base)
     return replace(
-        base,
-        title=base_title(base),
-        numbers={**numbers, scale: young},
+        origin,
+        numbers={**origin.numbers, base.law.parameters[0]: young},
         arms=kept,
-        relaxation_ratio_ref=ratio_ref,
         properties={
             key: replace(one, kind="assumed", source=f"{taken}: {one.source}") for key, one in base.properties.items()
         },
         notes=(
-            f"Made from a Shore value: the modulus is put to ratio {at:g}, the law of the ratio, relaxation and "
-            f"liquid properties are those of {base.name}.",
+            f"Made from a Shore value: the modulus is put to ratio {at:g}, the law of the ratio, "
+            f"relaxation and liquid properties are those of {base.name}.",
         ),
-        points=(),
-        posterior=None,
-        prior_numbers=None,
-        prior_relaxation=None,
-        contradictions=(),
         joint_relaxation=None,
     )
 

@@ -24,8 +24,8 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
 from dummydesign.core.user_library import data_folder
 from dummydesign.inference.least_squares import CHI_SQUARE_95
-from dummydesign.pad.tables.puck import DIAMETER_MM, HEIGHT_MM, load_puck_table
-from dummydesign.resin.puck_test.loading_fit import LoadingCurve, PuckFit, fit_pucks
+from dummydesign.pad.tables.puck import DIAMETER_MM, HEIGHT_MM, friction_of, load_puck_table
+from dummydesign.resin.puck_test.loading_fit import LoadingCurve, LoadingFit, fit_pucks
 
 Array = np.ndarray
 
@@ -42,12 +42,66 @@ DATA_SET = (
 
 
 @dataclass(frozen=True)
+class BatchFit:
+    """What the curves of one batch say; intervals are 95 %.
+
+    Whatever friction keeps the mean square misfit below its minimum + 3.84 s^2 / pucks belongs to the interval.
+    ``friction`` is infinite for plates that hold the faces (bonded), ``profile`` what each friction would make of the
+    batch: (friction, young_kPa, chi square above the best).
+    """
+
+    young_kPa: float
+    young_low_kPa: float
+    young_high_kPa: float
+    alpha: float
+    friction: float
+    friction_low: float
+    friction_high: float
+    offsets_mm: Array
+    young_frictionless_kPa: float
+    young_bonded_kPa: float
+    rmse: float
+    rmse_frictionless: float
+    scatter: float
+    profile: tuple[tuple[float, float, float], ...]
+
+    @classmethod
+    def of(cls, fit: LoadingFit, pucks: int) -> BatchFit:
+        """Read the profile of a fit of some pucks."""
+        best = min(fit.profile, key=lambda one: one.mean_square)
+        kept = [one for one, excess in zip(fit.profile, fit.excess) if excess <= CHI_SQUARE_95]
+        logs = [one.parameters[0] for one in kept]
+        # one puck's modulus differs from another's: the mean of all is known to this
+        around = float(np.sqrt(CHI_SQUARE_95 * fit.variance))
+        profile = tuple(
+            (friction_of(one.grip), float(np.exp(one.parameters[0])), float(excess))
+            for one, excess in zip(fit.profile, fit.excess)
+        )
+        return cls(
+            young_kPa=float(np.exp(best.parameters[0])),
+            young_low_kPa=float(np.exp(min(logs) - around)),
+            young_high_kPa=float(np.exp(max(logs) + around)),
+            alpha=best.parameters[1],
+            friction=friction_of(best.grip),
+            friction_low=friction_of(kept[0].grip),
+            friction_high=friction_of(kept[-1].grip),
+            offsets_mm=best.parameters[2:] * HEIGHT_MM,
+            young_frictionless_kPa=profile[0][1],
+            young_bonded_kPa=profile[-1][1],
+            rmse=fit.misfit,
+            rmse_frictionless=float(np.sqrt(fit.profile[0].mean_square)),
+            scatter=float(np.sqrt(fit.variance * pucks - best.mean_square)),
+            profile=profile,
+        )
+
+
+@dataclass(frozen=True)
 class Mixture:
     """One mixture: family code, parts of thinner per 100 A+B, and what its curves say."""
 
     family: str
     thinner: float
-    fit: PuckFit
+    fit: BatchFit
 
     @property
     def log_spread(self) -> float:
@@ -109,10 +163,11 @@ def read_curves(path: Path) -> dict[tuple[str, float], list[LoadingCurve]]:
 def fit_mixtures(curves: dict[tuple[str, float], list[LoadingCurve]]) -> list[Mixture]:
     """Fit every mixture."""
     table = load_puck_table()
-    return [
-        Mixture(family, thinner, fit_pucks(batch, DIAMETER_MM, HEIGHT_MM, table, WINDOW_MM))
-        for (family, thinner), batch in curves.items()
-    ]
+    mixtures = []
+    for (family, thinner), batch in curves.items():
+        fit = fit_pucks(batch, DIAMETER_MM, HEIGHT_MM, table, WINDOW_MM)
+        mixtures.append(Mixture(family, thinner, BatchFit.of(fit, len({curve.puck for curve in batch}))))
+    return mixtures
 
 
 def _line(mixtures: list[Mixture]) -> tuple[Array, Array, float]:
@@ -231,7 +286,7 @@ def moduli_text(mixtures: list[Mixture]) -> str:
     )
     lines = [",".join(("family", "thinner_per_100", *columns, "offset_low_mm", "offset_high_mm"))]
     for m in mixtures:
-        offsets = m.fit.offset_mm.values()
+        offsets = m.fit.offsets_mm
         values = [f"{getattr(m.fit, column):.4g}" for column in columns]
         lines.append(
             ",".join([FAMILIES[m.family], f"{m.thinner:g}", *values, f"{min(offsets):.3f}", f"{max(offsets):.3f}"])

@@ -4,15 +4,19 @@ import dataclasses
 import shlex
 import subprocess
 import sys
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from dummydesign.cli import run
 from dummydesign.cli.commands import loop
 from dummydesign.cli.entry import parser_of
 from dummydesign.cli.text import WIDTH, labelled, step_lines
+from dummydesign.design import next_steps
 from dummydesign.design.next_steps import _search_again
 from dummydesign.design.request import Request
+from tests.support.typed_lines import TypedLine, complaints
 
 DEFAULTS = {one.name: one.default for one in dataclasses.fields(Request)}
 ASKED = {
@@ -46,6 +50,57 @@ def test_a_mould_that_was_made_is_kept_and_nothing_of_its_pad_is_asked_again():
     typed = vars(parser_of("suggest").parse_args(shlex.split(command)[2:]))
     assert typed["mould"] == "my pads/palm" and typed["thickness_mm"] is None and typed["resin"] == "my-batch"
     assert _search_again(suggested({"tissue": "palm"}), "b") == "dummydesign suggest --tissue palm --resin b"
+
+
+def drawn(rng, answers):
+    """What was asked of a drawn search, and an answer to it."""
+
+    def one(*values):
+        return values[rng.integers(len(values))]
+
+    cad, mould = one(True, False), one(None, "my moulds/palm")
+    asked = {
+        "tissue": one("palm", "forefinger"),
+        "resin": one("polyurethane-nagoya", "ecoflex-00-30"),
+        "shape": one("auto", "slab"),
+        "punch": one("14", "round:10", "rectangle:10x20"),
+        "force_N": one((5.0, 10.0), (2.0,)),
+        "velocity_mm_s": one((10.0, 250.0), (50.0,)),
+        "pad_mm": one((150.0, 120.0), (80.0, 60.0)),
+        "condition": one("bonded", "frictionless"),
+        "preset": one("open", "lidded"),
+        "deceleration_mm_s2": one(None, 9000.0),
+        "mould": mould,
+        "cad": cad,
+    }
+    asked |= one({}, {"out": "my pads/palm"})
+    level = one("stands_for", "usable_with_correction", "not_settled")
+    return suggested(asked), answers.answer(level, measured=one(True, False), mould=mould)
+
+
+def test_steps_of_drawn_searches_can_be_typed_and_name_no_file_that_nothing_writes(monkeypatch):
+    """200 combinations of options: a pour sheet was written by the answer, or the step before writes it."""
+    from tests.design import test_hours_of_steps as answers
+
+    answers._known_hours.__wrapped__(monkeypatch)
+    monkeypatch.setattr(next_steps, "_search_again", _search_again)
+    rng = np.random.default_rng(58)
+    kinds = set()
+    for _ in range(200):
+        inputs, answer = drawn(rng, answers)
+        answer.request = SimpleNamespace(
+            **{**vars(answer.request), "resin": inputs["resin"], "pad_mm": inputs["pad_mm"], "preset": inputs["preset"]}
+        )
+        steps = next_steps.next_steps(answer, inputs)
+        lines = [TypedLine("NEXT", step.command.removeprefix("dummydesign ")) for step in steps if step.command]
+        assert [complaints(line, ("my-batch",)) for line in lines] == [[]] * len(lines)
+        words = [step.do for step in steps]
+        if "cast the pad by its pour sheet" in words:
+            written = bool(inputs["cad"] and inputs.get("out"))
+            before = steps[words.index("cast the pad by its pour sheet") - 1]
+            assert written != (before.command or "").startswith("dummydesign mold --thickness")
+            kinds.add(written)
+    assert kinds == {True, False}
 
 
 @pytest.mark.slow

@@ -41,11 +41,15 @@ def answer(level, poured=0.875, mould=None, measured=False, known=0.25, need_non
         problem=SimpleNamespace(tissue=None),
         resin=SimpleNamespace(name="r", measured=measured),
         shares=SimpleNamespace(as_poured=as_poured, resin_known=SimpleNamespace(stands_for=known), after_puck=after),
-        request=SimpleNamespace(resin="r", mould=mould, protocol=SimpleNamespace(forces_N=(5.0,))),
+        shape="crowned:21.2,2,9.4",
+        request=SimpleNamespace(
+            resin="r", mould=mould, protocol=SimpleNamespace(forces_N=(5.0,)), pad_mm=(150.0, 120.0), preset="open"
+        ),
     )
 
 
 INPUTS = {**{one.name: one.default for one in fields(Request)}, "tissue": "palm", "resin": "r", "condition": "bonded"}
+INPUTS["out"] = "suggest-palm"
 
 
 def test_a_settled_pad_is_cast_and_pressed_in_half_an_hour():

@@ -172,7 +172,7 @@ def test_the_ratio_for_a_mould_follows_the_resin_and_its_modulus_does_not(mould,
     from dataclasses import replace
 
     from dummydesign.core.quantity import Quantity
-    from dummydesign.resin.model.resin import save_resin
+    from dummydesign.resin.model.resin_file import save_resin
 
     mould()
     resin = load_resin(RESIN)

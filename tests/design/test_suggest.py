@@ -12,7 +12,8 @@ from dummydesign.design.request import Request
 from dummydesign.design.suggest import design
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.modulus_laws import LAWS
-from dummydesign.resin.model.resin import Liquid, save_resin
+from dummydesign.resin.model.resin import Liquid
+from dummydesign.resin.model.resin_file import save_resin
 from tests.support.refusal import raises_code
 from tests.support.slab_by_formula import make_tissue
 

@@ -8,7 +8,8 @@ import pytest
 
 from dummydesign.cli.entry import run
 from dummydesign.core.quantity import Quantity
-from dummydesign.core.user_library import user_folder
+from dummydesign.core.toml_schema import read_table
+from dummydesign.core.user_library import data_folder, user_folder
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.mold.model.preset import mould_spec
@@ -18,6 +19,12 @@ from dummydesign.resin.from_hardness import add_hardness
 from dummydesign.resin.model.hardness import CHANGE_00, expected_hardness, hardness_law
 from dummydesign.resin.model.resin_file import KIND
 from tests.support.refusal import raises_code
+
+
+def known_products():
+    """Shore 00 and modulus of the products that the law is fitted to."""
+    table = read_table(data_folder() / "materials" / "hardness.toml").table("shore_00")
+    return [(one.number("shore"), one.quantity("young_kPa")) for one in table.tables("point")]
 
 
 @pytest.fixture(autouse=True)
@@ -51,7 +58,7 @@ def test_the_factor_of_the_ball_and_its_scatter_follow_from_the_points():
     from scipy.stats import t
 
     law = hardness_law()
-    logs = np.log([young.value / float(law.hertz_kPa(shore)) for shore, young in law.known])
+    logs = np.log([young.value / float(law.hertz_kPa(shore)) for shore, young in known_products()])
     half = t.ppf(0.975, len(logs) - 1) * logs.std(ddof=1) * math.sqrt(1 + 1 / len(logs))
     assert law.factor.value == pytest.approx(math.exp(logs.mean()), rel=2e-3)
     assert law.factor.low == pytest.approx(math.exp(logs.mean() - half), rel=2e-3)
@@ -60,7 +67,7 @@ def test_the_factor_of_the_ball_and_its_scatter_follow_from_the_points():
 
 def test_every_known_product_is_inside_the_interval_of_its_hardness():
     law = hardness_law()
-    for shore, young in law.known:
+    for shore, young in known_products():
         stated = law.modulus(shore, "00")
         assert stated.low < young.value < stated.high
     # Vulkollan of Shore A 65: about 5 MPa (a supplier's page)
@@ -94,19 +101,19 @@ def test_an_uncertain_modulus_widens_the_reading_and_a_liquid_one_is_zero():
 def test_a_fixed_mix_is_kept_with_one_ratio_and_can_be_designed_and_poured_with():
     made = add_hardness("gel", shore_00=30.0)
     resin = load_resin("gel")
-    assert resin.ratio_min == resin.ratio_max == made.ratio and list(resin.ratios()) == [made.ratio]
-    young = resin.modulus_kPa(made.ratio)
-    assert young.value == pytest.approx(made.young_kPa.value)
-    assert young.low == pytest.approx(made.young_kPa.low, rel=0.1)
-    assert young.high == pytest.approx(made.young_kPa.high, rel=0.1)
-    assert resin.log_slope(made.ratio) == 0.0 and len(explain(resin)["curve"]) == 1
-    assert [one.mass_g for one in resin.recipe(made.ratio, 50.0)] == [50.0]
+    assert resin.ratio_min == resin.ratio_max == made["ratio"] and list(resin.ratios()) == [made["ratio"]]
+    young = resin.modulus_kPa(made["ratio"])
+    assert young.value == pytest.approx(made["young_kPa"]["value"])
+    assert young.low == pytest.approx(made["young_kPa"]["low"], rel=0.1)
+    assert young.high == pytest.approx(made["young_kPa"]["high"], rel=0.1)
+    assert resin.log_slope(made["ratio"]) == 0.0 and len(explain(resin)["curve"]) == 1
+    assert [one.mass_g for one in resin.recipe(made["ratio"], 50.0)] == [50.0]
     assert {arm.beta.kind for arm in resin.arms} == {"assumed"}
     inputs = read_problem(Request(tissue="forefinger", resin="gel", shape="slab"))
-    assert list(inputs.ratio) == [made.ratio]
-    pour = mould_spec(8.0, 60.0, 50.0, "open", resin, made.ratio).pour
-    assert pour.hardness == expected_hardness(resin, made.ratio).text
-    hard = expected_hardness(resin, made.ratio)  # as sure as the value it is from: 5 points
+    assert list(inputs.ratio) == [made["ratio"]]
+    pour = mould_spec(8.0, 60.0, 50.0, "open", resin, made["ratio"]).pour
+    assert pour.hardness == expected_hardness(resin, made["ratio"]).text
+    hard = expected_hardness(resin, made["ratio"])  # as sure as the value it is from: 5 points
     assert (hard.scale, hard.value) == ("00", pytest.approx(30.0, abs=0.1))
     assert 4.9 < hard.value - hard.low < 6.0 and 4.9 < hard.high - hard.value < 6.0
     with raises_code("out_of_range"):
@@ -118,7 +125,7 @@ def test_the_law_of_a_base_is_moved_to_the_modulus_at_its_reference(base):
     made = add_hardness("moved", shore_00=45.0, base=base)
     old, new = load_resin(base), load_resin("moved")
     at = old.central.get("ratio_ref", 0.0)
-    assert 1e3 * new.young_MPa(at) == pytest.approx(made.young_kPa.value)
+    assert 1e3 * new.young_MPa(at) == pytest.approx(made["young_kPa"]["value"])
     ratios = np.linspace(old.ratio_min, old.ratio_max, 9)
     shift = new.young_MPa(ratios) / old.young_MPa(ratios)
     np.testing.assert_allclose(shift, shift[0])
@@ -140,7 +147,7 @@ def test_a_base_with_points_of_its_own_gives_its_law_alone():
     made = add_hardness("second", shore_00=30.0, base="batch")
     resin = load_resin("second")
     assert not resin.points and resin.posterior is None
-    assert 1e3 * resin.young_MPa(15.0) == pytest.approx(made.young_kPa.value)
+    assert 1e3 * resin.young_MPa(15.0) == pytest.approx(made["young_kPa"]["value"])
 
 
 def test_a_fixed_modulus_over_a_range_of_ratios_is_refused():

@@ -147,7 +147,7 @@ def _add_compression(options: argparse.Namespace) -> dict[str, Any]:
     }
     done = add_compression(**given, base=options.resin, replace_own=options.replace)
     inputs = {"action": "add-compression", **given, "resin": options.resin}
-    return {"inputs": inputs, "sources": [done.young_kPa.source], **done.to_dict()}
+    return {"inputs": inputs, "sources": [done["young_kPa"]["source"]], **done}
 
 
 def _add_hardness(options: argparse.Namespace) -> dict[str, Any]:
@@ -156,7 +156,7 @@ def _add_hardness(options: argparse.Namespace) -> dict[str, Any]:
     given = {"name": options.name, "shore_00": options.shore_00, "shore_a": options.shore_a}
     done = add_hardness(**given, base=options.resin, replace_own=options.replace)
     inputs = {"action": "add-hardness", **given, "resin": options.resin}
-    return {"inputs": inputs, "sources": [done.young_kPa.source], **done.to_dict()}
+    return {"inputs": inputs, "sources": [done["young_kPa"]["source"]], **done}
 
 
 def render(result: dict[str, Any]) -> str:

@@ -177,7 +177,7 @@ def verdict_of_design(cast: PadCastings, beyond: float = 1.0) -> Verdict:
         known=cast.resin_known,
         limits=space.targets.limits,
         beyond=beyond,
-        measure="the cast pad" if space.resin.measured else "one puck of the batch",
+        measure="the cast pad" if space.resin.measured else "one puck",
         after_puck=None if space.resin.measured else cast.after_puck,
     )
 

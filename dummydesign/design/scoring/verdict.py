@@ -308,7 +308,7 @@ def verdict(
         "" if castings is None or far else _casting_words(castings, words_known, puck, level, limits, strict, of),
         _ending(level, correction, unsettled, castings is not None, over.central if spread is None else over_95),
     ]
-    words = f"{level_name(level)}: {measure}" if measure and level == "not_settled" else level_name(level)
+    words = f"Measure {measure} first" if measure and level == "not_settled" else level_name(level)
     reached = np.isfinite(readings.peak_N)
     return Verdict(
         level,

@@ -83,7 +83,6 @@ class HardnessLaw:
     laws_a: tuple[_ShoreA, ...]
     between_products_a: float
     points: float
-    known: tuple[tuple[float, Quantity], ...]
 
     def hertz_kPa(self, shore: ArrayLike) -> NDArray:
         """Modulus by Hertz contact of the Shore 00 ball: 9 F / (16 sqrt(R) d^1.5). [kPa]"""
@@ -224,7 +223,6 @@ def _read(path: Path, changed_ns: int) -> HardnessLaw:
     radius, travel, first, rise = (ball.quantity(name).value for name in numbers[:-1])
     ranges = {scale: (one.number("lowest", low=0.0, high=99.0), one.number("highest", low=0.0, high=99.0))
               for scale, one in ((SHORE_00, ball), (SHORE_A, cone))}  # fmt: skip
-    points = tuple((one.number("shore"), one.quantity("young_kPa")) for one in ball.tables("point"))
     return HardnessLaw(
         ranges,
         radius,
@@ -234,7 +232,6 @@ def _read(path: Path, changed_ns: int) -> HardnessLaw:
         tuple(map(_law, cone.tables("law"))),
         scatter.quantity("between_products_a").value,
         scatter.quantity("points").value,
-        points,
     )
 
 

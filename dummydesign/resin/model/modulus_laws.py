@@ -1,13 +1,13 @@
-"""Laws of the long-term modulus against the mixing ratio; one class a law, one line in :data:`LAWS`.
+"""Laws of the long-term modulus against the mixing ratio; plain functions, one line in :data:`LAWS` each.
 
-A law is a frozen object without numbers of its own: its parameters come as a mapping of name to value or
-to an array of draws, so that one formula serves the central curve, the posterior and the update.
+A law has no numbers of its own: its parameters come as a mapping of name to value or to an array of draws, so that
+one formula serves the central curve, the posterior and the update.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Protocol
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,36 +17,39 @@ from dummydesign.core.errors import out_of_range
 Parameters = Mapping[str, ArrayLike]
 
 
-class ModulusLaw(Protocol):
-    """What every law of the modulus offers.
+@dataclass(frozen=True)
+class ModulusLaw:
+    """A law: its name, its parameters (unit in the name), and formulas that take these after their first argument.
 
-    ``parameters`` names its numbers (unit in the name), ``direction`` is +1 when the modulus grows with
-    the ratio and -1 when it falls.
+    ``direction`` is +1 when the modulus grows with the ratio and -1 when it falls. ``modulus`` maps a ratio to kPa,
+    ``inverse`` back; ``makes_sense`` tells where the parameters do from a lowest ratio upwards.
     """
 
     name: str
     parameters: tuple[str, ...]
     direction: int
+    modulus: Callable[..., NDArray]
+    inverse: Callable[..., NDArray]
+    makes_sense: Callable[..., NDArray]
 
     def young_kPa(self, ratio: ArrayLike, parameters: Parameters) -> NDArray:
         """Long-term Young's modulus [kPa]; ``ratio`` and parameters broadcast."""
-        ...
+        return self.modulus(np.asarray(ratio, float), *self._values(parameters))
 
     def ratio(self, young_kPa: ArrayLike, parameters: Parameters) -> NDArray:
-        """Ratio that gives a modulus, the inverse of :meth:`young_kPa`."""
-        ...
+        """Ratio that gives a modulus, the inverse of :meth:`young_kPa`; NaN where none does."""
+        return self.inverse(np.asarray(young_kPa, float), *self._values(parameters))
 
     def valid(self, lowest_ratio: float, parameters: Parameters) -> NDArray:
         """Tell where the parameters make sense from ``lowest_ratio`` upwards."""
-        ...
+        return self.makes_sense(lowest_ratio, *self._values(parameters))
+
+    def _values(self, parameters: Parameters) -> list[NDArray]:
+        return [np.asarray(parameters[name], float) for name in self.parameters]
 
 
-def _arrays(parameters: Parameters, names: tuple[str, ...]) -> list[NDArray]:
-    return [np.asarray(parameters[name], float) for name in names]
-
-
-class GelPoint:
-    """Network below stoichiometry: E = E_ref ((r - r_c) / (r_ref - r_c))^t, zero at the gel point r_c.
+def _gel_young(ratio: NDArray, young_ref: NDArray, ref: NDArray, share: NDArray, exponent: NDArray) -> NDArray:
+    """Network below stoichiometry: E = E_ref ((r - r_c) / (r_ref - r_c))^t, zero at the gel point r_c and below.
 
     Exponent t is 3 in mean field and about 1.7 to 2.7 in percolation.
 
@@ -55,79 +58,66 @@ class GelPoint:
     Stauffer, Coniglio and Adam, Adv. Polym. Sci. 44 (1982) 103 (modulus near the gel point);
     Macosko and Miller, Macromolecules 9 (1976) 199 (ideal network, mean field).
     """
-
-    name = "gel_point"
-    parameters: tuple[str, ...] = ("young_ref_kPa", "ratio_ref", "gel_ratio_over_ref", "exponent")
-    direction = 1
-
-    def young_kPa(self, ratio: ArrayLike, parameters: Parameters) -> NDArray:
-        """Return the modulus, which is zero below the gel point. [kPa]"""
-        young_ref, ref, share, exponent = _arrays(parameters, self.parameters)
-        gel = share * ref
-        return young_ref * (np.maximum(np.asarray(ratio, float) - gel, 0.0) / (ref - gel)) ** exponent
-
-    def ratio(self, young_kPa: ArrayLike, parameters: Parameters) -> NDArray:
-        """Return the ratio of a modulus."""
-        young_ref, ref, share, exponent = _arrays(parameters, self.parameters)
-        gel = share * ref
-        return gel + (ref - gel) * (np.asarray(young_kPa, float) / young_ref) ** (1.0 / exponent)
-
-    def valid(self, lowest_ratio: float, parameters: Parameters) -> NDArray:
-        """Tell where the gel point lies below the lowest ratio and below the reference."""
-        ref, share, exponent = _arrays(parameters, self.parameters[1:])
-        return (share * ref < lowest_ratio) & (share < 1.0) & (share > 0.0) & (exponent > 0)
+    gel = share * ref
+    return young_ref * (np.maximum(ratio - gel, 0.0) / (ref - gel)) ** exponent
 
 
-class PolymerFraction:
+def _gel_ratio(young: NDArray, young_ref: NDArray, ref: NDArray, share: NDArray, exponent: NDArray) -> NDArray:
+    gel = share * ref
+    return gel + (ref - gel) * (young / young_ref) ** (1.0 / exponent)
+
+
+def _gel_valid(lowest_ratio: float, _: NDArray, ref: NDArray, share: NDArray, exponent: NDArray) -> NDArray:
+    """Tell where the gel point lies below the lowest ratio and below the reference."""
+    return (share * ref < lowest_ratio) & (share < 1.0) & (share > 0.0) & (exponent > 0)
+
+
+def _fraction_young(ratio: NDArray, neat: NDArray, exponent: NDArray) -> NDArray:
     """Network thinned by an inert liquid: E = E_0 phi^n with phi = 100 / (100 + r), r parts of thinner.
 
     References
     ----------
     Obukhov, Rubinstein and Colby, Macromolecules 27 (1994) 3191 (modulus against polymer fraction).
     """
-
-    name = "polymer_fraction"
-    parameters: tuple[str, ...] = ("young_neat_kPa", "exponent")
-    direction = -1
-
-    def young_kPa(self, ratio: ArrayLike, parameters: Parameters) -> NDArray:
-        """Return the modulus. [kPa]"""
-        neat, exponent = _arrays(parameters, self.parameters)
-        return neat * (100.0 / (100.0 + np.asarray(ratio, float))) ** exponent
-
-    def ratio(self, young_kPa: ArrayLike, parameters: Parameters) -> NDArray:
-        """Return the ratio of a modulus."""
-        neat, exponent = _arrays(parameters, self.parameters)
-        return 100.0 * ((np.asarray(young_kPa, float) / neat) ** (-1.0 / exponent) - 1.0)
-
-    def valid(self, lowest_ratio: float, parameters: Parameters) -> NDArray:
-        """Tell where the exponent is positive."""
-        return np.asarray(parameters["exponent"], float) > 0
+    return neat * (100.0 / (100.0 + ratio)) ** exponent
 
 
-class Fixed:
+def _fraction_ratio(young: NDArray, neat: NDArray, exponent: NDArray) -> NDArray:
+    return 100.0 * ((young / neat) ** (-1.0 / exponent) - 1.0)
+
+
+def _fraction_valid(_: float, neat: NDArray, exponent: NDArray) -> NDArray:
+    return exponent > 0
+
+
+def _fixed_young(ratio: NDArray, young: NDArray) -> NDArray:
     """One mix with one modulus, for a product that is mixed at one ratio only."""
-
-    name = "fixed"
-    parameters: tuple[str, ...] = ("young_kPa",)
-    direction = 1
-
-    def young_kPa(self, ratio: ArrayLike, parameters: Parameters) -> NDArray:
-        """Return the modulus, the same at any ratio. [kPa]"""
-        (young,) = _arrays(parameters, self.parameters)
-        return young + np.zeros(np.shape(ratio))
-
-    def ratio(self, young_kPa: ArrayLike, parameters: Parameters) -> NDArray:
-        """Return NaN: no ratio gives another modulus."""
-        return np.full(np.shape(young_kPa), np.nan)
-
-    def valid(self, lowest_ratio: float, parameters: Parameters) -> NDArray:
-        """Tell where the modulus is positive."""
-        return np.asarray(parameters["young_kPa"], float) > 0
+    return young + np.zeros(np.shape(ratio))
 
 
-_ALL: tuple[ModulusLaw, ...] = (GelPoint(), PolymerFraction(), Fixed())
-LAWS: dict[str, ModulusLaw] = {law.name: law for law in _ALL}
+def _fixed_ratio(other: NDArray, young: NDArray) -> NDArray:
+    return np.full(np.shape(other), np.nan)
+
+
+def _fixed_valid(_: float, young: NDArray) -> NDArray:
+    return young > 0
+
+
+_ALL = (
+    ModulusLaw(
+        "gel_point",
+        ("young_ref_kPa", "ratio_ref", "gel_ratio_over_ref", "exponent"),
+        1,
+        _gel_young,
+        _gel_ratio,
+        _gel_valid,
+    ),
+    ModulusLaw(
+        "polymer_fraction", ("young_neat_kPa", "exponent"), -1, _fraction_young, _fraction_ratio, _fraction_valid
+    ),
+    ModulusLaw("fixed", ("young_kPa",), 1, _fixed_young, _fixed_ratio, _fixed_valid),
+)
+LAWS = {law.name: law for law in _ALL}
 """Known laws by the name used in resin files."""
 
 

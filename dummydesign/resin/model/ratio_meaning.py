@@ -1,4 +1,7 @@
-"""What a mixing ratio counts: by weight or by volume, to 100 parts of the other components or of the whole mix."""
+"""What words of a resin file say: what its ratio counts, and what the resin is as far as mould and cure depend on it.
+
+A ratio is by weight or by volume, to 100 parts of the other components or of the whole mix.
+"""
 
 from __future__ import annotations
 
@@ -95,3 +98,25 @@ def ratio_words(meaning: str, by: str) -> str:
     """The meaning with what it is measured by, where its own words do not name that."""
     named = (_VOLUME if by == "volume" else _WEIGHT).search(meaning)
     return meaning if named else f"{meaning}, by {by}"
+
+
+CHEMISTRIES = ("polyurethane", "platinum silicone", "tin silicone", "silicone", "gelatin", "other")
+"""Values of the key ``chemistry`` of a resin file."""
+
+_CHEMISTRY_WORDS = (
+    ("polyurethane", r"isocyanate|polyol|urethane"),
+    ("tin silicone", r"(\btin\b|tin[- ]cur|condensation).*silicon|silicon.*(\btin\b|tin[- ]cur|condensation)"),
+    (
+        "platinum silicone",
+        r"ecoflex|dragon\s?skin|(platinum|addition[- ]cur).*silicon|silicon.*(platinum|addition[- ]cur)",
+    ),
+    ("silicone", r"silicone|\bpdms\b|polydimethylsiloxane"),
+    ("polyurethane", r"\bpur?\b"),
+    ("gelatin", r"gelatine?\b|\bagar"),
+)
+
+
+def guessed_chemistry(*texts: str) -> str:
+    """One of :data:`CHEMISTRIES` by the words of name, title and components; empty where none of them says it."""
+    text = " ".join(texts).lower().replace("_", " ")
+    return next((kind for kind, pattern in _CHEMISTRY_WORDS if re.search(pattern, text)), "")

@@ -6,23 +6,35 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
-from dummydesign.core.files import write_text
 from dummydesign.core.quantity import HALF_WIDTH, Quantity, value_at
 from dummydesign.core.serialise import Serialised, to_plain
-from dummydesign.core.user_library import toml_table
 from dummydesign.resin.model.modulus_laws import ModulusLaw, check_young
 
 if TYPE_CHECKING:
     from dummydesign.pad.material.relaxation import PronyTerm
 
 
+WRITTEN = (
+    "name",
+    "title",
+    "chemistry",
+    "ratio_meaning",
+    "ratio_by",
+    "ratio_per",
+    "ratio_min",
+    "ratio_max",
+    "ratio_step",
+    "references",
+    "notes",
+    "contradictions",
+)
+"""Fields that stand in a resin file as they are."""
 MIXED = ("density_g_per_cm3", "viscosity_Pa_s")
 """Properties that follow from the components when the file does not give them for the mixture."""
 
@@ -109,11 +121,6 @@ class RelaxationGivenModulus:
         return np.asarray(beta, float) * np.exp(np.outer(away, self.slope) + own)
 
 
-def save_resin(resin: Resin, path: Path) -> Path:
-    """Write a resin file under its final name only when complete."""
-    return write_text(path, toml_table(resin.to_dict()))
-
-
 DRAWS, SEED = 2000, 20240
 INCREMENT_DIGITS = 6
 SMALLEST_SPREAD = 0.005
@@ -132,6 +139,11 @@ class Interval(NamedTuple):
     value: float
     low: float
     high: float
+
+
+def log_spread(one: Interval | Quantity) -> float:
+    """Standard deviation of the logarithm from a 95 % interval; an end at zero counts as far away."""
+    return max(math.log(one.high / max(one.low, 1e-3 * one.value)) / (2.0 * HALF_WIDTH), SMALLEST_SPREAD)
 
 
 @dataclass(frozen=True)
@@ -195,7 +207,7 @@ class Point:
     @property
     def spread(self) -> float:
         """Standard deviation of the logarithm, from the 95 % interval."""
-        return max(math.log(self.young_kPa.high / self.young_kPa.low) / (2 * HALF_WIDTH), SMALLEST_SPREAD)
+        return log_spread(self.young_kPa)
 
 
 @dataclass(frozen=True, eq=False)
@@ -519,22 +531,6 @@ class Resin:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the whole resin file as plain values, every number with interval, kind and source."""
-        simple = [
-            "name",
-            "title",
-            "ratio_meaning",
-            "ratio_by",
-            "ratio_per",
-            "ratio_min",
-            "ratio_max",
-            "ratio_step",
-            "references",
-            "notes",
-            "contradictions",
-        ]
-        if self.chemistry:
-            simple.insert(2, "chemistry")
-        liquids = [to_plain(one) | ({"parts": "ratio"} if one.parts is None else {}) for one in self.liquids]
         modulus: dict[str, Any] = {"law": self.law.name, **self.numbers}
         if self.posterior is not None and self.prior_numbers is not None:
             modulus |= {"prior": self.prior_numbers, "posterior": self.posterior}
@@ -544,19 +540,18 @@ class Resin:
             "term": self.arms,
         }
         if self.prior_relaxation is not None:
-            arms, ratio_ref = self.prior_relaxation
-            relaxation["prior"] = {"ratio_ref": ratio_ref, "term": arms}
+            relaxation["prior"] = dict(zip(("ratio_ref", "term"), self.prior_relaxation[::-1]))
         content = {
             "schema": 1,
-            **{key: getattr(self, key) for key in simple},
-            "component": liquids,
+            **{key: getattr(self, key) for key in WRITTEN if key != "chemistry" or self.chemistry},
+            "component": [to_plain(one) | ({"parts": "ratio"} if one.parts is None else {}) for one in self.liquids],
             "modulus": modulus,
             "relaxation": relaxation,
             "property": self.properties,
+            **({} if self.ogden_alpha is None else {"elastic": {"ogden_alpha": self.ogden_alpha}}),
+            **({"point": self.points} if self.points else {}),
         }
-        if self.ogden_alpha is not None:
-            content["elastic"] = {"ogden_alpha": self.ogden_alpha}
-        return to_plain(content | ({"point": self.points} if self.points else {}))
+        return to_plain(content)
 
     def uncertain(self) -> list[str]:
         """Names of the numbers of this resin that are inferred or assumed, in the order of the file."""

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.files import output_folder, write_text
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.toml_schema import REQUIRED, TomlTable, read_table
-from dummydesign.core.user_library import Entry, find
-from dummydesign.resin.model.chemistry import CHEMISTRIES, guessed_chemistry
+from dummydesign.core.user_library import Entry, find, toml_table, user_folder
 from dummydesign.resin.model.modulus_laws import LAWS, ModulusLaw
-from dummydesign.resin.model.ratio_meaning import read_ratio_meaning
+from dummydesign.resin.model.ratio_meaning import CHEMISTRIES, guessed_chemistry, read_ratio_meaning
 from dummydesign.resin.model.resin import Liquid, Point, PuckPoint, Resin, ResinArm
 
 if TYPE_CHECKING:
@@ -89,6 +89,11 @@ def load_resin(name: str = DEFAULT) -> Resin:
     [('polyol', 86.7), ('isocyanate', 13.3)]
     """
     return read_resin(find(KIND, "resin", name))
+
+
+def save_resin(resin: Resin, path: Path | None = None) -> Path:
+    """Write a resin file, in the user's own folder without a path, under its final name only when complete."""
+    return write_text(path or output_folder(user_folder() / KIND) / f"{resin.name}.toml", toml_table(resin.to_dict()))
 
 
 def read_resin(entry: Entry) -> Resin:
@@ -224,13 +229,15 @@ def _alpha(table: TomlTable, key: str) -> Quantity | None:
 
 def _check_physics(resin: Resin, modulus: TomlTable) -> None:
     """Refuse a law whose central curve is not positive or does not run its law's way over the range."""
-    central = {name: np.asarray(value) for name, value in resin.central.items()}
-    if not np.all(resin.law.valid(resin.ratio_min, central)):
+    if not np.all(resin.law.valid(resin.ratio_min, resin.central)):
         words = f"is not valid down to ratio_min = {resin.ratio_min} with its central values; is the gel point below?"
         raise modulus.fault("law", words, "inconsistent")
     young = resin.young_MPa(np.linspace(resin.ratio_min, resin.ratio_max, 101))
+    words = ""
     if not np.all(np.isfinite(young) & (young > 0)):
-        raise modulus.fault("law", "gives a modulus that is not positive over the whole ratio range", "inconsistent")
-    if resin.ratio_min < resin.ratio_max and not np.all(np.diff(young) * resin.law.direction > 0):
+        words = "gives a modulus that is not positive over the whole ratio range"
+    elif resin.ratio_min < resin.ratio_max and not np.all(np.diff(young) * resin.law.direction > 0):
         way = "grow" if resin.law.direction > 0 else "fall"
-        raise modulus.fault("law", f"gives a modulus that does not {way} with {resin.ratio_meaning}", "inconsistent")
+        words = f"gives a modulus that does not {way} with {resin.ratio_meaning}"
+    if words:
+        raise modulus.fault("law", words, "inconsistent")

@@ -2,29 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.core.files import output_folder
 from dummydesign.core.quantity import Quantity
-from dummydesign.core.serialise import Serialised, to_plain
+from dummydesign.core.serialise import to_plain
 from dummydesign.core.user_library import check_name, entries, hidden_by, user_folder
-from dummydesign.resin.model.resin import Point, PuckPoint, ResinArm, save_resin
-from dummydesign.resin.model.resin_file import DEFAULT, KIND, load_resin, recording_sha256
-from dummydesign.resin.puck_test.contradictions import Contradiction, check_slips, pairs_of, warnings_of
-from dummydesign.resin.puck_test.plates import OPEN, OverFriction, Plates, read_plates
+from dummydesign.resin.model.resin import Point, PuckPoint, ResinArm
+from dummydesign.resin.model.resin_file import DEFAULT, KIND, load_resin, recording_sha256, save_resin
+from dummydesign.resin.puck_test.contradictions import check_slips, odd_press, pairs_of, warnings_of
+from dummydesign.resin.puck_test.plates import Plates, read_plates
 from dummydesign.resin.update.modulus import known_puck, rebuild
-from dummydesign.resin.update.relaxation import ArmUpdate
 
 if TYPE_CHECKING:
     from dummydesign.measurement.ramp_detection import Hold
     from dummydesign.measurement.trace import Trace
+    from dummydesign.pad.material.relaxation import PronyTerm
     from dummydesign.pad.tables.puck import PuckTable
+    from dummydesign.resin.puck_test.loading_fit import PuckFit
+    from dummydesign.resin.puck_test.relaxation_fit import PuckRelaxation
+    from dummydesign.resin.update.relaxation import ArmUpdate
 
 Array = np.ndarray
 Window = tuple[float, float]
@@ -36,44 +39,6 @@ STEPS = 60
 LARGEST_MISFIT = 0.1
 """Misfit over the rms force from which on a trace is doubted: three times the largest of 19 silicones between plates,
 0.8 to 3.2 % (``materials/measured/ecoflex-moduli.csv``)."""
-
-
-@dataclass(frozen=True)
-class Compressed(Serialised):
-    """What one puck's curves say; ``young_kPa`` is of this puck alone, ``relaxation`` None without a hold.
-
-    ``law`` is the elastic law that was fitted, ``plates`` what was declared of them, ``action`` is ``added``,
-    ``unchanged`` (the resin has this puck at this ratio) or ``replaced`` (it had it at another ratio, size or other
-    plates, named in ``before``). ``contradictions`` are numbers that must agree and do not.
-    """
-
-    name: str
-    base: str
-    ratio: float
-    young_kPa: Quantity
-    law: dict[str, Any]
-    plates: str | None
-    friction: dict[str, float]
-    rmse_N: float
-    compression_mm: Window
-    relaxation: dict[str, Any] | None
-    warnings: tuple[dict[str, str], ...]
-    action: str
-    before: str | None
-    files: dict[str, str]
-    contradictions: tuple[Contradiction, ...] = ()
-
-
-@dataclass(frozen=True)
-class _Fit:
-    """The fit of a puck's presses; a relaxation, with what the resin learns of it in ``puck``, with holds only."""
-
-    known: OverFriction
-    rmse_N: float
-    puck: PuckPoint
-    levels: tuple[float, ...]
-    relaxation: dict[str, Any] | None = None
-    warnings: tuple[dict[str, str], ...] = ()
 
 
 def loading(displacement_mm: Array, force_N: Array) -> tuple[Array, Array]:
@@ -105,7 +70,7 @@ def add_compression(
     replace_own: bool = False,
     friction: str | float | None = None,
     mass_g: float | None = None,
-) -> Compressed:
+) -> dict[str, Any]:
     """Fit a puck's compression curves and keep the resin that its modulus makes of a law.
 
     Curves without a hold: load = A E u(c; alpha) B(c; alpha, friction), see
@@ -121,6 +86,10 @@ def add_compression(
 
     Recordings that the resin has are known by their numbers: the same at the same ratio, size and plates change
     nothing, else their points are replaced, as if they had not been there before. The order of pucks does not matter.
+
+    The answer has plain values: ``young_kPa`` is of this puck alone, ``law`` the elastic law that was fitted,
+    ``relaxation`` None without a hold, ``action`` is ``added``, ``unchanged`` (the resin has this puck at this ratio)
+    or ``replaced`` (it had it at another ratio, size or other plates, named in ``before``).
 
     A modulus far from the resin's that a usual mistake explains (unit of the force, radius for diameter) is refused;
     what else contradicts is in ``contradictions`` and in the first warnings.
@@ -155,7 +124,7 @@ def add_compression(
     if len(set(sha256)) < len(traces):
         raise InputError("a recording is listed twice; give each press once", "duplicate", "file")
     names = ", ".join(trace.name for trace in traces)
-    window = _common_window(traces, height_mm, table)
+    window = _window(traces, height_mm, table)
     source = f"puck {diameter_mm:g} x {height_mm:g} mm, {names}, fitted with {plates.words}"
     puck = PuckPoint(" ".join(sorted(sha256)), names, diameter_mm, height_mm, plates=plates.name)
     held = [_holds(trace, window) for trace in traces]
@@ -164,18 +133,21 @@ def add_compression(
         message = f"{without}: no hold; curves with and without holds are not fitted together, leave one kind out"
         raise InputError(message, "inconsistent", "file")
     before = known_puck(resin, puck.sha256)
+    scatter = np.zeros((len(traces), len(traces)))
+    relaxation, unseen = None, []
     if all(held):
-        fit = _fit_holds(traces, held, table, window, puck, plates)
+        fit = relaxed = _fit_holds(traces, held, table, window, puck, plates)
+        puck, (relaxation, unseen) = _with_arms(puck, relaxed), _of_holds(relaxed, held)
     else:
         fit = _fit_loading(traces, table, window, puck, plates)
-    alpha = fit.known.alpha
-    kept = replace(fit.puck, alpha=Quantity(*alpha, "fitted", source))
-    point = Point(ratio, Quantity(*fit.known.young_kPa, "fitted", source), kept)
+        rates = [_unrelaxed(trace, resin.prony(ratio)) for trace in traces]
+        scatter = np.outer(rates, rates)
+    alpha, young = fit.known.alpha, Quantity(*fit.known.young_kPa, "fitted", source)
+    point = Point(ratio, young, replace(puck, alpha=Quantity(*alpha, "fitted", source)))
     others = [one for one in resin.points if one.puck is None or not one.puck.has(puck.sha256)]
-    presses = [(trace.name, level) for trace, level in zip(traces, fit.levels)]
-    density = resin.property("density_g_per_cm3", ratio)
-    pairs = pairs_of(replace(resin, points=tuple(others)), point, presses, mass_g, density)
+    pairs = pairs_of(replace(resin, points=tuple(others)), point, mass_g)
     check_slips(pairs[0])
+    pairs += odd_press([trace.name for trace in traces], young.value, fit.levels, fit.level_covariance + scatter)
     path = user_folder() / KIND / f"{own.name if own else name}.toml"
     action, former = "added", None
     if before and before.puck:
@@ -186,32 +158,33 @@ def add_compression(
             declared = f", plates {was.plates}" if was.plates else ""
             former = f"ratio {before.ratio:g}, {was.diameter_mm:g} x {was.height_mm:g} mm{declared}"
     contradictions, first = warnings_of(pairs, alpha.value)
-    warnings, relaxation = (*first, *fit.warnings, *_misfit(traces, window, fit.rmse_N)), fit.relaxation
+    warnings = [*first, *unseen, *_doubts(fit, plates, traces, window)]
     if action != "unchanged":
         changed, became = rebuild(resin, [*others, point], path.stem)
         updates = became.get(puck.sha256, ())
-        warnings += tuple(_update_warning(one, traces, held, fit.puck) for one in updates if one.notice)
-        warnings += () if own else tuple(hidden_by(KIND, "resin", name))
+        warnings += [_update_warning(one, traces, held, puck) for one in updates if one.notice]
+        warnings += [] if own else hidden_by(KIND, "resin", name)
         if relaxation is not None:
             relaxation |= {"updates": [one.to_dict() for one in updates]}
-        save_resin(changed, output_folder(path.parent) / path.name)
-    return Compressed(
-        name,
-        resin.name,
-        ratio,
-        point.young_kPa,
-        {"name": "ogden, one term", "alpha": alpha.value, "alpha_low": alpha.low, "alpha_high": alpha.high},
-        plates.name or None,
-        fit.known.friction._asdict(),
-        fit.rmse_N,
-        window,
-        relaxation,
-        warnings,
-        action,
-        former,
-        {"resin": str(path)},
-        contradictions,
-    )
+        save_resin(changed)
+    answer = {
+        "name": name,
+        "base": resin.name,
+        "ratio": ratio,
+        "young_kPa": young,
+        "law": {"name": "ogden, one term", "alpha": alpha.value, "alpha_low": alpha.low, "alpha_high": alpha.high},
+        "plates": plates.name or None,
+        "friction": fit.known.friction._asdict(),
+        "rmse_N": fit.rmse_N,
+        "compression_mm": window,
+        "relaxation": relaxation,
+        "warnings": warnings,
+        "action": action,
+        "before": former,
+        "files": {"resin": str(path)},
+        "contradictions": contradictions,
+    }
+    return to_plain(answer)
 
 
 RAMP_TIMES = 10.0
@@ -227,7 +200,9 @@ def _update_warning(
     if update.came_from != "base" or puck.seen_s is None or update.tau_s >= puck.seen_s[0]:
         return {"code": "relaxation_update", "message": update.notice}
     advice = []
-    fastest = max(_ramp_speed(trace, holds[0]) for trace, holds in zip(traces, held))
+    # mean speed from contact to the first hold
+    touched = [float(trace.time_s[int(np.argmax(trace.displacement_mm > 0.0))]) for trace in traces]
+    fastest = max(one[0].displacement_mm / max(one[0].start_s - at, 1e-9) for one, at in zip(held, touched))
     depth = max(holds[0].displacement_mm for holds in held)
     if fastest < (needed := depth / (RAMP_TIMES * update.tau_s)):
         advice.append(f"press at {_round_up(needed):g} mm/s or faster (fastest ramp here: {fastest:.2g} mm/s)")
@@ -237,12 +212,6 @@ def _update_warning(
         advice.append(f"sample at {rate:g} Hz or more (here: {1.0 / step:.0f} Hz)")
     advice = advice or ["press with less noise of the force"]
     return {"code": "relaxation_not_seen", "message": f"{update.notice}; to measure it {' and '.join(advice)}"}
-
-
-def _ramp_speed(trace: Trace, hold: Hold) -> float:
-    """Mean speed from contact to the first hold. [mm/s]"""
-    touch = float(trace.time_s[int(np.argmax(trace.displacement_mm > 0.0))])
-    return hold.displacement_mm / max(hold.start_s - touch, 1e-9)
 
 
 def _round_up(value: float) -> float:
@@ -269,70 +238,63 @@ def _holds(trace: Trace, window: Window) -> tuple[Hold, ...]:
     return holds
 
 
-def _common_window(traces: Sequence[Trace], height_mm: float, table: PuckTable) -> Window:
+def _window(traces: Sequence[Trace], height_mm: float, table: PuckTable) -> Window:
     """Compressions that are used: up to the deepest press. [mm]"""
-    windows = [_window(trace, height_mm, table) for trace in traces]
-    return windows[0][0], max(last for _, last in windows)
-
-
-def _window(trace: Trace, height_mm: float, table: PuckTable) -> Window:
-    """Compressions that are used. [mm]"""
-    largest = float(np.max(trace.displacement_mm))
-    if largest >= height_mm:
-        raise out_of_range("displacement in mm", largest, 0, height_mm, f"{trace.name}: the puck's height")
     share = min(LAST_SHARE, float(table.compression[-1]) - 0.02)
-    first, last = FIRST_SHARE * height_mm, min(share * height_mm, largest)
-    if last < 4.0 * first:
-        raise InputError(
-            f"{trace.name}: largest displacement_mm = {largest:.3g} is too small; compress the puck by at least "
-            f"{4.0 * first:.3g} mm, better {share * height_mm:.3g} mm",
-            "out_of_range",
-            "displacement_mm",
-            largest,
-        )
+    first, last = FIRST_SHARE * height_mm, 0.0
+    for trace in traces:
+        largest = float(np.max(trace.displacement_mm))
+        if largest >= height_mm:
+            raise out_of_range("displacement in mm", largest, 0, height_mm, f"{trace.name}: the puck's height")
+        last = max(last, min(share * height_mm, largest))
+        if min(share * height_mm, largest) < 4.0 * first:
+            raise InputError(
+                f"{trace.name}: largest displacement_mm = {largest:.3g} is too small; compress the puck by at least "
+                f"{4.0 * first:.3g} mm, better {share * height_mm:.3g} mm",
+                "out_of_range",
+                "displacement_mm",
+                largest,
+            )
     return first, last
 
 
-def _misfit(traces: Sequence[Trace], window: Window, rmse_N: float) -> tuple[dict[str, str], ...]:
-    """A warning where the puck's law misses the forces as no real puck did."""
+def _doubts(fit: PuckFit, plates: Plates, traces: Sequence[Trace], window: Window) -> list[dict[str, str]]:
+    """Warnings where the curves contradict what was declared of the plates, or are those of no real puck."""
+    doubts = []
+    if fit.contradicts:
+        message = (
+            f"the curves contradict plates declared {plates.name}; check the declaration, the height and the diameter, "
+            "or leave --friction out: the modulus is then fitted with any friction"
+        )
+        doubts.append({"code": "plates_doubted", "message": message})
     used = [
         trace.force_N[(trace.displacement_mm >= window[0]) & (trace.displacement_mm <= window[1])] for trace in traces
     ]
-    forces = np.concatenate(used)
-    share = rmse_N / max(float(np.sqrt(np.mean(forces**2))), 1e-300) if forces.size else 0.0
-    if share <= LARGEST_MISFIT:
-        return ()
-    names = ", ".join(trace.name for trace in traces)
-    message = (
-        f"the law of a puck misses the forces by {100 * share:.0f} % (19 silicones: 1 to 3 %); check that "
-        f"{names} is of a puck between plates, its diameter, its height and the zero of its displacement"
-    )
-    return ({"code": "lack_of_fit", "message": message},)
+    share = fit.rmse_N / max(float(np.sqrt(np.mean(np.concatenate(used) ** 2))), 1e-300)
+    if share > LARGEST_MISFIT:
+        message = (
+            f"the law of a puck misses the forces by {100 * share:.0f} % (19 silicones: 1 to 3 %); check that "
+            f"{', '.join(trace.name for trace in traces)} is of a puck between plates, its diameter, its height and "
+            "the zero of its displacement"
+        )
+        doubts.append({"code": "lack_of_fit", "message": message})
+    return doubts
 
 
-def _doubted(plates: Plates, found: bool) -> tuple[dict[str, str], ...]:
-    """A warning where the curves contradict what was declared of the plates."""
-    if not found:
-        return ()
-    message = (
-        f"the curves contradict plates declared {plates.name}; check the declaration, the height and the diameter, "
-        "or leave --friction out: the modulus is then fitted with any friction"
-    )
-    return ({"code": "plates_doubted", "message": message},)
+def _unrelaxed(trace: Trace, arms: Sequence[PronyTerm]) -> float:
+    """ln of the force over the relaxed one, half-way through a steady loading, by the arms that the resin has."""
+    depth = trace.displacement_mm
+    half_s = 0.5 * float(trace.time_s[int(np.argmax(depth))] - trace.time_s[int(np.argmax(depth > 0.0))])
+    times = np.array([arm.tau_s for arm in arms]) / half_s
+    return math.log1p(float(np.array([arm.beta for arm in arms]) @ (times * -np.expm1(-1.0 / times))))
 
 
-def _fit_loading(
-    traces: Sequence[Trace], table: PuckTable, window: Window, puck: PuckPoint, plates: Plates = OPEN
-) -> _Fit:
-    from dummydesign.resin.puck_test.loading_fit import LoadingCurve, contradicts, fit_pucks
+def _fit_loading(traces: Sequence[Trace], table: PuckTable, window: Window, puck: PuckPoint, plates: Plates) -> PuckFit:
+    from dummydesign.resin.puck_test.loading_fit import LoadingCurve, fit_pucks
 
     first, last = window
     curves = [LoadingCurve(one.name, "puck", *steps(one.displacement_mm, one.force_N, window)) for one in traces]
-    fit = fit_pucks(curves, puck.diameter_mm, puck.height_mm, table, (first * (1 - 1e-9), last), plates)
-    loads = np.concatenate([curve.load_N[1:] for curve in curves])
-    rmse_N = fit.rmse * float(np.sqrt(np.mean(loads**2)))
-    doubts = _doubted(plates, contradicts(fit.rmse, fit.rmse_open))
-    return _Fit(fit.known, rmse_N, puck, fit.levels, warnings=doubts)
+    return fit_pucks(curves, puck.diameter_mm, puck.height_mm, table, (first * (1 - 1e-9), last), plates)
 
 
 def _fit_holds(
@@ -341,9 +303,9 @@ def _fit_holds(
     table: PuckTable,
     window: Window,
     puck: PuckPoint,
-    plates: Plates = OPEN,
-) -> _Fit:
-    from dummydesign.resin.puck_test.loading_fit import contradicts, reduce_press
+    plates: Plates,
+) -> PuckRelaxation:
+    from dummydesign.resin.puck_test.loading_fit import reduce_press
     from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
 
     # half a hundredth of the height more, so that a hold at the very end is not cut by its own noise
@@ -352,25 +314,29 @@ def _fit_holds(
         reduce_press(trace.time_s, trace.displacement_mm, trace.force_N, holds, wider)
         for trace, holds in zip(traces, held)
     ]
-    fit = fit_relaxation(presses, puck.diameter_mm, puck.height_mm, table, plates)
+    return fit_relaxation(presses, puck.diameter_mm, puck.height_mm, table, plates)
+
+
+def _with_arms(puck: PuckPoint, fit: PuckRelaxation) -> PuckPoint:
+    """The puck with the arms that its holds showed, and as much of a slow one as relaxed within them."""
     source = f"holds of puck {puck.diameter_mm:g} x {puck.height_mm:g} mm, {puck.file}"
-    known = [arm for arm in fit.arms if not arm.reason]
-    reasons = [arm.reason for arm in fit.arms if arm.reason]
-    arms = tuple(ResinArm(*(Quantity(*one, "fitted", source) for one in (arm.tau_s, arm.beta))) for arm in known)
     within = f"{source}; what relaxes within them, the time may be longer"
-    arms += tuple(
-        ResinArm(*(Quantity(*one, "inferred", within) for one in (arm.tau_s, arm.beta))) for arm in fit.arms if arm.slow
-    )
+    shown = [(arm, "fitted", source) for arm in fit.arms if not arm.reason]
+    shown += [(arm, "inferred", within) for arm in fit.arms if arm.slow]
+    arms = [ResinArm(Quantity(*arm.tau_s, *how), Quantity(*arm.beta, *how)) for arm, *how in shown]
+    return replace(puck, seen_s=fit.seen_s, arms=tuple(arms))
+
+
+def _of_holds(fit: PuckRelaxation, held: Sequence[tuple[Hold, ...]]) -> tuple[dict[str, Any], list[dict[str, str]]]:
+    """The relaxation as the answer has it, and a warning for each arm without a value."""
+    reasons = [arm.reason for arm in fit.arms if arm.reason]
     relaxation = {
         "holds": [hold for holds in held for hold in holds],
         "seen_s": fit.seen_s,
-        "prony": [{"tau_s": arm.tau_s._asdict(), "beta": arm.beta._asdict()} for arm in known],
+        "prony": [{"tau_s": arm.tau_s._asdict(), "beta": arm.beta._asdict()} for arm in fit.arms if not arm.reason],
         "not_identifiable": [{"tau_s": None, "beta": None, "reason": reason} for reason in reasons],
         "comparison": fit.comparison,
         "noise": fit.noise,
     }
     said = [f"an arm of the relaxation has no value: {reason}" for reason in reasons]
-    warnings = tuple({"code": "not_identifiable", "message": message} for message in said)
-    warnings += _doubted(plates, contradicts(fit.misfit, fit.misfit_open))
-    puck = replace(puck, seen_s=fit.seen_s, arms=arms)
-    return _Fit(fit.known, fit.rmse_N, puck, fit.levels, to_plain(relaxation), warnings)
+    return relaxation, [{"code": "not_identifiable", "message": message} for message in said]

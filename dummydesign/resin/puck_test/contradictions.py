@@ -5,22 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from typing import Any
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.parsing import YOUNG
-from dummydesign.core.quantity import Quantity
-from dummydesign.core.serialise import Serialised
 from dummydesign.measurement.plausible import UNITS
-from dummydesign.resin.model.resin import Point, Resin
-from dummydesign.resin.puck_test.loading_fit import REPEAT
+from dummydesign.resin.model.resin import Point, Resin, log_spread
 from dummydesign.resin.puck_test.plates import ALPHA_RANGE
-from dummydesign.resin.update.modulus import correlation, without_points
+from dummydesign.resin.update.modulus import spread_between, without_points
+
+Array = np.ndarray
 
 SURPRISE = 3.0
 """Standard deviations of ln of their ratio from which on two numbers contradict each other."""
+ODD_PRESS = 2.7
+"""The same of a press against the others of its puck: by the scatter alone it is passed by chance in 3 % of pucks with
+2 to 4 presses at most."""
 VOLUME_SPREAD = 0.02
 """Standard deviation of ln volume by diameter and height: 0.2 mm of either and the meniscus, assumed."""
 SLIP_FITS = 0.5
@@ -37,34 +39,31 @@ SLIPS = {
 
 
 @dataclass(frozen=True)
-class Contradiction(Serialised):
-    """Two numbers that contradict each other; ``what`` says of what, with the unit."""
-
-    what: str
-    a: float
-    b: float
-
-
-@dataclass(frozen=True)
 class Pair:
-    """Two numbers of one thing, the standard deviation of ln of their ratio, and what to check where they differ."""
+    """Two numbers of one thing, the standard deviation of ln of their ratio, and what to check where they differ.
+
+    ``what`` says of what, with the unit; ``limit`` is how many standard deviations are a contradiction.
+    """
 
     what: str
     a: float
     b: float
     spread: float
     check: str
+    limit: float = SURPRISE
 
     @property
     def deviations(self) -> float:
         """By how many standard deviations ``a`` lies above ``b``."""
         return math.log(self.a / self.b) / self.spread
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return what it is and the two numbers."""
+        return {"what": self.what, "a": self.a, "b": self.b}
 
-def pairs_of(
-    resin: Resin, point: Point, presses: Sequence[tuple[str, float]], mass_g: float | None, density: Quantity
-) -> list[Pair]:
-    """The table: puck and resin, puck and pucks of the same ratio, press and press, mass and density times volume.
+
+def pairs_of(resin: Resin, point: Point, mass_g: float | None = None) -> list[Pair]:
+    """The table: puck and resin, puck and pucks of the same ratio, mass and density times volume.
 
     Parameters
     ----------
@@ -72,44 +71,59 @@ def pairs_of(
         With the other points that it has.
     point : Point
         This puck.
-    presses : sequence of (str, float)
-        Name of each press, and ln of its force over that of the fit of all.
     mass_g : float or None
         Of the puck. [g]
-    density : Quantity
-        Of the cured resin. [g/cm3]
     """
     young, puck = point.young_kPa.value, point.puck
     known = without_points(resin).modulus_kPa(point.ratio)
-    prior = Point(point.ratio, known)
     pairs = [
         Pair(
             f"young_kPa of this puck and of {resin.name} at ratio {point.ratio:g}",
             young,
             known.value,
-            math.hypot(point.spread, prior.spread),
+            math.hypot(point.spread, log_spread(known)),
             "check diameter, height, ratio and the unit of the force",
         )
     ]
     for other in resin.points:
         if math.isclose(other.ratio, point.ratio, abs_tol=0.5 * resin.ratio_step):
-            own = np.array([point.spread, -other.spread])
-            spread = math.sqrt(own @ correlation([point, other]) @ own)
             where = other.puck.file if other.puck else other.young_kPa.source
             what = f"young_kPa of this puck and of {where}"
             check = "one is of another mix, size or unit; measure again or give its own ratio"
-            pairs.append(Pair(what, young, other.young_kPa.value, spread, check))
-    for (first, one), (second, two) in combinations(presses, 2):
-        what = f"young_kPa by {first} and {second}"
-        moduli = young * math.exp(one), young * math.exp(two)
-        check = "the files are of two pucks, or the puck slipped; add each puck by itself"
-        pairs.append(Pair(what, *moduli, math.sqrt(2.0) * REPEAT, check))
+            pairs.append(Pair(what, young, other.young_kPa.value, spread_between(point, other), check))
     if mass_g is not None and puck is not None:
-        volume_cm3 = 0.25e-3 * math.pi * puck.diameter_mm**2 * puck.height_mm
-        spread = math.hypot(VOLUME_SPREAD, Point(point.ratio, density).spread)
+        density = resin.property("density_g_per_cm3", point.ratio)
+        expected_g = density.value * 0.25e-3 * math.pi * puck.diameter_mm**2 * puck.height_mm
+        spread = math.hypot(VOLUME_SPREAD, log_spread(density))
         check = "check diameter and height; voids make a puck lighter"
-        pairs.append(Pair("mass_g weighed and by size and density", mass_g, density.value * volume_cm3, spread, check))
+        pairs.append(Pair("mass_g weighed and by size and density", mass_g, expected_g, spread, check))
     return pairs
+
+
+def odd_press(names: Sequence[str], young_kPa: float, levels: Array, covariance: Array) -> list[Pair]:
+    """The press that differs most from the mean of the others at equal strain; nothing of a single press.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Of the presses of one puck.
+    young_kPa : float
+        By all of them.
+    levels, covariance : ndarray, shapes (presses,) and (presses, presses)
+        ln of each press's force over the fit of all, and its covariance with the scatter from press to press.
+    """
+    count = len(names)
+    if count < 2:
+        return []
+    others = (1.0 - np.eye(count)) / (count - 1)
+    less = np.eye(count) - others
+    away = less @ levels
+    spreads = np.sqrt(np.diag(less @ covariance @ less.T))
+    at = int(np.argmax(np.abs(away) / spreads))
+    both = young_kPa * np.exp(away[at] * np.array([1.0 - 1.0 / count, -1.0 / count]))
+    rest = " and ".join(name for name in names if name != names[at])
+    check = "the files are of two pucks, or the puck slipped; add each puck by itself"
+    return [Pair(f"young_kPa by {names[at]} and by {rest}", *both.tolist(), float(spreads[at]), check, ODD_PRESS)]
 
 
 def check_slips(pair: Pair) -> None:
@@ -133,9 +147,9 @@ def check_slips(pair: Pair) -> None:
     )
 
 
-def warnings_of(pairs: Sequence[Pair], alpha: float) -> tuple[tuple[Contradiction, ...], tuple[dict[str, str], ...]]:
+def warnings_of(pairs: Sequence[Pair], alpha: float) -> tuple[tuple[Pair, ...], tuple[dict[str, str], ...]]:
     """Pairs that contradict each other and a warning each, the largest first, and one of an exponent at its bound."""
-    far = sorted((one for one in pairs if abs(one.deviations) > SURPRISE), key=lambda one: -abs(one.deviations))
+    far = sorted((one for one in pairs if abs(one.deviations) > one.limit), key=lambda one: -abs(one.deviations))
     said = [
         f"{one.what}: {one.a:.3g} and {one.b:.3g}, {abs(one.deviations):.1f} standard deviations apart; {one.check}"
         for one in far
@@ -144,4 +158,4 @@ def warnings_of(pairs: Sequence[Pair], alpha: float) -> tuple[tuple[Contradictio
     if min(abs(alpha - end) for end in ALPHA_RANGE) < AT_BOUND:
         message = f"the Ogden exponent ended at the bound of its range, {alpha:.3g}; check diameter and height"
         warnings.append({"code": "exponent_at_bound", "message": message})
-    return tuple(Contradiction(one.what, one.a, one.b) for one in far), tuple(warnings)
+    return tuple(far), tuple(warnings)

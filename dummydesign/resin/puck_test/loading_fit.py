@@ -16,7 +16,8 @@ interval.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,10 +25,10 @@ import numpy as np
 from dummydesign.core.errors import InputError
 from dummydesign.inference import noise as inference
 from dummydesign.inference.binning import cut, distinct, hold_edges, mean_around
-from dummydesign.inference.least_squares import CHI_SQUARE_95, solve_by_differences, within
+from dummydesign.inference.least_squares import solve_by_differences
 from dummydesign.inference.noise import white_noise
 from dummydesign.measurement.ramp_detection import Hold
-from dummydesign.pad.tables.puck import PuckTable, friction_of, uniaxial
+from dummydesign.pad.tables.puck import PuckTable, uniaxial
 from dummydesign.resin.model.resin import PUCK_SCATTER
 from dummydesign.resin.puck_test.plates import ALPHA_RANGE, OPEN, OverFriction, Plates, over_friction
 
@@ -49,44 +50,53 @@ class LoadingCurve:
 
 @dataclass(frozen=True)
 class PuckFit:
-    """What the curves of one batch say; intervals are 95 %.
+    """What the curves of one puck say, whichever way they were fitted.
 
-    ``friction`` is infinite for plates that hold the faces (bonded). ``rmse`` is the root mean square of
-    the relative misfit, ``profile`` what each friction would make of the batch: (friction, young_kPa, chi square above
-    the best). ``rmse_open`` is the misfit with the declared friction let go, ``levels`` are ln of each curve's force
-    over the law's, ``known`` the spread when the friction is integrated over its prior.
+    ``misfit`` is the rms of ln force over what was fitted with the friction as declared, ``misfit_open`` with any
+    friction. ``levels`` (presses,) is ln of each press's force over the law's at equal strain, with
+    ``level_covariance`` (presses, presses); a level common to all is part of the modulus.
     """
 
-    young_kPa: float
-    young_low_kPa: float
-    young_high_kPa: float
-    alpha: float
-    friction: float
-    friction_low: float
-    friction_high: float
-    offset_mm: dict[str, float]
-    young_frictionless_kPa: float
-    young_bonded_kPa: float
-    rmse: float
-    rmse_frictionless: float
-    scatter: float
-    profile: tuple[tuple[float, float, float], ...]
-    rmse_open: float
-    levels: tuple[float, ...]
     known: OverFriction
+    rmse_N: float
+    misfit: float
+    misfit_open: float
+    levels: Array
+    level_covariance: Array
+
+    @property
+    def contradicts(self) -> bool:
+        """Whether plates as declared misfit the curves, and any other friction does not."""
+        return self.misfit**2 - self.misfit_open**2 > CONTRADICTS * (TABLE_ERROR**2 + self.misfit_open**2)
 
 
 @dataclass(frozen=True)
-class _Point:
-    """Best fit at one friction; ``spread`` are the standard deviations of ln modulus and alpha by the law's misfit."""
+class FrictionFit:
+    """Best fit at one friction; ``spread`` are the standard deviations of ln modulus and alpha by the law's misfit.
+
+    ``parameters`` are ln modulus [kPa], alpha and an offset over height for each curve; ``residuals`` ln of fitted over
+    measured force, a list a curve, with their ``jacobian``.
+    """
 
     grip: float
-    log_young: float
-    alpha: float
-    offsets: Array
-    mean_square: float
+    parameters: Array
     residuals: list[Array]
+    jacobian: Array
     spread: Array
+
+    @property
+    def mean_square(self) -> float:
+        """Mean square of the residuals."""
+        return float(np.mean(np.concatenate(self.residuals) ** 2))
+
+
+@dataclass(frozen=True)
+class LoadingFit(PuckFit):
+    """With what each friction would make of the batch, by rising grip, and its chi square above the best."""
+
+    profile: list[FrictionFit]
+    excess: Array
+    variance: float
 
 
 def fit_pucks(
@@ -96,7 +106,7 @@ def fit_pucks(
     table: PuckTable,
     window_mm: tuple[float, float],
     plates: Plates = OPEN,
-) -> PuckFit:
+) -> LoadingFit:
     """Fit one batch."""
     table.check_shape(diameter_mm, height_mm)
     low, high = window_mm
@@ -104,7 +114,7 @@ def fit_pucks(
         message = f"window_mm = {low:g} to {high:g} must lie within 0 and {0.56 * height_mm:.4g} (0.56 heights)"
         raise InputError(message, "out_of_range", "window_mm", window_mm, (0.0, 0.56 * height_mm))
     area = 0.25 * np.pi * diameter_mm**2
-    parts = []
+    parts, loads = [], []
     for curve in curves:
         inside = (curve.compression_mm >= low) & (curve.compression_mm <= high)
         load = curve.load_N - float(np.interp(0.0, curve.compression_mm, curve.load_N))
@@ -112,17 +122,82 @@ def fit_pucks(
             message = f"curve {curve.name}: needs 5 or more loads above 0 between {low:g} and {high:g} mm"
             raise InputError(message, "not_enough_data", "curve", curve.name)
         parts.append((curve.compression_mm[inside] / height_mm, load[inside] / area * 1e3))
+        loads.append(curve.load_N[inside])
     points = _profile(parts, table, GRIPS)
+    misfit_open = math.sqrt(min(point.mean_square for point in points))
     grips, prior = plates.nodes(GRIPS)
-    free = min(points, key=lambda point: point.mean_square)
-    return _summarise(curves, _profile(parts, table, grips, points) if plates else points, height_mm, prior, free)
+    if plates:
+        points = _profile(parts, table, grips, points)
+    squares = np.array([point.mean_square for point in points])
+    best = points[int(np.argmin(squares))]
+    scatter = float(np.std([np.mean(rest) for rest in best.residuals], ddof=1)) if len(parts) > 1 else PUCK_SCATTER
+    variance = (scatter**2 + best.mean_square) / len({curve.puck for curve in curves})
+    excess = (squares - best.mean_square) / variance
+    young, alpha = np.array([point.parameters[:2] for point in points]).T
+    young_spread, alpha_spread = np.array([point.spread for point in points]).T
+    known = over_friction(
+        np.array([point.grip for point in points]),
+        excess + prior,
+        np.stack([young, np.hypot(np.sqrt(variance), young_spread)]),
+        np.stack([alpha, alpha_spread]),
+    )
+    misfit = math.sqrt(best.mean_square)
+    rmse_N = misfit * float(np.sqrt(np.mean(np.concatenate(loads) ** 2)))
+    levels, error = press_levels(
+        lambda grip: np.concatenate(_residuals(parts, table, grip, best.parameters)),
+        best.jacobian,
+        best.grip,
+        _law_covariance(parts),
+        [c for c, _ in parts],
+    )
+    error += REPEAT**2 * np.eye(len(parts))
+    return LoadingFit(known, rmse_N, misfit, misfit_open, levels, error, points, excess, variance)
+
+
+def press_levels(
+    residual: Callable[[float], Array], jacobian: Array, grip: float, covariance: Array, strains: Sequence[Array]
+) -> tuple[Array, Array]:
+    """Levels of the presses of a fit and their covariance, with contact and friction of each press left open.
+
+    A press that is stiffer than the others is fitted by an earlier contact for the most part; the two, and a film that
+    wears, differ by their course over the strain. One step of the linearised fit, with a level, an offset and a
+    friction a press in place of the common modulus.
+
+    Parameters
+    ----------
+    residual : callable
+        ln of fitted over measured force (bins,) at a grip.
+    jacobian : ndarray, shape (bins, parameters)
+        Its slopes; parameters are ln modulus, alpha, an offset a press, others.
+    grip : float
+        Of the fit.
+    covariance : ndarray, shape (bins, bins)
+        Of the residuals.
+    strains : sequence of ndarray
+        Compression over height at the bins of each press.
+    """
+    count = len(strains)
+    presses = np.arange(count)
+    # before, the force is no longer linear in the contact; beyond the shallowest press nothing is compared
+    strain = np.concatenate(strains)
+    rows = (strain >= LEVEL_FROM) & (strain <= min(float(one.max()) for one in strains))
+    own = np.repeat(presses, [len(one) for one in strains])[:, None] == presses
+    step = math.copysign(GRIP_STEP, 0.5 - grip)
+    film = own * ((residual(grip + step) - residual(grip)) / step)[:, None]
+    white = inference.whitener(covariance[np.ix_(rows, rows)])
+    columns = white @ np.hstack([own, film, jacobian[:, 1:]])[rows]
+    priors = np.zeros(columns.shape[1])
+    priors[count + presses] = GRIP_REPEAT**-2
+    priors[2 * count + 1 + presses] = LARGEST_OFFSET**-2
+    known = np.linalg.pinv(columns.T @ columns + np.diag(priors), hermitian=True)
+    return -(known @ columns.T @ white @ residual(grip)[rows])[presses], known[np.ix_(presses, presses)]
 
 
 def _profile(
-    parts: list[tuple[Array, Array]], table: PuckTable, grips: Array, near: Sequence[_Point] = ()
-) -> list[_Point]:
+    parts: list[tuple[Array, Array]], table: PuckTable, grips: Array, near: Sequence[FrictionFit] = ()
+) -> list[FrictionFit]:
     """Best fits at some grips, by rising grip; the first begins at the nearest of those known."""
-    points: list[_Point] = []
+    points: list[FrictionFit] = []
     for grip in grips[::-1]:
         start = points[-1] if points else min(near, key=lambda point: abs(point.grip - grip), default=None)
         points.append(_best(parts, table, float(grip), start))
@@ -139,7 +214,15 @@ def _model(table: PuckTable, alpha: float, grip_value: float, compression: Array
     return load(compression - offset) - load(np.array([-offset]))[0]
 
 
-def _best(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float, guess: _Point | None) -> _Point:
+def _residuals(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float, q: Array) -> list[Array]:
+    """Logarithm of fitted over measured stress of each curve."""
+    models = [np.exp(q[0]) * _model(table, q[1], grip_value, c, at) for (c, _), at in zip(parts, q[2:])]
+    return [np.log(np.maximum(model, 1e-12) / stress) for model, (_, stress) in zip(models, parts)]
+
+
+def _best(
+    parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float, guess: FrictionFit | None
+) -> FrictionFit:
     count = len(parts)
     c, stress = parts[0]
     middle = len(c) // 2
@@ -147,83 +230,37 @@ def _best(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float,
     starts = [np.r_[np.log(stress[middle] / model), 2.0, np.zeros(count)]]
     if guess is not None:
         # a neighbour may lie in another valley of alpha and offset
-        starts.append(np.r_[guess.log_young, np.clip(guess.alpha, 1.01, 5.99), guess.offsets])
+        starts.append(np.r_[guess.parameters[0], np.clip(guess.parameters[1], 1.01, 5.99), guess.parameters[2:]])
     lower = np.r_[-20.0, ALPHA_RANGE[0], np.full(count, -LARGEST_OFFSET)]
     upper = np.r_[20.0, ALPHA_RANGE[1], np.full(count, LARGEST_OFFSET)]
 
-    def residuals(q: Array) -> list[Array]:
-        models = [np.exp(q[0]) * _model(table, q[1], grip_value, c, at) for (c, _), at in zip(parts, q[2:])]
-        return [np.log(np.maximum(model, 1e-12) / stress) for model, (_, stress) in zip(models, parts)]
-
     solved = solve_by_differences(
-        lambda q: np.concatenate(residuals(q)), starts, lower, upper, scale=np.r_[0.1, 0.5, np.full(count, 0.003)]
+        lambda q: np.concatenate(_residuals(parts, table, grip_value, q)),
+        starts,
+        lower,
+        upper,
+        scale=np.r_[0.1, 0.5, np.full(count, 0.003)],
     )
-    best = solved.parameters
     assert solved.jacobian is not None
-    rest = residuals(best)
-    c = np.concatenate([c for c, _ in parts])
-    law = LEAST_MISFIT**2 * alike(c, ALIKE) + TABLE_ERROR**2 * np.eye(len(c))
     # a contact known to no more than its bounds is a prior of them
     bounds = np.diag(np.r_[0.0, 0.0, np.full(count, LARGEST_OFFSET**-2)])
-    spread = np.sqrt(np.diag(np.linalg.inv(solved.jacobian.T @ np.linalg.solve(law, solved.jacobian) + bounds)))[:2]
-    return _Point(grip_value, best[0], best[1], best[2:], float(np.mean(np.concatenate(rest) ** 2)), rest, spread)
-
-
-def _summarise(
-    curves: Sequence[LoadingCurve], points: list[_Point], height_mm: float, prior: Array, free: _Point
-) -> PuckFit:
-    """Intervals from the points of a profile; ``free`` is the best fit without the declaration of the plates."""
-    pucks = len({curve.puck for curve in curves})
-    best = min(points, key=lambda point: point.mean_square)
-    own = np.array([float(np.mean(rest)) for rest in best.residuals])
-    scatter = float(np.std(own, ddof=1)) if len(own) > 1 else PUCK_SCATTER
-    variance = (scatter**2 + best.mean_square) / pucks
-    excess = np.array([(point.mean_square - best.mean_square) / variance for point in points])
-    kept = within(excess.tolist())
-    # One puck's modulus differs from another's: the mean of all is known to this.
-    around = float(np.sqrt(CHI_SQUARE_95 * variance))
-    logs = [points[index].log_young for index in kept]
-    profile = tuple((friction_of(p.grip), float(np.exp(p.log_young)), float(one)) for p, one in zip(points, excess))
-    grips, young, alpha = np.array([(p.grip, p.log_young, p.alpha) for p in points]).T
-    young_spread, alpha_spread = np.array([point.spread for point in points]).T
-    known = over_friction(
-        grips,
-        excess + prior,
-        np.stack([young, np.hypot(np.sqrt(variance), young_spread)]),
-        np.stack([alpha, alpha_spread]),
-    )
-    return PuckFit(
-        young_kPa=float(np.exp(best.log_young)),
-        young_low_kPa=float(np.exp(min(logs) - around)),
-        young_high_kPa=float(np.exp(max(logs) + around)),
-        alpha=best.alpha,
-        friction=friction_of(best.grip),
-        friction_low=friction_of(points[kept[0]].grip),
-        friction_high=friction_of(points[kept[-1]].grip),
-        offset_mm={curve.name: float(o * height_mm) for curve, o in zip(curves, best.offsets)},
-        young_frictionless_kPa=profile[0][1],
-        young_bonded_kPa=profile[-1][1],
-        rmse=float(np.sqrt(best.mean_square)),
-        rmse_frictionless=float(np.sqrt(points[0].mean_square)),
-        scatter=scatter,
-        profile=profile,
-        rmse_open=float(np.sqrt(free.mean_square)),
-        levels=tuple((-own).tolist()),
-        known=known,
+    information = solved.jacobian.T @ np.linalg.solve(_law_covariance(parts), solved.jacobian) + bounds
+    spread = np.sqrt(np.diag(np.linalg.inv(information)))[:2]
+    return FrictionFit(
+        grip_value, solved.parameters, _residuals(parts, table, grip_value, solved.parameters), solved.jacobian, spread
     )
 
 
-def contradicts(declared: float, open_: float) -> bool:
-    """Whether plates as declared misfit the curves, and any other friction does not (relative rms misfits)."""
-    return declared**2 - open_**2 > CONTRADICTS * (TABLE_ERROR**2 + open_**2)
+def _law_covariance(parts: list[tuple[Array, Array]]) -> Array:
+    """Covariance of the residuals by what the law misfits, the same in every curve, and the table's error."""
+    c = np.concatenate([c for c, _ in parts])
+    return LEAST_MISFIT**2 * alike(c, ALIKE) + TABLE_ERROR**2 * np.eye(len(c))
 
 
 CONTRADICTS, TABLE_ERROR = 8.0, 0.003
 """Excess of the mean square misfit, over that with any friction, from which on declared plates are doubted: of 12 drawn
 pucks of several laws the largest of a true declaration was 7, and 7 of 12 wrong ones were above 8. Smallest misfit that
 counts: the friction tables' error."""
-
-
 RAMP_BINS = 25
 
 
@@ -311,6 +348,11 @@ RIPPLE, RIPPLE_LENGTH = 0.0025, 0.02
 bulging side comes to lie on the plate cell by cell."""
 REPEAT = 0.01
 """Scatter of the force between presses of one puck (lubricant, seating, rest): assumed, by judgement."""
+LEVEL_FROM = 0.1
+"""Compression, over height, from which on presses are compared."""
+GRIP_STEP, GRIP_REPEAT = 0.02, 0.03
+"""Step of a slope over the grip, and the scatter of the grip between presses of one puck; a film of oil
+(friction 0.05) has 0.2: assumed, by judgement."""
 JITTER = 1e-4
 """Relative error of taking the motion as straight between nodes."""
 

@@ -38,8 +38,8 @@ from dummydesign.inference.least_squares import CHI_SQUARE_95, aicc, simplest, s
 from dummydesign.pad.tables.puck import PuckTable, uniaxial
 from dummydesign.resin.model.resin import PUCK_SCATTER, Interval
 from dummydesign.resin.puck_test import loading_fit as loading
-from dummydesign.resin.puck_test.loading_fit import PuckNoise, PuckPress, joined, whitener
-from dummydesign.resin.puck_test.plates import ALPHA_RANGE, OPEN, OverFriction, Plates, over_friction
+from dummydesign.resin.puck_test.loading_fit import PuckFit, PuckNoise, PuckPress, joined, whitener
+from dummydesign.resin.puck_test.plates import ALPHA_RANGE, OPEN, Plates, over_friction
 
 Array = np.ndarray
 
@@ -50,13 +50,24 @@ KEPT = 256
 
 @dataclass(frozen=True, eq=False)
 class FitTrial:
-    """Best parameters at one friction, with whitened residuals (bins,) and Jacobian (bins, parameters)."""
+    """Best parameters at one friction, with whitened residuals (bins,) and Jacobian (bins, parameters).
+
+    ``misfit`` is the rms of the residuals of ln force, ``rmse_N`` of those of the force.
+    """
 
     grip: float
     parameters: Array
     chi_square: float
     residual: Array
     jacobian: Array
+    misfit: float
+    rmse_N: float
+
+    @property
+    def spread(self) -> Array:
+        """Standard deviations of the parameters; an undetermined one has a very large one."""
+        _, singular, turn = np.linalg.svd(self.jacobian, full_matrices=False)
+        return np.sqrt(np.sum((turn / np.maximum(singular, 1e-10 * singular[0])[:, None]) ** 2, axis=0))
 
 
 class PuckProblem:
@@ -165,7 +176,11 @@ class PuckProblem:
         assert best.residual is not None and best.jacobian is not None
         order = np.argsort(best.parameters[first + arms :])
         columns = np.r_[np.arange(first), first + order, first + arms + order]
-        return FitTrial(grip, best.parameters[columns], best.chi_square, best.residual, best.jacobian[:, columns])
+        q = best.parameters[columns]
+        misfit, rmse_N = (
+            float(np.sqrt(np.mean(rest**2))) for rest in (self.residual(q, grip), self.predict(q, grip) - self.force_N)
+        )
+        return FitTrial(grip, q, best.chi_square, best.residual, best.jacobian[:, columns], misfit, rmse_N)
 
     def aicc(self, trial: FitTrial) -> float:
         """Corrected Akaike criterion under the whitening of now; friction and two sizes of noise are counted."""
@@ -213,24 +228,17 @@ Comparison = dict[str, dict[str, float]]
 
 
 @dataclass(frozen=True)
-class PuckRelaxation:
+class PuckRelaxation(PuckFit):
     """What presses with holds say; intervals are 95 %.
 
     ``seen_s`` are the shortest and longest times that the presses show (:func:`_fastest_seen`, half of the longest
-    hold). ``comparison`` gives rmse [N] and AICc for each number of arms. ``misfit`` is the rms of ln force over what
-    was fitted with the friction as declared, ``misfit_open`` with any friction; ``levels`` are means of ln of each
-    press's force over the fit.
+    hold). ``comparison`` gives rmse [N] and AICc for each number of arms.
     """
 
-    known: OverFriction
     arms: tuple[PuckArm, ...]
     seen_s: tuple[float, float]
     comparison: Comparison
     noise: PuckNoise
-    rmse_N: float
-    levels: tuple[float, ...]
-    misfit: float
-    misfit_open: float
 
 
 def fit_relaxation(
@@ -252,15 +260,12 @@ def fit_relaxation(
     problem.factor = whitener(presses, height_mm, noise)
     nodes, prior = plates.nodes(GRIPS)
     profile = _profile(problem, nodes, rivals[chosen])
-    misfits = [_misfit(problem, one) for one in profile]
-    if plates:
-        free = _profile(problem, np.array(COARSE), min(profile, key=lambda one: one.chi_square))
-        misfits += [_misfit(problem, one) for one in free]
-    misfit = min(misfits[: len(profile)]), min(misfits)
-    comparison = {
-        str(arms): {"rmse_N": _rmse(problem, trial), "aicc": scores[arms]} for arms, trial in sorted(rivals.items())
-    }
-    return _summarise(problem, profile, comparison, noise, prior, misfit)
+    misfit = min(one.misfit for one in profile)
+    free = _profile(problem, np.array(COARSE), min(profile, key=lambda one: one.chi_square)) if plates else []
+    comparison = {str(arms): {"rmse_N": trial.rmse_N, "aicc": scores[arms]} for arms, trial in sorted(rivals.items())}
+    return _summarise(
+        problem, profile, comparison, noise, prior, (misfit, min([misfit, *(one.misfit for one in free)]))
+    )
 
 
 def _profile(problem: PuckProblem, grips: Array, start: FitTrial) -> list[FitTrial]:
@@ -278,28 +283,6 @@ def _noise(problem: PuckProblem, trial: FitTrial) -> PuckNoise:
     return loading.estimate(problem.presses, problem.height_mm, lower @ trial.residual, lower @ trial.jacobian)
 
 
-def _misfit(problem: PuckProblem, trial: FitTrial) -> float:
-    """Root mean square of the residuals of ln force."""
-    return float(np.sqrt(np.mean(problem.residual(trial.parameters, trial.grip) ** 2)))
-
-
-def _levels(problem: PuckProblem, trial: FitTrial) -> tuple[float, ...]:
-    """Mean of ln of each press's force over that of the fit."""
-    ends = np.cumsum([len(press.samples) for press in problem.presses])[:-1]
-    return tuple(-float(np.mean(part)) for part in np.split(problem.residual(trial.parameters, trial.grip), ends))
-
-
-def _rmse(problem: PuckProblem, trial: FitTrial) -> float:
-    error = problem.predict(trial.parameters, trial.grip) - problem.force_N
-    return float(np.sqrt(np.mean(error**2)))
-
-
-def _spreads(trial: FitTrial) -> Array:
-    """Standard deviations of the parameters from the Jacobian; an undetermined one has a very large one."""
-    _, singular, turn = np.linalg.svd(trial.jacobian, full_matrices=False)
-    return np.sqrt(np.sum((turn / np.maximum(singular, 1e-10 * singular[0])[:, None]) ** 2, axis=0))
-
-
 def _summarise(
     problem: PuckProblem,
     profile: list[FitTrial],
@@ -312,7 +295,7 @@ def _summarise(
     best, least = profile[int(np.argmin(costs))], min(costs)
     places = within(costs)
     kept = [profile[index] for index in places]
-    reach = [np.sqrt(CHI_SQUARE_95 - (costs[index] - least)) * _spreads(profile[index]) for index in places]
+    reach = [np.sqrt(CHI_SQUARE_95 - (costs[index] - least)) * profile[index].spread for index in places]
     low = np.min([one.parameters - width for one, width in zip(kept, reach)], axis=0)
     high = np.max([one.parameters + width for one, width in zip(kept, reach)], axis=0)
     q, arms, first = best.parameters, problem.arms(best.parameters), problem.first
@@ -339,33 +322,36 @@ def _summarise(
         )
         for arm, share in zip(parts, carried)
     )
-    known = _elastic(problem, profile, prior)
+    # the puck is one independent number
+    squares = np.array([one.misfit**2 for one in profile])
+    variance = PUCK_SCATTER**2 + squares.min()
+    law = np.array([one.spread[:2] for one in profile]).T
+    log_young, alpha = np.array([one.parameters[:2] for one in profile]).T
+    known = over_friction(
+        np.array([one.grip for one in profile]),
+        (squares - squares.min()) / variance + prior,
+        np.stack([log_young, np.sqrt(variance + law[0] ** 2)]),
+        np.stack([alpha, law[1]]),
+    )
     young = known.young_kPa
     slow_low = float(np.exp(low[0])) if stiff > 1.0 else young.low
     young = Interval(young.value * stiff, min(young.low, slow_low), young.high * stiff)
+    levels = loading.press_levels(
+        partial(problem.residual, q),
+        np.linalg.solve(problem.factor, best.jacobian),
+        best.grip,
+        loading.covariance(problem.presses, problem.height_mm, noise),
+        [press.compression_mm / problem.height_mm for press in problem.presses],
+    )
     return PuckRelaxation(
         replace(known, young_kPa=young),
+        best.rmse_N,
+        *misfit,
+        *levels,
         given,
         _seen(problem, best, given),
         comparison,
         noise,
-        _rmse(problem, best),
-        _levels(problem, best),
-        *misfit,
-    )
-
-
-def _elastic(problem: PuckProblem, profile: list[FitTrial], prior: Array) -> OverFriction:
-    """Modulus [kPa], friction and alpha over the friction: the puck is one independent number."""
-    squares = np.array([_misfit(problem, one) ** 2 for one in profile])
-    variance = PUCK_SCATTER**2 + squares.min()
-    law = np.array([_spreads(one)[:2] for one in profile]).T
-    young, alpha = np.array([one.parameters[:2] for one in profile]).T
-    return over_friction(
-        np.array([one.grip for one in profile]),
-        (squares - squares.min()) / variance + prior,
-        np.stack([young, np.sqrt(variance + law[0] ** 2)]),
-        np.stack([alpha, law[1]]),
     )
 
 

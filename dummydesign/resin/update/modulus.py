@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import output_folder
 from dummydesign.core.quantity import Quantity, value_at
-from dummydesign.core.user_library import Entry, make_room, read_toml, user_folder
-from dummydesign.resin.model.resin import NEO_HOOKEAN, PUCK_SCATTER, Point, Resin, save_resin
-from dummydesign.resin.model.resin_file import KIND, Numbers, load_resin, read_points, read_resin
+from dummydesign.core.user_library import Entry, make_room, read_toml
+from dummydesign.resin.model.resin import NEO_HOOKEAN, PUCK_SCATTER, Point, Resin
+from dummydesign.resin.model.resin_file import KIND, Numbers, load_resin, read_points, read_resin, save_resin
 from dummydesign.resin.update.relaxation import NOTE, ArmUpdate, update_relaxation
 
 CHAINS, STEPS, SEED = 400, 150, 7
@@ -113,6 +112,12 @@ def correlation(points: Sequence[Point]) -> NDArray:
     return np.outer(shared, shared) * alike + np.diag(1.0 - shared**2)
 
 
+def spread_between(first: Point, second: Point) -> float:
+    """Standard deviation of ln of the ratio of two moduli."""
+    own = np.array([first.spread, -second.spread])
+    return math.sqrt(own @ correlation([first, second]) @ own)
+
+
 def _sample(log_likelihood: Callable[[NDArray], NDArray], size: int, seed: int) -> NDArray:
     """Draw from N(0, 1) times the likelihood by elliptical slice sampling, CHAINS chains side by side."""
     rng = np.random.default_rng(seed)
@@ -168,8 +173,7 @@ def contradictions(
     notices = []
     for first, second in combinations(sorted(points, key=lambda point: point.ratio), 2):
         step = second.log_young - first.log_young
-        own = np.array([first.spread, -second.spread])
-        spread = math.sqrt(own @ correlation([first, second]) @ own)
+        spread = spread_between(first, second)
         same = math.isclose(first.ratio, second.ratio, abs_tol=0.5 * resin.ratio_step)
         if same and abs(step) > 2.6 * spread:
             notices.append(f"{_text(first)} and {_text(second)} differ by more than their intervals allow")
@@ -206,7 +210,7 @@ def rebuild(resin: Resin, points: Sequence[Point], name: str) -> tuple[Resin, di
     changed, updates = replace(changed, ogden_alpha=pooled_alpha(alphas)), {}
     for puck, ratio in ((point.puck, point.ratio) for point in changed.points):
         if puck is not None and puck.seen_s is not None:
-            changed, updates[puck.sha256], _ = update_relaxation(changed, puck.arms, ratio, puck.seen_s)
+            changed, updates[puck.sha256] = update_relaxation(changed, puck.arms, ratio, puck.seen_s)
     return changed, updates
 
 
@@ -280,4 +284,4 @@ def add_resin(file: str | Path, replace_own: bool = False) -> tuple[Resin, Path]
         base, name, points = read_points(path)
         resin = update_resin(load_resin(base), points, name)
     make_room(KIND, "resin", resin.name, replace_own)
-    return resin, save_resin(resin, output_folder(user_folder() / KIND) / f"{resin.name}.toml")
+    return resin, save_resin(resin)

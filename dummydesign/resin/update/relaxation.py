@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.quantity import HALF_WIDTH, Quantity
-from dummydesign.resin.model.resin import SMALLEST_SPREAD, Interval, Resin, ResinArm
+from dummydesign.resin.model.resin import Interval, Resin, ResinArm, log_spread
 
 SAME_TIME = 3.0
 GUESSES = ("assumed", "inferred")
@@ -43,81 +43,93 @@ NOTE = "relaxation: "
 class ArmUpdate:
     """What became of one arm: ``from`` is measured, both, base or gone; strengths are at the puck's ratio.
 
-    ``notice`` says what a user should know of it, empty for what was to be expected.
+    ``arm`` is what the resin has now, None of one that is gone. ``notice`` says what a user should know of it, empty
+    for what was to be expected.
     """
 
     tau_s: float
     came_from: str
     base_beta: Interval | None
     measured_beta: Interval | None
-    beta: Interval | None
+    arm: ResinArm | None
     notice: str = ""
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values; strengths as {value, low, high} or null."""
-        strengths = {"base_beta": self.base_beta, "measured_beta": self.measured_beta, "beta": self.beta}
+        beta = None if self.arm is None else _of(self.arm.beta)
+        strengths = {"base_beta": self.base_beta, "measured_beta": self.measured_beta, "beta": beta}
         plain = {key: None if one is None else one._asdict() for key, one in strengths.items()}
         return {"tau_s": self.tau_s, "from": self.came_from, **plain}
 
 
-Updated = tuple[Resin, tuple[ArmUpdate, ...], tuple[str, ...]]
-"""A resin, what became of its arms, and notices."""
-
-
-def update_relaxation(resin: Resin, measured: Sequence[ResinArm], ratio: float, seen_s: tuple[float, float]) -> Updated:
-    """Put measured arms into a resin."""
-    base = [_carried(column) for column in resin.draw(DRAWS).beta(ratio).T]
-    taken: set[int] = set()
-    arms: list[ResinArm] = []
-    updates: list[ArmUpdate] = []
-    for tau, beta in sorted(((arm.tau_s, arm.beta) for arm in measured), key=lambda pair: pair[0].value):
-        free = [at for at in range(len(base)) if at not in taken]
-        distances = ((abs(math.log(resin.arms[at].tau_s.value / tau.value)), at) for at in free)
-        off, index = min(distances, default=(math.inf, 0))
-        own = Interval(beta.value, beta.low, beta.high)
-        carried = base[index] if off <= math.log(SAME_TIME) else None
-        value, source, came_from, notice = _interval(math.log(own.value), _spread(own)), beta.source, "measured", ""
-        if carried is not None:
-            taken.add(index)
-            known = resin.arms[index].beta
-            if known.kind not in GUESSES:
-                value, widening = _combined(carried, own)
-                times = (Interval(one.value, one.low, one.high) for one in (resin.arms[index].tau_s, tau))
-                tau = Quantity(*_combined(*times)[0], tau.kind, tau.source)
-                came_from, source = "both", f"{source}; before ({known.source}) by inverse variance of ln beta"
-                if widening > 1.0:
-                    notice = (
-                        f"the strength at {tau.value:.3g} s, {beta.value:.3g}, differs from the one measured before "
-                        f"({carried.value:.3g}); both were widened {widening:.1f} times so that they agree"
-                    )
-        updates.append(ArmUpdate(tau.value, came_from, carried, own, value, notice))
-        arms.append(ResinArm(tau, Quantity(*value, beta.kind, source)))
-    for index, arm in enumerate(resin.arms):
-        if index in taken:
-            continue
-        time = arm.tau_s.value
-        if seen_s[0] <= time <= seen_s[1]:
-            notice = f"the base's arm at {time:g} s is replaced by the measured ones"
-            updates.append(ArmUpdate(time, "gone", base[index], None, None, notice))
-            continue
-        value = base[index] or Interval(0.0, 0.0, 0.0)
-        source = f"{arm.beta.source}; carried to ratio {ratio:g}"
-        arms.append(ResinArm(arm.tau_s, Quantity(*value, arm.beta.kind, source)))
-        notice = (
-            f"the base's arm at {time:g} s, {value.value:.3g} ({value.low:.3g} to {value.high:.3g}), is kept: "
-            f"the presses show {seen_s[0]:.2g} to {seen_s[1]:.3g} s"
-        )
-        updates.append(ArmUpdate(time, "base", base[index], None, value, notice))
+def update_relaxation(
+    resin: Resin, measured: Sequence[ResinArm], ratio: float, seen_s: tuple[float, float]
+) -> tuple[Resin, tuple[ArmUpdate, ...]]:
+    """Put measured arms into a resin; also what became of each arm."""
+    left = {at: _carried(column) for at, column in enumerate(resin.draw(DRAWS).beta(ratio).T)}
+    updates = []
+    for arm in sorted(measured, key=lambda one: one.tau_s.value):
+        distances = ((abs(math.log(resin.arms[at].tau_s.value / arm.tau_s.value)), at) for at in left)
+        off, near = min(distances, default=(math.inf, 0))
+        known = left[near] if off <= math.log(SAME_TIME) else None
+        if known is not None:
+            del left[near]
+        updates.append(_measured(arm, resin.arms[near] if known else None, known))
+    updates += [_of_base(resin.arms[at], known, ratio, seen_s) for at, known in left.items()]
     updates.sort(key=lambda one: one.tau_s)
-    notices = tuple(one.notice for one in updates if one.notice)
+    arms = sorted((one.arm for one in updates if one.arm is not None), key=lambda arm: arm.tau_s.value)
+    notices = (NOTE + one.notice for one in updates if one.notice)
     changed = replace(
         resin,
-        arms=tuple(sorted(arms, key=lambda arm: arm.tau_s.value)),
+        arms=tuple(arms),
         relaxation_ratio_ref=ratio,
         prior_relaxation=resin.prior_relaxation or (resin.arms, resin.relaxation_ratio_ref),
-        notes=tuple(dict.fromkeys([*resin.notes, *(NOTE + text for text in notices)])),
+        notes=tuple(dict.fromkeys([*resin.notes, *notices])),
     )
-    return changed, tuple(updates), notices
+    return changed, tuple(updates)
+
+
+def _measured(arm: ResinArm, base: ResinArm | None, known: Interval | None) -> ArmUpdate:
+    """A measured arm, with the base's nearest one and its strength at this ratio where there is one."""
+    tau, beta = arm.tau_s, arm.beta
+    own, notice = _of(beta), ""
+    if base is None or known is None or base.beta.kind in GUESSES:
+        value = _interval(math.log(own.value), log_spread(own))
+        return ArmUpdate(tau.value, "measured", known, own, replace(arm, beta=_with(beta, value)))
+    value, widening = _combined(known, own)
+    tau = _with(tau, _combined(_of(base.tau_s), _of(tau))[0])
+    if widening > 1.0:
+        notice = (
+            f"the strength at {tau.value:.3g} s, {beta.value:.3g}, differs from the one measured before "
+            f"({known.value:.3g}); both were widened {widening:.1f} times so that they agree"
+        )
+    source = f"{beta.source}; before ({base.beta.source}) by inverse variance of ln beta"
+    both = ResinArm(tau, _with(replace(beta, source=source), value))
+    return ArmUpdate(tau.value, "both", known, own, both, notice)
+
+
+def _of_base(arm: ResinArm, known: Interval | None, ratio: float, seen_s: tuple[float, float]) -> ArmUpdate:
+    """An arm of the base that no measured one replaces, with its strength at this ratio."""
+    time = arm.tau_s.value
+    if seen_s[0] <= time <= seen_s[1]:
+        return ArmUpdate(
+            time, "gone", known, None, None, f"the base's arm at {time:g} s is replaced by the measured ones"
+        )
+    value = known or Interval(0.0, 0.0, 0.0)
+    notice = (
+        f"the base's arm at {time:g} s, {value.value:.3g} ({value.low:.3g} to {value.high:.3g}), is kept: "
+        f"the presses show {seen_s[0]:.2g} to {seen_s[1]:.3g} s"
+    )
+    carried = replace(arm.beta, source=f"{arm.beta.source}; carried to ratio {ratio:g}")
+    return ArmUpdate(time, "base", known, None, replace(arm, beta=_with(carried, value)), notice)
+
+
+def _of(one: Quantity) -> Interval:
+    return Interval(one.value, one.low, one.high)
+
+
+def _with(one: Quantity, ends: Interval) -> Quantity:
+    return replace(one, **ends._asdict())
 
 
 def _carried(draws: np.ndarray) -> Interval | None:
@@ -126,18 +138,13 @@ def _carried(draws: np.ndarray) -> Interval | None:
     return Interval(value, low, high) if value > 0.0 else None
 
 
-def _spread(beta: Interval) -> float:
-    """Standard deviation of ln beta from a 95 % interval; an end at zero counts as far away."""
-    return max(math.log(beta.high / max(beta.low, 1e-3 * beta.value)) / (2.0 * HALF_WIDTH), SMALLEST_SPREAD)
-
-
 def _interval(log_value: float, spread: float) -> Interval:
     return Interval(*(math.exp(log_value + k * HALF_WIDTH * spread) for k in (0.0, -1.0, 1.0)))
 
 
 def _combined(base: Interval, own: Interval) -> tuple[Interval, float]:
     """Posterior of a strength and the factor by which both were widened."""
-    first, second = _spread(base), _spread(own)
+    first, second = log_spread(base), log_spread(own)
     misfit = abs(math.log(base.value / own.value)) / math.hypot(first, second)
     widening = misfit if misfit > SURPRISE else 1.0
     weights = first**-2, second**-2

@@ -24,7 +24,7 @@ from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.pour.plan import least_film_mm
 from dummydesign.resin import load_resin
-from dummydesign.resin.model.resin import save_resin
+from dummydesign.resin.model.resin_file import save_resin
 from tests.support.cast_pads import space_with
 from tests.support.refusal import raises_code
 from tests.support.slab_by_formula import LayerLaw, make_tissue

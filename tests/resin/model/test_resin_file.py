@@ -9,7 +9,8 @@ import pytest
 from dummydesign.core import user_library
 from dummydesign.core.quantity import Quantity
 from dummydesign.resin import load_resin
-from dummydesign.resin.model.resin import Point, save_resin
+from dummydesign.resin.model.resin import Point
+from dummydesign.resin.model.resin_file import save_resin
 from dummydesign.resin.update.modulus import add_resin, update_resin
 from tests.support.refusal import raises_code
 

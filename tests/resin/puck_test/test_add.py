@@ -13,7 +13,7 @@ from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.pad_under_punch import Puck
 from dummydesign.resin import load_resin
-from dummydesign.resin.model.resin import save_resin
+from dummydesign.resin.model.resin_file import save_resin
 from dummydesign.resin.puck_test.add_compression import loading
 from tests.support.puck_history import frictionless, ramps, relaxed
 

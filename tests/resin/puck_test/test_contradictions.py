@@ -12,10 +12,8 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import HALF_WIDTH, Quantity
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.resin import Point, PuckPoint
-from dummydesign.resin.puck_test.contradictions import check_slips, pairs_of, warnings_of
+from dummydesign.resin.puck_test.contradictions import check_slips, odd_press, pairs_of, warnings_of
 from dummydesign.resin.update.modulus import rebuild
-
-DENSITY = Quantity(1.02, 1.0, 1.04, "assumed", "test")
 
 
 def puck(ratio, young_kPa, sha256="a", spread=0.04, alpha=None):
@@ -26,16 +24,15 @@ def puck(ratio, young_kPa, sha256="a", spread=0.04, alpha=None):
 
 def refused(resin, point):
     try:
-        check_slips(pairs_of(resin, point, [], None, DENSITY)[0])
+        check_slips(pairs_of(resin, point)[0])
     except InputError as error:
         assert error.code == "implausible_unit"
         return True
     return False
 
 
-def told(resin, point, presses=(), mass_g=None):
-    pairs = pairs_of(resin, point, presses, mass_g, DENSITY)
-    return warnings_of(pairs, 2.0)[0]
+def told(resin, point, mass_g=None):
+    return warnings_of(pairs_of(resin, point, mass_g), 2.0)[0]
 
 
 @pytest.mark.parametrize(
@@ -71,13 +68,30 @@ def test_two_pucks_of_one_ratio_that_disagree_are_told_in_either_order():
     assert told(rebuild(resin, [first], "mine")[0], puck(15.5, 43.0, "b")) == ()
 
 
-def test_presses_and_mass_that_disagree_are_told():
+def test_a_mass_that_disagrees_is_told():
     resin, point = load_resin(), puck(15.5, 42.0)
-    assert [one.what for one in told(resin, point, [("fast", 0.05), ("slow", -0.05)])] == ["young_kPa by fast and slow"]
-    mass = 1.02 * 0.25 * math.pi * 25.0 * 3.0
-    assert told(resin, point, [("fast", 0.01), ("slow", -0.01)], mass) == ()
-    (one,) = told(resin, point, (), 0.87 * mass)
+    mass = resin.property("density_g_per_cm3", 15.5).value * 0.25 * math.pi * 25.0 * 3.0
+    assert told(resin, point, mass) == ()
+    (one,) = told(resin, point, 0.87 * mass)
     assert one.what.startswith("mass_g") and one.b == pytest.approx(mass)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_the_press_that_differs_from_the_others_is_one_pair_with_both_numbers(count):
+    """Levels drawn with the stated scatter: at most 3 % told by chance, one of 5 % in three of four."""
+    rng = np.random.default_rng(count)
+    names, scatter = [f"p{k}" for k in range(count)], 0.01**2 * np.eye(count)
+    levels = 0.01 * rng.standard_normal((2000, count))
+    for off, low, high in ((0.0, 0.0, 0.03), (0.05, 0.75, 1.0), (0.1, 0.99, 1.0)):
+        levels[:, 1] += off
+        pairs = [odd_press(names, 40.0, one, scatter) for one in levels]
+        levels[:, 1] -= off
+        far = [one for (one,) in pairs if warnings_of([one], 2.0)[0]]
+        assert low <= len(far) / len(pairs) <= high
+    assert odd_press(names[:1], 40.0, np.zeros(1), scatter[:1, :1]) == []
+    (one,) = odd_press(names, 40.0, np.array([0.0, 0.08, 0.0, 0.0][:count]), scatter)
+    assert one.a / one.b == pytest.approx(math.exp(0.08)) or one.b / one.a == pytest.approx(math.exp(0.08))
+    assert one.a ** (1 / count) * one.b ** (1 - 1 / count) == pytest.approx(40.0)
 
 
 def test_the_exponents_bound_is_a_warning():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dummydesign.inference.least_squares import CHI_SQUARE_95
 from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import Ogden
 from dummydesign.pad.pad_under_punch import Puck
@@ -31,6 +32,11 @@ def made(young_kPa, alpha, plates, tests, noise=0.003):
     return curves
 
 
+def best_of(fit):
+    """The best fit of a profile."""
+    return min(fit.profile, key=lambda one: one.mean_square)
+
+
 @pytest.fixture(scope="module")
 def table():
     return load_puck_table()
@@ -41,20 +47,24 @@ def table():
 def test_what_made_the_curves_is_found_within_its_interval(table, plates, friction):
     tests = [("A1", 0.3, 1.02), ("A2", -0.2, 1.01), ("B1", 0.0, 0.98), ("B2", 0.1, 0.99)]
     fit = fit_pucks(made(30.0, 2.5, plates, tests), 50.0, 30.0, table, WINDOW)
-    assert fit.young_low_kPa < 30.0 < fit.young_high_kPa
-    assert fit.young_kPa == pytest.approx(30.0, rel=0.02)
-    assert fit.alpha == pytest.approx(2.5, abs=0.25)
-    assert fit.friction_low <= friction <= fit.friction_high
-    for name, offset, _ in tests:
+    best = best_of(fit)
+    kept = [one for one, excess in zip(fit.profile, fit.excess) if excess <= CHI_SQUARE_95]
+    logs, around = [one.parameters[0] for one in kept], np.sqrt(CHI_SQUARE_95 * fit.variance)
+    assert min(logs) - around < np.log(30.0) < max(logs) + around
+    assert np.exp(best.parameters[0]) == pytest.approx(30.0, rel=0.02)
+    assert best.parameters[1] == pytest.approx(2.5, abs=0.25)
+    assert friction_of(kept[0].grip) <= friction <= friction_of(kept[-1].grip)
+    for (_, offset, _), found in zip(tests, 30.0 * best.parameters[2:]):
         # A press that began before x = 0 shows less of its offset: its load was zeroed.
-        assert fit.offset_mm[name] == pytest.approx(offset, abs=0.06 if offset >= 0.0 else 0.2)
+        assert found == pytest.approx(offset, abs=0.06 if offset >= 0.0 else 0.2)
 
 
 @pytest.mark.slow
 def test_taking_the_plates_for_frictionless_would_have_overestimated_the_modulus(table):
     fit = fit_pucks(made(30.0, 2.0, "bonded", [("A1", 0.0, 1.0)], 0.0), 50.0, 30.0, table, WINDOW)
-    assert fit.young_frictionless_kPa > 1.25 * fit.young_bonded_kPa
-    assert fit.rmse_frictionless > 5.0 * fit.rmse
+    first, last = fit.profile[0], fit.profile[-1]
+    assert first.parameters[0] - last.parameters[0] > np.log(1.25)
+    assert first.mean_square > 25.0 * fit.misfit**2
 
 
 @pytest.mark.parametrize(("alpha", "friction"), [pytest.param(2.5, 0.12, marks=pytest.mark.slow), (3.5, 0.08)])

@@ -62,6 +62,10 @@ def read_campaign_toml(folder: Path) -> TomlTable:
         raise InputError(f"{FILE}: not valid TOML: {problem}", "malformed", "campaign") from None
 
 
+ODD, ODD_SHARE = ("inconsistent", "implausible_unit"), 0.1
+"""Faults of a trace for which it is left out, and the share of presses up to which: more is a fault of the campaign."""
+
+
 def trial_tables(top: TomlTable) -> list[TomlTable]:
     """Return the table of each trial of a campaign file."""
     trials = top.data.get("trial")
@@ -87,7 +91,7 @@ def read_campaign(folder: str | Path) -> Campaign:
     InputError
         With file and line: missing files or keys, unknown names, numbers out of range, files outside the
         folder, traces that are unsorted or in another unit (seen by magnitude, also against the declared
-        speed, force and thickness), fewer than two trials.
+        speed, force and thickness; up to a tenth of them are left out with a warning), fewer than two trials.
     """
     folder = Path(folder)
     if folder.is_file():
@@ -123,11 +127,20 @@ def read_campaign(folder: str | Path) -> Campaign:
     measured = [records.of(table) or own for table in tables]
     tables = [trial_with_record(table, one) if one else table for table, one in zip(tables, measured)]
     tables, read_as = read_otherwise(top, tables)
-    trials = tuple(_read_trial(table, index, folder, pad, punch, lowpass) for index, table in enumerate(tables, 1))
+    trials, kept, odd = [], [], []
+    for index, table in enumerate(tables, 1):
+        try:
+            trials.append(_read_trial(table, index, folder, pad, punch, lowpass))
+            kept.append(table)
+        except InputError as problem:
+            odd.append(problem)
+            if problem.code not in ODD or len(odd) > ODD_SHARE * len(tables):
+                raise odd[0] from None
+    left_out = [{"code": "press_left_out", "message": f"left out: {problem}"} for problem in odd]
     check_edge(pad, punch, [trial.geometry for trial in trials], f"{punch_table.where('edge_radius_mm')}: ")
-    warnings = (*no_ratio(pad.ratio), *_check_set(trials, tables), *records.warnings(), *read_as)
+    warnings = (*left_out, *no_ratio(pad.ratio), *_check_set(trials, kept), *records.warnings(), *read_as)
     name = str(top.data.get("name", folder.name))
-    return Campaign(name, folder, pad, punch, lowpass, resolution, trials, warnings, tuple(records.read))
+    return Campaign(name, folder, pad, punch, lowpass, resolution, tuple(trials), warnings, tuple(records.read))
 
 
 OWN_KEYS = {"lowpass_hz": (0.1, 1e5), "zero_N": (-100.0, 100.0)}

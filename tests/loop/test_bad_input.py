@@ -15,7 +15,9 @@ from pathlib import Path
 import pytest
 
 from dummydesign import cli
+from dummydesign.core.errors import InputError
 from dummydesign.loop.calibration_file import write_calibration
+from dummydesign.measurement.campaign_file import read_campaign
 from tests.loop.test_calibrated_shapes import calibration
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "campaign"
@@ -136,3 +138,27 @@ def test_control_c_in_the_middle_of_a_run_leaves_no_folder(example, tmp_path):
     # Python ends by the signal itself when it came in code that is compiled at run time; a shell shows 130 for both
     assert process.returncode in (130, -signal.SIGINT) and said.strip().endswith("stopped by the user")
     assert [path.name for path in tmp_path.iterdir()] == ["campaign"]
+
+
+def test_one_odd_press_is_left_out_and_named_and_more_than_a_tenth_are_a_fault(campaigns, tmp_path):
+    """A spike deeper than the pad is thick, in one of 36 presses and in four."""
+    folder = tmp_path / "spiked"
+    shutil.copytree(campaigns("none", 401), folder)
+    names = sorted(path.name for path in folder.glob("*.csv"))
+
+    def spike(name):
+        head, *rows = (folder / name).read_text().splitlines()
+        time, _, force = rows[len(rows) // 2].split(",")
+        rows[len(rows) // 2] = f"{time},25.0,{force}"
+        (folder / name).write_text("\n".join([head, *rows]) + "\n")
+
+    spike(names[7])
+    read = read_campaign(folder)
+    (warning,) = [one for one in read.warnings if one["code"] == "press_left_out"]
+    assert names[7] in warning["message"] and len(read.trials) == len(names) - 1
+    assert names[7] not in {trial.file for trial in read.trials}
+    for name in names[9:12]:
+        spike(name)
+    with pytest.raises(InputError) as caught:
+        read_campaign(folder)
+    assert caught.value.code == "inconsistent" and caught.value.quantity == "trial.thickness_mm"

@@ -18,7 +18,7 @@ from dummydesign.loop.data.pad_modulus_factors import with_pad_factors
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects, refuse_unsound
 from dummydesign.loop.fitting.candidates import EffectCandidate
-from dummydesign.loop.fitting.fit import fit_base, with_rough_law
+from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.fitting.noise import repeat_pairs
 from dummydesign.loop.model.campaign_law import law_of, within_reach
 from dummydesign.loop.model.effect import Effect, SetupLaw
@@ -155,14 +155,13 @@ def close_loop(
         if learnt is None
         else doubt_of_curve(plain.problem.base_count, learnt.effect.shape.flat)
     )
-    after = replace(answer.after, fit=with_rough_law(plain, doubt))
+    after = replace(answer.after, fit=replace(plain, doubt=doubt))
     base = after if plain is base.fit else base
     joined = None
     if prior is not None:
         progress("prior")
         both = with_prior_effects(plain, prior)
-        both = after.fit if both is plain else with_rough_law(both, doubt)
-        fit, joined = join(both, prior, after.lack.ratio)
+        fit, joined = join(replace(both, doubt=doubt), prior, after.lack.ratio)
         after = assess(fit) if joined.used else after
     progress("next measurement")
     most = 2 if answer.among is None else len(answer.among.found)

@@ -60,7 +60,8 @@ def modest(campaign_fit: CampaignFit) -> CampaignFit:
     usual = [prior[0] for prior in campaign_fit.problem.law.error_priors]
     position = min(campaign_fit.sizes.noise.position_mm, USUAL_POSITION_MM)
     noise = replace(campaign_fit.sizes.noise, position_mm=position)
-    sizes = NoiseSizes(noise, *(min(a, b) for a, b in zip(campaign_fit.sizes.law, usual)))
+    law = (min(a, b) for a, b in zip(campaign_fit.sizes.law, usual))
+    sizes = NoiseSizes(noise, *law, campaign_fit.sizes.most_position_mm)
     return fit(campaign_fit.problem, campaign_fit.vector, sizes, 6)
 
 

@@ -22,19 +22,24 @@ from dummydesign.loop.data.trials import Presses
 POSITION_PRIOR_MM = (0.008, 1.0)
 """Median and spread (of the logarithm) of the contact scatter; that of the law's error belongs to the law."""
 SLOW_BOUNDS = np.array([[1e-4, 0.05], [5.0, 20.0]])  # lowest and highest slow noise [N] and time of it [s]
-SIZE_BOUNDS = np.array([[3e-4, 3e-4, 3e-4, 3e-4], [0.5, 0.2, 0.3, 0.3]])
-"""Lowest and highest contact scatter [mm] and law error in level, slope and curvature."""
+SIZE_BOUNDS = np.array([[3e-4, 3e-4, 3e-4, 3e-4, 1e-4], [0.5, 0.2, 0.3, 0.3, 0.03]])
+"""Lowest and highest contact scatter [mm] and law error in level, slope, curvature and waves."""
+UNSEEN_POSITION_MM = 0.008
+"""Contact scatter that is taken for usual where repeats do not show it."""
+CHI2_MEDIAN = 0.4549  # median of the chi-square distribution of one degree of freedom
 Priors = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True)
 class NoiseSizes:
-    """Noise of the bins, and the prior size of the law's error in level and slope."""
+    """Noise of the bins, the prior sizes of the law's error, and the largest contact scatter that repeats allow."""
 
     noise: Noise
     level: float
     slope: float
     curve: float
+    wave: float
+    most_position_mm: float = float(SIZE_BOUNDS[1, 0])
 
     @classmethod
     def first(cls, presses: Presses, law_priors: Priors) -> NoiseSizes:
@@ -45,11 +50,12 @@ class NoiseSizes:
     @property
     def law(self) -> tuple[float, ...]:
         """Prior sizes of the law error's terms."""
-        return self.level, self.slope, self.curve
+        return self.level, self.slope, self.curve, self.wave
 
     def to_dict(self) -> dict[str, Any]:
         """Return all sizes with units."""
-        return {**self.noise.to_dict(), "law_level": self.level, "law_slope": self.slope, "law_curve": self.curve}
+        law = {"law_level": self.level, "law_slope": self.slope, "law_curve": self.curve, "law_wave": self.wave}
+        return {**self.noise.to_dict(), **law}
 
     @property
     def floor_N(self) -> float:
@@ -128,6 +134,31 @@ def estimate_slow_noise(presses: Presses, residual: NDArray, slope: NDArray, for
     return Noise(start.white_N, slow, time, start.position_mm)
 
 
+def repeat_scatter_mm(
+    presses: Presses, residual: NDArray, slope: NDArray, forces: NDArray, noise: Noise
+) -> float | None:
+    """Scatter of the contact position as differences of repeats show it, by their median so that few cannot make it.
+
+    Each difference is fitted with a shift d, of variance v by noise alone, and a change of scale; the scatter p is such
+    that the median of d^2 / (p^2 + v) is that of the chi-square of one degree. Not below half of
+    :data:`UNSEEN_POSITION_MM`; None without three pairs. [mm]
+    """
+    parts, places = contrasts(presses, residual)
+    if len(parts) < 3:
+        return None
+    bins = Bins(parts)
+    difference = bins.stacked(np.concatenate([part.force_N for part in parts]))
+    sides = [np.stack([slope[i, a], forces[i, a]], axis=1) for i, _, a, _ in places]
+    factor = whitener(bins.covariance(replace(noise, position_mm=0.0), np.zeros(difference.shape)))
+    columns, values = factor @ bins.stacked(np.concatenate(sides)), factor @ difference[..., None]
+    turned = np.swapaxes(columns, 1, 2)
+    inverse = np.linalg.pinv(turned @ columns, hermitian=True)
+    shift, own = (inverse @ turned @ values)[:, 0, 0], inverse[:, 0, 0]
+    sizes = np.geomspace(0.5 * UNSEEN_POSITION_MM, 1.0, 200)
+    ratio = np.median(shift**2 / (sizes[:, None] ** 2 + own), axis=1)
+    return float(sizes[np.argmin(ratio > CHI2_MEDIAN)])
+
+
 Whitener = Callable[[NDArray], NDArray]  # takes (T, B) or (T, B, p) to its whitened form
 
 
@@ -135,6 +166,12 @@ Whitener = Callable[[NDArray], NDArray]  # takes (T, B) or (T, B, p) to its whit
 def _factor(bins: Bins, white_N: float, slow_N: float, slow_time_s: float) -> NDArray:
     """Inverse Cholesky factors of white and slow noise. A search fits many models with the same."""
     return whitener(bins.covariance(Noise(white_N, slow_N, slow_time_s, 0.0), np.zeros(bins.used.shape)))
+
+
+def volume(presses: Presses, noise: Noise) -> float:
+    """Logarithm of the determinant of white and slow noise of all bins."""
+    factor = _factor(presses.bins, noise.white_N, noise.slow_N, noise.slow_time_s)
+    return float(-2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum())
 
 
 def make_whitener(presses: Presses, noise: Noise, slope: NDArray, with_position: bool = True) -> Whitener:
@@ -169,18 +206,26 @@ class SizeLikelihood:
     gram: NDArray
     counts: tuple[int, ...]
     law_priors: Priors
+    most_position_mm: float = float(SIZE_BOUNDS[1, 0])
+
+    @property
+    def bounds(self) -> tuple[NDArray, NDArray]:
+        """Lowest and highest sizes."""
+        low, high = SIZE_BOUNDS
+        return low, np.r_[self.most_position_mm, high[1:]]
 
     def estimate(self, sizes: NoiseSizes) -> tuple[NoiseSizes, float]:
         """Likeliest sizes, and minus twice the log likelihood there."""
         terms = self._terms()
-        begin = np.array([max(sizes.noise.position_mm, 1e-3), *sizes.law])
-        low, high = SIZE_BOUNDS
+        low, high = self.bounds
+        begin = np.clip([max(sizes.noise.position_mm, 1e-3), *sizes.law], low, high)
         likely = likeliest(lambda z: self._score(terms, z, True), begin, low, high, gradient=True)[0]
         position, *law = likely.tolist()
-        return NoiseSizes(replace(sizes.noise, position_mm=position), *law), self._score(terms, likely, False)[0]
+        noise = replace(sizes.noise, position_mm=position)
+        return NoiseSizes(noise, *law, self.most_position_mm), self._score(terms, likely, False)[0]
 
     def variances(self, sizes: NDArray) -> NDArray:
-        """Variances (p,) of the fitted parameters for given sizes (4,), random columns integrated out."""
+        """Variances (p,) of the fitted parameters for given sizes, random columns integrated out."""
         p = self.counts[0]
         fixed, cross = self.gram[1 : 1 + p, 1 : 1 + p], self.gram[1 : 1 + p, 1 + p :]
         scale = sizes[self._groups()]
@@ -193,8 +238,8 @@ class SizeLikelihood:
         return np.where(length > 0.0, np.diag(inverse) / seen**2, 0.0)
 
     def degrees(self, sizes: NoiseSizes) -> tuple[NDArray, NDArray]:
-        """Degrees of freedom of the variances of the fitted parameters (p,), and of the four sizes squared (4,)."""
-        at = np.clip(np.array([sizes.noise.position_mm, *sizes.law]), *SIZE_BOUNDS)
+        """Degrees of freedom of the variances of the fitted parameters (p,), and of the sizes squared."""
+        at = np.clip(np.array([sizes.noise.position_mm, *sizes.law]), *self.bounds)
         terms = self._terms()
         steps = np.exp(STEP * np.eye(len(at)))
         sides = [(at * step, at / step) for step in steps]

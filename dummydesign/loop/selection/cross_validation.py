@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,15 +11,14 @@ from numpy.typing import NDArray
 
 from dummydesign.inference.noise import Bins, whitener
 from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit, prior_precision, size_likelihood, student_over_normal
-from dummydesign.loop.fitting.noise import contrasts, make_whitener
+from dummydesign.loop.fitting.noise import UNSEEN_POSITION_MM, contrasts, make_whitener, repeat_scatter_mm
 from dummydesign.loop.model.effect import Effect
-from dummydesign.loop.model.forward_model import base_names
+from dummydesign.loop.model.forward_model import SMOOTH_TERMS, base_names
 
 ESTIMABLE = 0.2  # a cell counts when the rest still holds this share of the information on an effect's size
 
-UNSEEN_POSITION_MM, LARGEST_POSITION_MM = 0.008, 0.01
-"""Contact scatter that is taken for usual when no repeats show it, and the largest that is."""
-CHI2_MEDIAN = 0.4549  # median of the chi-square distribution of one degree of freedom
+LARGEST_POSITION_MM = 0.01
+"""Largest contact scatter that is taken for usual."""
 
 
 @dataclass(frozen=True)
@@ -81,33 +80,10 @@ def expected_heldout_N(fit: CampaignFit) -> float:
     """
     presses, noise = fit.problem.presses, fit.sizes.noise
     weight = presses.samples * presses.used
-    position = min(noise.position_mm, repeat_scatter_mm(fit), LARGEST_POSITION_MM)
-    spread = np.einsum("tbi,ij,tbj->tb", fit.jacobian, fit.covariance, fit.jacobian)
+    shown = repeat_scatter_mm(presses, fit.residual, fit.slope, fit.forces, noise)
+    position = min(noise.position_mm, shown or UNSEEN_POSITION_MM, LARGEST_POSITION_MM)
+    spread = ((fit.jacobian @ fit.covariance) * fit.jacobian).sum(axis=-1)
     return float(np.sqrt(fit.sizes.floor_N**2 + np.average((position * fit.slope) ** 2 + spread, weights=weight)))
-
-
-def repeat_scatter_mm(fit: CampaignFit) -> float:
-    """Scatter of the contact position as differences of repeats show it, by their median so that few cannot make it.
-
-    Each difference is fitted with a shift d, of variance v by noise alone, and a change of scale; the scatter p is such
-    that the median of d^2 / (p^2 + v) is that of the chi-square of one degree. Not below half of, and without three
-    pairs equal to, :data:`UNSEEN_POSITION_MM`. [mm]
-    """
-    presses, noise = fit.problem.presses, fit.sizes.noise
-    parts, places = contrasts(presses, fit.residual)
-    if len(parts) < 3:
-        return UNSEEN_POSITION_MM
-    bins = Bins(parts)
-    difference = bins.stacked(np.concatenate([part.force_N for part in parts]))
-    sides = [np.stack([fit.slope[i, a], fit.forces[i, a]], axis=1) for i, _, a, _ in places]
-    factor = whitener(bins.covariance(replace(noise, position_mm=0.0), np.zeros(difference.shape)))
-    columns, values = factor @ bins.stacked(np.concatenate(sides)), factor @ difference[..., None]
-    turned = np.swapaxes(columns, 1, 2)
-    inverse = np.linalg.pinv(turned @ columns, hermitian=True)
-    shift, own = (inverse @ turned @ values)[:, 0, 0], inverse[:, 0, 0]
-    sizes = np.geomspace(0.5 * UNSEEN_POSITION_MM, 1.0, 200)
-    ratio = np.median(shift**2 / (sizes[:, None] ** 2 + own), axis=1)
-    return float(sizes[np.argmin(ratio > CHI2_MEDIAN)])
 
 
 def leave_out(fit: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
@@ -115,7 +91,7 @@ def leave_out(fit: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
     problem = fit.problem
     whiten = make_whitener(problem.presses, fit.sizes.noise, fit.slope)
     turned, white = whiten(fit.jacobian), whiten(fit.residual)
-    normal = np.einsum("tbi,tbj->tij", turned, turned)
+    normal = np.swapaxes(turned, 1, 2) @ turned
     gradient = np.einsum("tbi,tb->ti", turned, white)
     prior = np.diag(prior_precision(problem, fit.sizes) + 1e-9)
     low, high = problem.bounds()
@@ -165,7 +141,7 @@ def widened(fit: CampaignFit, lack_ratio: float | None = None) -> NDArray:
     if lack_ratio is not None and lack_ratio > MISFIT:
         covariance = covariance + jackknife(fit)
     if fit.doubt is not None:
-        covariance = covariance + fit.doubt
+        covariance[: len(fit.doubt), : len(fit.doubt)] += fit.doubt
     for effect in fit.problem.effects:
         if not effect.held:
             size = fit.problem.entries[effect.name][0]
@@ -185,7 +161,7 @@ def jackknife(fit: CampaignFit) -> NDArray:
 def pad_spreads(fit: CampaignFit) -> tuple[float, ...]:
     """Standard deviations from pad to pad of the law's level, slope and curvature, scaled like :func:`widened`."""
     _, degrees = size_likelihood(fit).degrees(fit.sizes)
-    return tuple((np.array(fit.sizes.law) * student_over_normal(degrees[1:])).tolist())
+    return tuple((np.array(fit.sizes.law) * student_over_normal(degrees[1:])).tolist()[:SMOOTH_TERMS])
 
 
 DRAWS = 4000

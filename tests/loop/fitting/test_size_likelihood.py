@@ -11,7 +11,7 @@ from dummydesign.loop.fitting.fit import NORMAL_95, student_over_normal
 from dummydesign.loop.fitting.noise import NoiseSizes, SizeLikelihood
 
 NOISE = 1e-4
-WIDE = ((0.005, 30.0), (0.005, 0.3), (0.005, 0.3))
+WIDE = ((0.005, 30.0), (0.005, 0.3), (0.005, 0.3), (0.001, 0.3))
 
 
 def pressed(levels, rng, presses=4, priors=WIDE):
@@ -21,12 +21,12 @@ def pressed(levels, rng, presses=4, priors=WIDE):
     values = levels[pad] + rng.normal(0.0, NOISE, len(pad))
     level = np.eye(pads)[pad]
     nothing = np.zeros((len(pad), len(pad)))
-    columns = np.column_stack([values, np.ones(len(pad)), nothing, level, 0.0 * level, 0.0 * level]) / NOISE
-    return SizeLikelihood(columns.T @ columns, (1, len(pad), pads, pads, pads), priors), values
+    columns = np.column_stack([values, np.ones(len(pad)), nothing, level, *[0.0 * level] * 3]) / NOISE
+    return SizeLikelihood(columns.T @ columns, (1, len(pad), *[pads] * 4), priors), values
 
 
 def start(level=0.005):
-    return NoiseSizes(Noise(NOISE, 0.0, 1.0, 0.005), level, 0.005, 0.005)
+    return NoiseSizes(Noise(NOISE, 0.0, 1.0, 0.005), level, 0.005, 0.005, 0.001)
 
 
 @pytest.mark.parametrize("pads", [3, 4, 8])

@@ -13,7 +13,7 @@ from dummydesign.core.progress import quiet
 from dummydesign.loop.data.reduction import UNLOADING
 from dummydesign.loop.effects.learned import FOLLOWED, Learned, SmoothChange, followed, largest_change
 from dummydesign.loop.effects.registry import effect_named
-from dummydesign.loop.fitting.fit import fit, fit_base, prior_precision, rough_columns
+from dummydesign.loop.fitting.fit import fit, fit_base, prior_precision
 from dummydesign.loop.fitting.screening import project
 from dummydesign.loop.selection import nonparametric_effect
 from dummydesign.loop.selection.nonparametric_effect import closed_form, learn
@@ -147,10 +147,9 @@ def test_a_step_is_the_normal_posterior_of_the_curve_with_all_other_parameters_f
     jacobian = whiten(found.jacobian).reshape(len(columns), -1)
     target = whiten(found.residual).ravel()
     prior = prior_precision(found.problem, found.sizes)
-    rough = whiten(rough_columns(found)).reshape(len(columns), -1)
     # flat priors of the base are wide ones here, in units of what the data know
     wide = 1e-9 * np.maximum((jacobian**2).sum(axis=0), 1e-12)
-    cover = np.eye(len(target)) + rough @ rough.T + jacobian @ np.diag(1.0 / np.maximum(prior, wide)) @ jacobian.T
+    cover = np.eye(len(target)) + jacobian @ np.diag(1.0 / np.maximum(prior, wide)) @ jacobian.T
     pulled = target - jacobian @ (np.where(prior > 0.0, -found.vector, 0.0))
     weigh = np.linalg.solve(cover, np.column_stack([columns, pulled]))
     information, pull = columns.T @ weigh[:, :6], columns.T @ weigh[:, 6]

@@ -178,10 +178,11 @@ def beyond_pads_N(campaign: Campaign, calibration: Calibration, total_N: float, 
     problem = CampaignProblem(presses, law_of(campaign), tuple(one.effect for one in model.active))
     sizes = [p.to_coordinate(one.values[p.name]) for one in model.active for p in one.effect.parameters]
     error = model.law_error(problem.thicknesses)
-    vector = np.r_[model.base.to_logs(), sizes, error.level, error.slope, error.curve]
+    vector = np.r_[model.base.to_logs(), sizes, error.terms.ravel()]
     forces = problem.predict(vector)
     residual = np.where(presses.used, presses.force_N - forces, 0.0)
-    pads = problem.jacobian(vector, forces)[..., problem.fixed :] * presses.used[..., None]
+    smooth = slice(problem.fixed, problem.law_entries(len(PADS)).start)
+    pads = problem.jacobian(vector, forces)[..., smooth] * presses.used[..., None]
     slope = np.where(presses.used, problem.slope(vector, forces), 0.0)
     scattered = Noise(noise.white_N, noise.slow_N, noise.slow_time_s, POSITION_MM)
     whiten = make_whitener(presses, scattered, slope, True)

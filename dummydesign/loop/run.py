@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.blas_threads import one_blas_thread
-from dummydesign.core.cpu_limit import budget_spent, processor_budget
 from dummydesign.core.errors import InputError
 from dummydesign.core.progress import Progress, quiet
 from dummydesign.loop.calibration import Calibration
 from dummydesign.loop.data.pad_modulus_factors import with_pad_factors
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects, refuse_unsound
+from dummydesign.loop.fitting.budget import Budget, budget_spent, counted
 from dummydesign.loop.fitting.candidates import EffectCandidate
 from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.fitting.noise import repeat_pairs
@@ -114,8 +114,8 @@ def replay(campaign: Campaign, calibration: Calibration, progress: Progress = qu
     )
 
 
-SEARCH_BUDGET_S = 40.0
-"""Processor time after which no further model is begun; usual searches take 3 to 20 s. [s]"""
+SEARCH_ITERATIONS = 600
+"""Iterations of fits after which no further model is begun; usual searches take 50 to 300."""
 
 
 @one_blas_thread()
@@ -123,11 +123,12 @@ def close_loop(
     campaign: Campaign,
     progress: Progress = quiet,
     prior: Calibration | None = None,
-    budget_s: float = SEARCH_BUDGET_S,
+    most_iterations: int = SEARCH_ITERATIONS,
 ) -> LoopResult:
     """Run the loop on a campaign.
 
-    After ``budget_s`` of processor time the best model so far is judged and returned, with a warning.
+    After ``most_iterations`` the best model so far is judged and returned, with a warning: work is counted, so that a
+    busy machine gives the same answer.
     """
     if prior is not None:
         check_prior(prior, campaign)
@@ -136,7 +137,7 @@ def close_loop(
     declared, every = campaign, make_presses(campaign)
     campaign, presses, beyond = within_reach(declared, every, law)
     material = material_of(campaign)
-    with processor_budget(budget_s) as budget:
+    with counted(most_iterations) as budget:
         first = fit_base(presses, law, 1e-3 * material.young_kPa, progress, material.prior)
         progress("checking the labels of the presses")
         # a label that is wrong is no effect, and would be taken for one
@@ -166,13 +167,12 @@ def close_loop(
     progress("next measurement")
     most = 2 if answer.among is None else len(answer.among.found)
     following = _next(campaign, base, answer.effects, answer.selection.ranking, most)
-    stopped = f"{budget_s:g} s of processor time" if budget.ran_out else ""
     better = _better_alone(answer.selection, after) if answer.among is None else ()
     labels = doubt_warnings(doubts, presses)
     warnings = (
         *_contradicted(designed),
         *labels,
-        *_warnings(campaign, presses, beyond, stopped, answer, joined),
+        *_warnings(campaign, presses, beyond, budget, answer, joined),
         *better,
     )
     return LoopResult(
@@ -187,6 +187,7 @@ def close_loop(
         joined=joined,
         doubts=doubts,
         designed=designed,
+        budget=budget,
     )
 
 
@@ -339,14 +340,14 @@ def _better_alone(selection: Selection, after: AssessedModel) -> Iterator[dict[s
 
 
 def _warnings(
-    campaign: Campaign, presses: Presses, beyond: str, stopped: str, answer: EffectModel, joined: PooledFit | None
+    campaign: Campaign, presses: Presses, beyond: str, budget: Budget, answer: EffectModel, joined: PooledFit | None
 ) -> Iterator[dict[str, str]]:
     """What a reader must know: what a fit does not see comes first."""
-    if stopped:
+    if budget.stopped:
         yield {
             "code": "search_stopped",
-            "message": f"the search was stopped after {stopped}: the best model so far is "
-            "used, and further effects were not tried",
+            "message": f"the search was stopped after {budget.iterations} iterations in {budget.models} models: the "
+            "best model so far is used, and further effects were not tried",
         }
     if answer.base_kept:
         yield {"code": "base_kept", "message": answer.base_kept}

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dummydesign.core.cpu_limit import budget_spent
 from dummydesign.core.progress import Progress, quiet
+from dummydesign.loop.fitting.budget import budget_spent
 from dummydesign.loop.fitting.fit import CampaignFit, fit, fit_with_noise, with_sizes
 from dummydesign.loop.fitting.noise import NoiseSizes
 from dummydesign.loop.fitting.screening import Screened, screen

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from dummydesign.core.progress import Progress, quiet
 from dummydesign.inference.least_squares import solve_marquardt
 from dummydesign.loop.data.trials import Presses
+from dummydesign.loop.fitting.budget import count
 from dummydesign.loop.fitting.noise import (
     NoiseSizes,
     SizeLikelihood,
@@ -92,6 +93,7 @@ def fit(
     problem: CampaignProblem, start: NDArray, sizes: NoiseSizes, iterations: int = 12, enough: float = ENOUGH
 ) -> CampaignFit:
     """Levenberg-Marquardt with a given noise."""
+    count(models=1)
     low, high = problem.bounds()
     begin = np.clip(start, low, high)
     root, centre = np.sqrt(prior_precision(problem, sizes)), problem.centre
@@ -110,6 +112,7 @@ def fit(
         return np.r_[whiten(error).ravel(), root * (vector - centre)]
 
     def jacobian(vector: NDArray) -> NDArray:
+        count(iterations=1)
         change = problem.jacobian(vector, forces_at(vector))
         change[~used] = 0.0
         return np.concatenate([whiten(change).reshape(-1, len(vector)), np.diag(root)])

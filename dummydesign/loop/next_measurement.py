@@ -259,6 +259,7 @@ def next_measurement(
     plain = replace(first.problem, presses=planned, effects=())
     slope = plain.slope(np.r_[first.vector[: plain.base_count], np.zeros(LAW_TERMS * len(planned.pads))], forces)
     cover = planned.bins.covariance(noise, np.where(planned.used, slope, 0.0))
+    cover += first.sizes.gain**2 * forces[:, :, None] * forces[:, None, :]
     new = still_new(presses, chosen, planned, min(noise.position_mm, USUAL_POSITION_MM))
     for row in np.nonzero(new.any(axis=1))[0]:
         use = new[row]

@@ -9,6 +9,7 @@ import numpy as np
 
 from dummydesign.core.serialise import to_plain
 from dummydesign.loop.data.trials import Presses
+from dummydesign.loop.fitting.budget import Budget
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.next_measurement import NextMeasurement

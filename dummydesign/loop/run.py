@@ -114,7 +114,7 @@ def replay(campaign: Campaign, calibration: Calibration, progress: Progress = qu
     )
 
 
-SEARCH_ITERATIONS = 400
+SEARCH_ITERATIONS = 600
 """Iterations of fits after which no further model is begun; usual searches take 50 to 300."""
 
 

@@ -14,14 +14,14 @@ from dummydesign.loop.corrected_law import CorrectedLaw, Correction
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit_base, fit_with_noise
-from dummydesign.loop.fitting.noise import repeat_scatter_mm
+from dummydesign.loop.fitting.noise import repeat_scatter
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.model.forward_model import BaseParameters
 from dummydesign.loop.run import close_loop, replay
 from dummydesign.loop.selection import search, verdict
 from dummydesign.loop.selection import verdict as acceptance
-from dummydesign.loop.selection.cross_validation import LARGEST_POSITION_MM, expected_heldout_N
+from dummydesign.loop.selection.cross_validation import LARGEST, expected_heldout_N
 from dummydesign.loop.selection.residuals import ResidualDiagnostics
 from dummydesign.loop.selection.search import without
 from dummydesign.loop.selection.verdict import Needed, remainder
@@ -222,7 +222,7 @@ def test_an_effect_is_in_doubt_as_far_as_it_acts_where_a_larger_one_does(monkeyp
 
 def scatter_of(fit):
     """Scatter of the contact that the repeats of a fit show."""
-    return repeat_scatter_mm(fit.problem.presses, fit.residual, fit.slope, fit.forces, fit.sizes.noise)
+    return repeat_scatter(fit.problem.presses, fit.residual, fit.slope, fit.forces, fit.sizes.noise)[0]
 
 
 def test_what_must_be_gained_grows_with_the_models_tried(monkeypatch):
@@ -252,5 +252,5 @@ def test_scatter_that_a_missing_effect_makes_does_not_count_as_contact_scatter(c
     far = replace(found, residual=all_shifted, sizes=scattered)
     assert scatter_of(far) > 0.04
     stiff = np.sqrt(np.average(found.slope**2, weights=presses.samples * presses.used))
-    largest = np.hypot(expected_heldout_N(found), LARGEST_POSITION_MM * stiff)
+    largest = np.hypot(expected_heldout_N(found), LARGEST[0] * stiff)
     assert expected_heldout_N(far) < largest + 0.1 * found.sizes.floor_N

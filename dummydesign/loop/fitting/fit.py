@@ -14,9 +14,10 @@ from dummydesign.loop.fitting.budget import count
 from dummydesign.loop.fitting.noise import (
     NoiseSizes,
     SizeLikelihood,
+    Whitener,
     estimate_slow_noise,
     make_whitener,
-    repeat_scatter_mm,
+    repeat_scatter,
     volume,
 )
 from dummydesign.loop.fitting.problem import CampaignProblem
@@ -62,6 +63,11 @@ class CampaignFit:
         return self.problem.base_of(self.vector)
 
     @property
+    def whitener(self) -> Whitener:
+        """Whitening by all noise, the scatter of presses at its estimated size."""
+        return make_whitener(self.problem.presses, self.sizes.noise, (self.slope, self.forces), self.sizes.scatter)
+
+    @property
     def active(self) -> tuple[Active, ...]:
         """The fitted effects."""
         return self.problem.active_of(self.vector)
@@ -98,7 +104,8 @@ def fit(
     begin = np.clip(start, low, high)
     root, centre = np.sqrt(prior_precision(problem, sizes)), problem.centre
     used = problem.presses.used
-    whiten = make_whitener(problem.presses, sizes.noise, problem.slope(begin, problem.predict(begin)))
+    first = problem.predict(begin)
+    whiten = make_whitener(problem.presses, sizes.noise, (problem.slope(begin, first), first), sizes.scatter)
     kept: dict[bytes, NDArray] = {}
 
     def forces_at(vector: NDArray) -> NDArray:
@@ -134,7 +141,7 @@ def fit_at(problem: CampaignProblem, vector: NDArray, forces: NDArray, sizes: No
     jacobian[~used] = 0.0
     slope = np.where(used, problem.slope(vector, forces), 0.0)
     residual = np.where(used, problem.presses.force_N - forces, 0.0)
-    whiten = make_whitener(problem.presses, sizes.noise, slope)
+    whiten = make_whitener(problem.presses, sizes.noise, (slope, forces), sizes.scatter)
     turned = whiten(jacobian).reshape(-1, len(vector))
     covariance = np.linalg.pinv(turned.T @ turned + np.diag(prior), rcond=1e-12, hermitian=True)
     chi2 = float((whiten(residual) ** 2).sum() + (prior * (vector - problem.centre) ** 2).sum())
@@ -142,36 +149,39 @@ def fit_at(problem: CampaignProblem, vector: NDArray, forces: NDArray, sizes: No
 
 
 def with_sizes(campaign_fit: CampaignFit) -> CampaignFit:
-    """Re-estimate contact scatter and law error at an optimum and set its score."""
+    """Re-estimate scatter of presses and law error at an optimum and set its score."""
     sizes, score = size_likelihood(campaign_fit).estimate(campaign_fit.sizes)
     return replace(campaign_fit, sizes=sizes, score=score)
 
 
 def size_likelihood(campaign_fit: CampaignFit) -> SizeLikelihood:
-    """Likelihood of contact scatter and law error at an optimum."""
+    """Likelihood of scatter of presses and law error at an optimum."""
     fit, problem, p = campaign_fit, campaign_fit.problem, campaign_fit.problem.fixed
-    whiten = make_whitener(problem.presses, fit.sizes.noise, fit.slope, False)
+    whiten = make_whitener(problem.presses, fit.sizes.noise)
     residual = fit.residual + fit.jacobian[..., p:] @ fit.vector[p:]
-    turned, shift = whiten(fit.jacobian).reshape(-1, len(fit.vector)), whiten(fit.slope)
+    turned = whiten(fit.jacobian).reshape(-1, len(fit.vector))
+    scatter = np.stack([whiten(fit.slope), whiten(np.where(problem.presses.used, fit.forces, 0.0))])
     dense = np.column_stack([whiten(residual).ravel(), turned])
-    inner, wide = dense.T @ dense, np.einsum("tb,tbk->tk", shift, dense.reshape(*shift.shape, -1))
+    inner, count = dense.T @ dense, 2 * scatter.shape[1]
+    wide = (scatter[:, :, None] @ dense.reshape(*scatter.shape[1:], -1)).reshape(count, -1)
+    same = (scatter[:, None] * scatter).sum(axis=-1)
     # material and parameters of form have a prior, a row each
     prior, known, at = prior_precision(problem, fit.sizes)[:p], (fit.vector - problem.centre)[:p], 1 + np.arange(p)
     inner[0, 0] += float(prior @ known**2)
     inner[0, at] -= prior * known
     inner[at, 0] -= prior * known
     inner[at, at] += prior
-    gram = np.block([[inner, wide.T], [wide, np.diag((shift**2).sum(axis=1))]])
-    # the shifts of the trials stand before the law's errors
+    gram = np.block([[inner, wide.T], [wide, np.block([[np.diag(one) for one in row] for row in same])]])
+    # the scatter of the trials stands before the law's errors
     order = np.r_[: 1 + p, len(inner) : len(gram), 1 + p : len(inner)]
-    counts = p, len(shift), *law_counts(problem)
-    return SizeLikelihood(gram[np.ix_(order, order)], counts, problem.law.error_priors, fit.sizes.most_position_mm)
+    counts = p, count // 2, count // 2, *law_counts(problem)
+    return SizeLikelihood(gram[np.ix_(order, order)], counts, problem.law.error_priors, fit.sizes.most)
 
 
 def fit_with_noise(
     problem: CampaignProblem, start: NDArray, sizes: NoiseSizes, rounds: int = 2, iterations: int = 12
 ) -> CampaignFit:
-    """Alternate the fit and the estimate of contact scatter and law error."""
+    """Alternate the fit and the estimate of scatter of presses and law error."""
     fitted = fit(problem, start, sizes, iterations)
     for _ in range(rounds - 1):
         sized = with_sizes(fitted)
@@ -186,15 +196,15 @@ def fit_base(
     problem = CampaignProblem(presses, law, prior=prior)
     progress("base")
     first = fit_with_noise(problem, start_vector(problem, young_MPa), NoiseSizes.first(presses, law.error_priors), 1)
-    seen = repeat_scatter_mm(presses, first.residual, first.slope, first.forces, first.sizes.noise)
-    sizes = first.sizes if seen is None else replace(first.sizes, most_position_mm=LOOSE * seen)
-    first = fit_with_noise(problem, first.vector, sizes, 2)
+    seen = repeat_scatter(presses, first.residual, first.slope, first.forces, first.sizes.noise)
+    most = (LOOSE * seen[0], LOOSE * seen[1]) if seen else first.sizes.most
+    first = fit_with_noise(problem, first.vector, replace(first.sizes, most=most), 2)
     progress("base")
     return same_noise(same_noise(first, 12), 12)
 
 
 LOOSE = 1.5
-"""Contact scatter over what repeats show of it, at most: what a fit puts there beyond that is an effect."""
+"""Scatter of presses over what repeats show of it, at most: what a fit puts there beyond that is an effect."""
 
 
 def same_noise(fitted: CampaignFit, iterations: int = 8) -> CampaignFit:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.loop.fitting.fit import CampaignFit, prior_precision
-from dummydesign.loop.fitting.noise import Whitener, make_whitener
+from dummydesign.loop.fitting.noise import Whitener
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import SMOOTH_TERMS
 
@@ -54,7 +54,7 @@ def project(fit: CampaignFit, law_free: bool = False) -> Projection:
     do is taken out. Waves keep their prior.
     """
     problem = fit.problem
-    whiten = make_whitener(problem.presses, fit.sizes.noise, fit.slope)
+    whiten = fit.whitener
     scale = np.sqrt(prior_precision(problem, fit.sizes)[problem.fixed :])
     if law_free:
         scale[: SMOOTH_TERMS * len(problem.presses.pads)] = 0.0

@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from dummydesign.inference.noise import Bins, whitener
 from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit, prior_precision, size_likelihood, student_over_normal
-from dummydesign.loop.fitting.noise import UNSEEN_POSITION_MM, contrasts, make_whitener, repeat_scatter_mm
+from dummydesign.loop.fitting.noise import UNSEEN, contrasts, repeat_scatter
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import SMOOTH_TERMS, base_names
 
 ESTIMABLE = 0.2  # a cell counts when the rest still holds this share of the information on an effect's size
 
-LARGEST_POSITION_MM = 0.01
-"""Largest contact scatter that is taken for usual."""
+LARGEST = (0.01, 0.005)
+"""Largest scatter of presses in contact [mm] and gain that is taken for usual."""
 
 
 @dataclass(frozen=True)
@@ -74,22 +74,23 @@ def errors(fit: CampaignFit, cells: NDArray | None = None) -> Errors:
 
 
 def expected_heldout_N(fit: CampaignFit) -> float:
-    """Error on left-out conditions when nothing is missing: noise, contact scatter, uncertainty of all parameters. [N]
+    """Error on left-out conditions when nothing is missing: noise, scatter of presses, uncertainty of parameters. [N]
 
-    Contact scatter counts as far as repeats show it and a test machine has it: more is a sign of a missing effect.
+    Scatter of presses counts as far as repeats show it and a test machine has it: more is a sign of a missing effect.
     """
     presses, noise = fit.problem.presses, fit.sizes.noise
     weight = presses.samples * presses.used
-    shown = repeat_scatter_mm(presses, fit.residual, fit.slope, fit.forces, noise)
-    position = min(noise.position_mm, shown or UNSEEN_POSITION_MM, LARGEST_POSITION_MM)
+    shown = repeat_scatter(presses, fit.residual, fit.slope, fit.forces, noise) or UNSEEN
+    position, gain = (min(each) for each in zip(fit.sizes.scatter, shown, LARGEST))
     spread = ((fit.jacobian @ fit.covariance) * fit.jacobian).sum(axis=-1)
-    return float(np.sqrt(fit.sizes.floor_N**2 + np.average((position * fit.slope) ** 2 + spread, weights=weight)))
+    spread += (position * fit.slope) ** 2 + (gain * fit.forces) ** 2
+    return float(np.sqrt(fit.sizes.floor_N**2 + np.average(spread, weights=weight)))
 
 
 def leave_out(fit: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
     """Change of the vector when each cell is left out; cells without which an effect is not known are missing."""
     problem = fit.problem
-    whiten = make_whitener(problem.presses, fit.sizes.noise, fit.slope)
+    whiten = fit.whitener
     turned, white = whiten(fit.jacobian), whiten(fit.residual)
     normal = np.swapaxes(turned, 1, 2) @ turned
     gradient = np.einsum("tbi,tb->ti", turned, white)
@@ -132,7 +133,7 @@ def widened(fit: CampaignFit, lack_ratio: float | None = None) -> NDArray:
     fixed = fit.problem.fixed
     likelihood = size_likelihood(fit)
     degrees, _ = likelihood.degrees(fit.sizes)
-    variances = likelihood.variances(np.array([fit.sizes.noise.position_mm, *fit.sizes.law]))
+    variances = likelihood.variances(fit.sizes.fitted)
     plain = np.diag(fit.covariance)[:fixed]
     factor = np.ones(len(fit.vector))
     known = plain > 0.0
@@ -161,7 +162,7 @@ def jackknife(fit: CampaignFit) -> NDArray:
 def pad_spreads(fit: CampaignFit) -> tuple[float, ...]:
     """Standard deviations from pad to pad of the law's level, slope and curvature, scaled like :func:`widened`."""
     _, degrees = size_likelihood(fit).degrees(fit.sizes)
-    return tuple((np.array(fit.sizes.law) * student_over_normal(degrees[1:])).tolist()[:SMOOTH_TERMS])
+    return tuple((np.array(fit.sizes.law) * student_over_normal(degrees[2:])).tolist()[:SMOOTH_TERMS])
 
 
 DRAWS = 4000

@@ -185,6 +185,7 @@ def test_evidence_apart_counts_only_bins_that_the_form_error_of_another_effect_d
         vector=vector,
         forces=forces,
         residual=np.zeros((1, bins)),
+        whitener=lambda values: values,
     )
     monkeypatch.setattr(verdict, "make_whitener", lambda *args: lambda values: values)
     monkeypatch.setattr(verdict, "prior_precision", lambda problem, sizes: np.zeros(7))

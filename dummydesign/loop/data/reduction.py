@@ -143,8 +143,9 @@ def _nodes(trace: Trace, ramp: Ramp) -> tuple[NDArray, NDArray]:
     while hold[-1] < end:
         hold.append(hold[-1] + min(max((hold[-1] - stop) * (NODE_GROWTH - 1.0), 2e-3), NODE_CAP_S))
     away = time >= end
-    back = np.abs(np.diff(x[away], prepend=x[away][:1])).cumsum()
-    passed = BACK_NODES * back / max(float(x.max()), 1e-9) + AWAY_NODES * (time[away] - end) / max(time[-1] - end, 1e-9)
+    # travel from the deepest on, which noise of the position does not add to
+    back = np.maximum.accumulate(np.clip(1.0 - x[away] / max(float(x.max()), 1e-9), 0.0, 1.0))
+    passed = BACK_NODES * back + AWAY_NODES * (time[away] - end) / max(time[-1] - end, 1e-9)
     away = time[away][np.diff(np.floor(passed), prepend=-1.0) > 0]
     nodes = np.unique(np.r_[start, rise, ringing_times(ramp), hold[1:-1], end, away, time[-1]])
     nodes = distinct(nodes[(nodes >= time[0]) & (nodes <= time[-1])], 1e-5)

@@ -58,7 +58,7 @@ def test_whitening_is_the_inverse_root_of_the_covariance(row):
     found = clean_fit()
     presses = found.problem.presses
     for with_position, place in ((True, 2), (False, 1)):
-        whiten = make_whitener(presses, NOISE, found.slope, with_position)
+        whiten = make_whitener(presses, NOISE, (found.slope,) if with_position else (), (NOISE.position_mm,))
         cover = dense(presses, NOISE, found.slope, row)[place]
         use = presses.used[row]
         count = int(use.sum())
@@ -97,7 +97,7 @@ def test_sensitivities_are_differences_of_predictions(names):
         wanted = central(problem, vector, entry)
         scale = 0.015 * np.abs(wanted[used]).max() + 1e-9
         if entry >= problem.law_entries(SMOOTH_TERMS).start:  # waves step their relaxation from bin to bin
-            scale = 0.04 * forces.max()
+            scale = (0.06 if "sensor_lag" in names else 0.02) * forces.max()
         np.testing.assert_allclose(columns[..., entry][used], wanted[used], atol=scale)
     slope = (problem.predict(vector, -5e-4) - problem.predict(vector, 5e-4)) / 1e-3
     np.testing.assert_allclose(problem.slope(vector, forces)[used], slope[used], atol=0.02 * np.abs(slope).max())
@@ -163,20 +163,21 @@ def test_a_set_up_that_gives_way_balances_its_force():
     np.testing.assert_allclose(near[0], forces, atol=1e-3)
 
 
-def dense_score(found, position, law, restricted=True):
+def dense_score(found, scatter, law, restricted=True):
     """Minus twice the log likelihood of residuals at an optimum, by the full covariance of all bins."""
     problem, presses = found.problem, found.problem.presses
-    noise = replace(found.sizes.noise, position_mm=position)
-    whiten = make_whitener(presses, noise, found.slope, False)
+    noise = replace(found.sizes.noise, position_mm=scatter[0])
+    whiten = make_whitener(presses, noise)
     jacobian = whiten(found.jacobian).reshape(-1, len(found.vector))
     fixed, random = jacobian[:, : problem.fixed], jacobian[:, problem.fixed :]
     residual = whiten(found.residual + found.jacobian[..., problem.fixed :] @ found.vector[problem.fixed :]).ravel()
-    shift = whiten(found.slope)
+    own = whiten(found.slope), whiten(np.where(presses.used, found.forces, 0.0))
     cover = np.eye(len(residual)) + (random * np.repeat(np.square(law), [2, 2, 2, 2 * WAVES])) @ random.T
-    width = shift.shape[1]
-    for row, own in enumerate(shift):
-        at = slice(row * width, (row + 1) * width)
-        cover[at, at] += position**2 * np.outer(own, own)
+    width = own[0].shape[1]
+    for size, directions in zip(scatter, own):
+        for row, along in enumerate(directions):
+            at = slice(row * width, (row + 1) * width)
+            cover[at, at] += size**2 * np.outer(along, along)
     solved = np.linalg.solve(cover, np.column_stack([fixed, residual]))
     known, pull = fixed.T @ solved[:, :-1], fixed.T @ solved[:, -1]
     chi2 = residual @ solved[:, -1] - pull @ np.linalg.solve(known, pull)
@@ -184,37 +185,37 @@ def dense_score(found, position, law, restricted=True):
 
 
 def prior_score(sizes, law_priors):
-    values = np.log([sizes[0] / 0.008, *(size / median for size, (median, _) in zip(sizes[1:], law_priors))])
-    return float(np.sum((values / [1.0, *(spread for _, spread in law_priors)]) ** 2))
+    medians, spreads = np.transpose([(0.008, 1.0), (5e-4, 1.0), *law_priors])
+    return float(np.sum((np.log(sizes / medians) / spreads) ** 2))
 
 
 def test_the_likelihood_of_the_sizes_is_that_of_the_normal_distribution():
     found = clean_fit()
     made = size_likelihood(found)
-    trials = [np.array([0.003, 0.004, 0.01, 0.006, 0.001]), np.array([0.02, 0.01, 0.004, 0.02, 0.003])]
+    trials = [np.array([0.003, 0.0004, 0.004, 0.01, 0.006, 0.001]), np.array([0.02, 0.002, 0.01, 0.004, 0.02, 0.003])]
     said = [made._score(made._terms(), sizes, True) for sizes in trials]
-    wanted = [dense_score(found, one[0], one[1:]) + prior_score(one, pucks.LAW.error_priors) for one in trials]
+    wanted = [dense_score(found, one[:2], one[2:]) + prior_score(one, pucks.LAW.error_priors) for one in trials]
     assert said[1][0] - said[0][0] == pytest.approx(wanted[1] - wanted[0], abs=0.02)
     plain = [made._score(made._terms(), sizes, False)[0] for sizes in trials]
-    without = [dense_score(found, one[0], one[1:], False) + prior_score(one, pucks.LAW.error_priors) for one in trials]
+    without = [dense_score(found, one[:2], one[2:], False) + prior_score(one, pucks.LAW.error_priors) for one in trials]
     assert plain[1] - plain[0] == pytest.approx(without[1] - without[0], abs=0.02)
     # its gradient in the logarithms of the sizes
-    for place in range(5):
-        step = np.exp(1e-4 * np.eye(5)[place])
+    for place in range(6):
+        step = np.exp(1e-4 * np.eye(6)[place])
         up, down = (made._score(made._terms(), trials[0] * one, True)[0] for one in (step, 1.0 / step))
         assert said[0][1][place] == pytest.approx((up - down) / 2e-4, rel=1e-3, abs=1e-4)
     # variances of what is fitted, random columns integrated out
     likely = made.estimate(found.sizes)[0]
-    best = made._score(made._terms(), np.array([likely.noise.position_mm, *likely.law]), True)[0]
+    best = made._score(made._terms(), likely.fitted, True)[0]
     assert all(best <= made._score(made._terms(), one, True)[0] for one in trials)
 
 
 def test_variances_of_the_base_have_what_shifts_and_law_errors_hide():
     found = clean_fit()
-    sizes = np.array([found.sizes.noise.position_mm, *found.sizes.law])
+    sizes = found.sizes.fitted
     variances = size_likelihood(found).variances(sizes)
     assert variances == pytest.approx(np.diag(found.covariance)[:BASE], rel=0.02)
-    wider = size_likelihood(found).variances(sizes * [1.0, 3.0, 1.0, 1.0, 1.0])
+    wider = size_likelihood(found).variances(sizes * [1.0, 1.0, 3.0, 1.0, 1.0, 1.0])
     # two pads: the modulus is known to the level over sqrt 2
     gain = wider[0] - variances[0]
     assert gain == pytest.approx(8.0 * found.sizes.level**2 / 2.0, rel=0.1)
@@ -226,13 +227,18 @@ def test_covariance_and_chi2_are_those_of_the_linearised_normal_model():
     prior = prior_precision(found.problem, found.sizes)
     information, chi2 = np.diag(prior).copy(), float((prior * found.vector**2).sum())
     for row in range(16):
-        whiten = make_whitener(presses, found.sizes.noise, found.slope)
+        whiten = found.whitener
         white = whiten(found.jacobian)[row]
         information += white.T @ white
         use, _, cover = dense(presses, found.sizes.noise, found.slope, row)
         chi2 += found.residual[row][use] @ np.linalg.solve(cover, found.residual[row][use])
     again = fit(found.problem, found.vector, found.sizes, 20, 1e-8)
-    np.testing.assert_allclose(np.linalg.inv(information), found.covariance, rtol=0.05, atol=1e-9)
+    wanted = np.linalg.inv(information)
+    spread = np.sqrt(np.diag(wanted))
+    np.testing.assert_allclose(np.sqrt(np.diag(found.covariance)), spread, rtol=0.02)
+    np.testing.assert_allclose(
+        found.covariance / np.outer(spread, spread), wanted / np.outer(spread, spread), atol=0.02
+    )
     assert again.chi2 == pytest.approx(chi2, rel=0.02)
     # nearby the optimum no vector fits better
     for entry in range(len(found.vector)):
@@ -240,7 +246,7 @@ def test_covariance_and_chi2_are_those_of_the_linearised_normal_model():
             vector = again.vector.copy()
             vector[entry] += sign * np.sqrt(found.covariance[entry, entry])
             moved = np.where(presses.used, presses.force_N - found.problem.predict(vector), 0.0)
-            white = make_whitener(presses, found.sizes.noise, again.slope)(moved)
+            white = again.whitener(moved)
             assert float((white**2).sum() + (prior * vector**2).sum()) > again.chi2 + 0.3
     assert len(prior) == len(found.vector) and not prior[:BASE].any()
     np.testing.assert_allclose(prior[BASE:], np.repeat(np.array(found.sizes.law) ** -2.0, [2, 2, 2, 2 * WAVES]))
@@ -292,15 +298,12 @@ def test_a_better_model_shows_the_noise_better_and_sizes_are_at_their_best():
     sized = with_sizes(found)
     assert (
         sized.score
-        <= size_likelihood(found)._score(
-            size_likelihood(found)._terms(), np.array([found.sizes.noise.position_mm, *found.sizes.law]), False
-        )[0]
-        + 1e-6
+        <= size_likelihood(found)._score(size_likelihood(found)._terms(), found.sizes.fitted, False)[0] + 0.01
     )
-    wide = replace(found, sizes=NoiseSizes(replace(found.sizes.noise, position_mm=0.2), 0.1, 0.1, 0.1, 0.02))
+    wide = replace(found, sizes=NoiseSizes(replace(found.sizes.noise, position_mm=0.2), 0.1, 0.1, 0.1, 0.009, 0.05))
     kept = modest(wide)
     assert kept.sizes.law == tuple(median for median, _ in pucks.LAW.error_priors)
-    assert kept.sizes.noise.position_mm == 0.02
+    assert kept.sizes.scatter == (0.02, 0.002)
     narrow = modest(
         replace(found, sizes=NoiseSizes(replace(found.sizes.noise, position_mm=0.001), 1e-3, 1e-3, 1e-3, 2e-4))
     )

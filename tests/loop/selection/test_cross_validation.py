@@ -11,7 +11,7 @@ from scipy.stats import chi2
 
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit, fit_with_noise, prior_precision
-from dummydesign.loop.fitting.noise import contrasts, make_whitener, repeat_scatter_mm
+from dummydesign.loop.fitting.noise import contrasts, repeat_scatter
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.material import UNDECLARED
 from dummydesign.loop.selection import cross_validation, verdict
@@ -81,7 +81,7 @@ def test_left_out_errors_are_those_of_the_changed_vector_where_the_model_is_line
 @pytest.mark.parametrize("by", ["cell", "pad"])
 def test_leaving_presses_out_is_least_squares_without_them(offset_fit, by):
     presses, problem = offset_fit.problem.presses, offset_fit.problem
-    whiten = make_whitener(presses, offset_fit.sizes.noise, offset_fit.slope)
+    whiten = offset_fit.whitener
     jacobian, residual = whiten(offset_fit.jacobian), whiten(offset_fit.residual)
     root = np.sqrt(prior_precision(problem, offset_fit.sizes))
     labels = getattr(presses, by)
@@ -123,13 +123,15 @@ def test_an_effect_that_the_rest_hardly_shows_leaves_its_presses_out_of_the_coun
 
 def scatter_of(fit):
     """Scatter of the contact that the repeats of a fit show."""
-    return repeat_scatter_mm(fit.problem.presses, fit.residual, fit.slope, fit.forces, fit.sizes.noise)
+    shown = repeat_scatter(fit.problem.presses, fit.residual, fit.slope, fit.forces, fit.sizes.noise)
+    return shown[0] if shown else None
 
 
 def test_what_is_expected_on_left_out_conditions_adds_up():
     found = clean_fit()
     presses, floor = found.problem.presses, found.sizes.floor_N
-    nothing = replace(found, covariance=0.0 * found.covariance, slope=0.0 * found.slope)
+    own = replace(found.sizes, gain=0.0)
+    nothing = replace(found, covariance=0.0 * found.covariance, slope=0.0 * found.slope, sizes=own)
     assert expected_heldout_N(nothing) == pytest.approx(floor)
     weight = presses.samples * presses.used
     one = np.zeros_like(found.covariance)
@@ -138,9 +140,9 @@ def test_what_is_expected_on_left_out_conditions_adds_up():
     # the first entry is the logarithm of the modulus: 3 % of the force
     assert gain == pytest.approx(np.average((0.03 * found.forces) ** 2, weights=weight), rel=0.01)
     for position in (0.002, 0.006, 0.03):
-        sizes = replace(found.sizes, noise=replace(found.sizes.noise, position_mm=position))
+        sizes = replace(found.sizes, gain=0.0, noise=replace(found.sizes.noise, position_mm=position))
         moved = replace(found, covariance=0.0 * found.covariance, sizes=sizes)
-        seen = min(position, scatter_of(moved), cross_validation.LARGEST_POSITION_MM)
+        seen = min(position, scatter_of(moved), cross_validation.LARGEST[0])
         gain = expected_heldout_N(moved) ** 2 - floor**2
         assert gain == pytest.approx(np.average((seen * found.slope) ** 2, weights=weight))
 

@@ -55,7 +55,7 @@ def test_a_step_with_temperature_is_learned_as_high_as_it_is():
     assert found.effect.name == "learned_temperature_c" and found.form.name == "step" and found.left_out < 0.3
     cold, warm = 1.0 + found.effect.shape(np.array([23.0, 27.5]))
     assert warm / cold == pytest.approx(1.05, abs=0.008)
-    assert found.fit.score < base.score - found.evidence * 0.8
+    assert found.fit.score < base.score - nonparametric_effect.EVIDENCE
 
 
 @pytest.mark.slow

@@ -113,6 +113,7 @@ def run_one(kind: str, before: int, seed: int, folder: Path) -> dict:
             "verdict": REFUSED,
             "found": [],
             "cpu_seconds": 0.0,
+            "iterations": result.budget.iterations,
             "message": message,
         }
 
@@ -165,6 +166,7 @@ def row_of(put_in: Put, truth: generator.Truth, result: LoopResult, seconds: flo
         "where": [(one.factor, round(one.excess, 1)) for one in result.seen.where[:3]],
         "reasons": list(result.remainder.reasons),
         "cpu_seconds": round(seconds, 1),
+        "iterations": result.budget.iterations,
     }
 
 

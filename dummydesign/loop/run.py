@@ -143,7 +143,11 @@ def close_loop(
         # a label that is wrong is no effect, and would be taken for one
         doubts = doubts_of(declared, every, first)
         campaign, presses, first = without_doubted(campaign, presses, first, doubts)
-        base, designed = assess(first), as_designed(first)
+        designed = as_designed(first)
+        if designed is not None and designed.contradicted:
+            free = first.problem.prior.released([one.name for one in designed.contradicted])
+            first = fit_base(presses, law, first.base.young_MPa, progress, free)
+        base = assess(first)
         available, untested = _available(presses, law)
         seen = diagnose(base.fit)
         explained = _explain(base, seen, available, progress)
@@ -196,7 +200,7 @@ def _contradicted(designed: AsDesigned | None) -> Iterator[dict[str, str]]:
     for one in () if designed is None else designed.contradicted:
         message = (
             f"{one.name} is {one.declared:.4g} as declared, {one.refitted:.4g} in these presses "
-            f"({one.distance:.1f} standard deviations): check resin and ratio of the campaign"
+            f"({one.distance:.1f} standard deviations), which is taken: check resin and ratio of the campaign"
         )
         yield {"code": "material_contradicted", "message": message}
 

@@ -95,10 +95,13 @@ def test_sensitivities_are_differences_of_predictions(names):
     used = problem.presses.used & (problem.presses.label < 300)
     for entry in range(len(vector)):
         wanted = central(problem, vector, entry)
-        scale = 0.015 * np.abs(wanted[used]).max() + 1e-9
-        if entry >= problem.law_entries(SMOOTH_TERMS).start:  # waves step their relaxation from bin to bin
-            scale = (0.06 if "sensor_lag" in names else 0.02) * forces.max()
-        np.testing.assert_allclose(columns[..., entry][used], wanted[used], atol=scale)
+        if entry >= problem.law_entries(SMOOTH_TERMS).start:
+            # waves step their relaxation from bin to bin, and a slow sensor sees them by depth and force through it
+            off = np.linalg.norm((columns[..., entry] - wanted)[used])
+            assert off < 0.1 * np.linalg.norm(wanted[used]) + 0.02 * forces.max()
+            continue
+        scale = np.abs(wanted[used]).max() + 1e-9
+        np.testing.assert_allclose(columns[..., entry][used], wanted[used], atol=0.015 * scale)
     slope = (problem.predict(vector, -5e-4) - problem.predict(vector, 5e-4)) / 1e-3
     np.testing.assert_allclose(problem.slope(vector, forces)[used], slope[used], atol=0.02 * np.abs(slope).max())
 

@@ -114,8 +114,8 @@ def replay(campaign: Campaign, calibration: Calibration, progress: Progress = qu
     )
 
 
-SEARCH_ITERATIONS = 600
-"""Iterations of fits after which no further model is begun; usual searches take 50 to 300."""
+SEARCH_ITERATIONS = 300
+"""Iterations of fits after which no further model is begun; usual searches take 30 to 200."""
 
 
 @one_blas_thread()

@@ -290,12 +290,11 @@ def wave_columns(
     elastic = base.young_MPa * unit(depth, thickness)
     for one in acting:
         elastic = elastic * one.effect.scale(presses, depth, one.values)
-    # a slow sensor sees a wave later: depth and force through it, rather than their product
-    none = sensor_signal(presses, np.zeros_like(elastic), acting)
-    seen, share = (sensor_signal(presses, x, acting) - none for x in (elastic, np.maximum(depth, 0.0) / thickness))
-    at = wave_number(share)
+    at = wave_number(np.maximum(depth, 0.0) / thickness)
     hats = [np.maximum(1.0 - np.abs(at - k), 0.0) for k in range(1, min(int(at.max()) + 2, WAVES + 1))]
-    direct = presses.operator @ np.stack([seen, *(seen * hat for hat in hats)], axis=-1)
+    none = sensor_signal(presses, np.zeros_like(elastic), acting)
+    seen = [sensor_signal(presses, elastic * hat, acting) - none for hat in (1.0, *hats)]
+    direct = presses.operator @ np.stack(seen, axis=-1)
     bins, each = presses.bins, np.moveaxis(direct, -1, 0)
     middle = np.maximum.accumulate(np.where(bins.used, 0.5 * (bins.start + bins.end), 0.0), axis=1)
     middle += 1e-6 * np.arange(middle.shape[1])  # the padding too goes on

@@ -96,7 +96,7 @@ def test_sensitivities_are_differences_of_predictions(names):
     for entry in range(len(vector)):
         wanted = central(problem, vector, entry)
         if entry >= problem.law_entries(SMOOTH_TERMS).start:
-            # waves step their relaxation from bin to bin, and a slow sensor sees them by depth and force through it
+            # waves step their relaxation from bin to bin
             off = np.linalg.norm((columns[..., entry] - wanted)[used])
             assert off < 0.1 * np.linalg.norm(wanted[used]) + 0.02 * forces.max()
             continue

@@ -60,7 +60,9 @@ def modest(campaign_fit: CampaignFit) -> CampaignFit:
     usual = [prior[0] for prior in campaign_fit.problem.law.error_priors]
     own = campaign_fit.sizes
     noise = replace(own.noise, position_mm=min(own.noise.position_mm, USUAL_POSITION_MM))
-    sizes = NoiseSizes(noise, *(min(a, b) for a, b in zip(own.law, usual)), min(own.gain, USUAL_GAIN), own.most)
+    sizes = NoiseSizes(
+        noise, *(min(a, b) for a, b in zip(own.law, usual)), gain=min(own.gain, USUAL_GAIN), most=own.most
+    )
     return fit(campaign_fit.problem, campaign_fit.vector, sizes, 6)
 
 

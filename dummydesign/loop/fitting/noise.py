@@ -7,7 +7,7 @@ are taken out, so that neither model error nor effects that change from trial to
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any
@@ -44,8 +44,8 @@ class NoiseSizes:
     slope: float
     curve: float
     wave: float
-    gain: float = 0.0
-    most: tuple[float, float] = (0.5, 0.1)
+    gain: float = field(default=0.0, kw_only=True)
+    most: tuple[float, float] = field(default=(0.5, 0.1), kw_only=True)
 
     @classmethod
     def first(cls, presses: Presses, law_priors: Priors) -> NoiseSizes:
@@ -252,7 +252,7 @@ class SizeLikelihood:
         likely = likeliest(lambda z: self._score(terms, z, True), begin, low, high, gradient=True)[0]
         position, gain, *law = likely.tolist()
         noise = replace(sizes.noise, position_mm=position)
-        return NoiseSizes(noise, *law, gain, self.most), self._score(terms, likely, False)[0]
+        return NoiseSizes(noise, *law, gain=gain, most=self.most), self._score(terms, likely, False)[0]
 
     def variances(self, sizes: NDArray) -> NDArray:
         """Variances (p,) of the fitted parameters for given sizes, random columns integrated out."""

@@ -303,7 +303,9 @@ def test_a_better_model_shows_the_noise_better_and_sizes_are_at_their_best():
         sized.score
         <= size_likelihood(found)._score(size_likelihood(found)._terms(), found.sizes.fitted, False)[0] + 0.01
     )
-    wide = replace(found, sizes=NoiseSizes(replace(found.sizes.noise, position_mm=0.2), 0.1, 0.1, 0.1, 0.009, 0.05))
+    wide = replace(
+        found, sizes=NoiseSizes(replace(found.sizes.noise, position_mm=0.2), 0.1, 0.1, 0.1, 0.009, gain=0.05)
+    )
     kept = modest(wide)
     assert kept.sizes.law == tuple(median for median, _ in pucks.LAW.error_priors)
     assert kept.sizes.scatter == (0.02, 0.002)

@@ -113,6 +113,7 @@ def run_one(kind: str, before: int, seed: int, folder: Path) -> dict:
             "verdict": REFUSED,
             "found": [],
             "cpu_seconds": 0.0,
+            "iterations": 0,
             "message": message,
         }
 
@@ -165,6 +166,7 @@ def row_of(put_in: Put, truth: generator.Truth, result: LoopResult, seconds: flo
         "where": [(one.factor, round(one.excess, 1)) for one in result.seen.where[:3]],
         "reasons": list(result.remainder.reasons),
         "cpu_seconds": round(seconds, 1),
+        "iterations": result.budget.iterations,
     }
 
 
@@ -178,19 +180,20 @@ def beyond_pads_N(campaign: Campaign, calibration: Calibration, total_N: float, 
     problem = CampaignProblem(presses, law_of(campaign), tuple(one.effect for one in model.active))
     sizes = [p.to_coordinate(one.values[p.name]) for one in model.active for p in one.effect.parameters]
     error = model.law_error(problem.thicknesses)
-    vector = np.r_[model.base.to_logs(), sizes, error.level, error.slope, error.curve]
+    vector = np.r_[model.base.to_logs(), sizes, error.terms.ravel()]
     forces = problem.predict(vector)
     residual = np.where(presses.used, presses.force_N - forces, 0.0)
-    pads = problem.jacobian(vector, forces)[..., problem.fixed :] * presses.used[..., None]
+    smooth = slice(problem.fixed, problem.law_entries(len(PADS)).start)
+    pads = problem.jacobian(vector, forces)[..., smooth] * presses.used[..., None]
     slope = np.where(presses.used, problem.slope(vector, forces), 0.0)
     scattered = Noise(noise.white_N, noise.slow_N, noise.slow_time_s, POSITION_MM)
-    whiten = make_whitener(presses, scattered, slope, True)
+    whiten = make_whitener(presses, scattered, (slope,), (POSITION_MM,))
     columns, white = whiten(pads).reshape(-1, pads.shape[-1]), whiten(residual).ravel()
     prior = np.diag(np.repeat(np.array(PADS) ** -2.0, len(problem.thicknesses)))
     own = np.linalg.solve(columns.T @ columns + prior, columns.T @ white)
     reach = USUAL * np.repeat(np.array(PADS), len(problem.thicknesses))
     left = residual - pads @ np.clip(own, -reach, reach)
-    whiten = make_whitener(presses, scattered, slope, False)
+    whiten = make_whitener(presses, scattered)
     steep, white = whiten(slope), whiten(left)
     shift = (steep * white).sum(axis=1) / ((steep**2).sum(axis=1) + POSITION_MM**-2)
     shift = np.clip(shift, -USUAL * POSITION_MM, USUAL * POSITION_MM)

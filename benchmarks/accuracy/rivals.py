@@ -43,7 +43,6 @@ from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects
 from dummydesign.loop.fitting.candidates import first_fit, modest
 from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit, fit_base, fit_with_noise, prior_precision
-from dummydesign.loop.fitting.noise import make_whitener
 from dummydesign.loop.fitting.screening import Projection, Screened, change_by, project, screen, starts_of
 from dummydesign.loop.model.campaign_law import law_of, within_reach
 from dummydesign.loop.model.effect import Effect
@@ -403,7 +402,7 @@ def sample_posterior(number: int, seed: int, folder: Path) -> dict[str, Any]:
     assert posterior is not None
     fit = result.after.fit
     problem, used = fit.problem, fit.problem.presses.used
-    whiten = make_whitener(problem.presses, fit.sizes.noise, fit.slope)
+    whiten = fit.whitener
     prior = prior_precision(problem, fit.sizes)
     low, high = problem.bounds()
 

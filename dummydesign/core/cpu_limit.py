@@ -1,46 +1,8 @@
-"""A budget of processor time for work of this thread, and a limit on that of a process."""
+"""A limit on the processor time of a process."""
 
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
-from contextvars import ContextVar
-
-
-class ProcessorBudget:
-    """Processor time of this thread that work may take; ``ran_out`` once something was left undone for it."""
-
-    def __init__(self, seconds: float) -> None:
-        self.seconds, self.ran_out = seconds, False
-        self._end = time.thread_time() + seconds
-
-    def spent(self) -> bool:
-        """Whether the time is used up; ask where something is left undone then."""
-        self.ran_out = self.ran_out or time.thread_time() >= self._end
-        return self.ran_out
-
-
-_BUDGET: ContextVar[ProcessorBudget | None] = ContextVar("processor_budget", default=None)
-
-
-@contextmanager
-def processor_budget(seconds: float) -> Iterator[ProcessorBudget]:
-    """Give the work inside so much processor time. [s]"""
-    budget = ProcessorBudget(seconds)
-    token = _BUDGET.set(budget)
-    try:
-        yield budget
-    finally:
-        _BUDGET.reset(token)
-
-
-def budget_spent() -> bool:
-    """Whether the work that asks must come to its end; never without a budget."""
-    budget = _BUDGET.get()
-    return budget is not None and budget.spent()
-
 
 HUNG_S = 3600.0
 """A child that neither works nor ends is given up after this time by the clock. [s]"""

@@ -16,6 +16,7 @@ from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit
 from dummydesign.loop.model.effect import SetupLaw
 from dummydesign.loop.model.forward_model import (
     LAW_TERMS,
+    SMOOTH_TERMS,
     Active,
     BaseParameters,
     LawError,
@@ -92,7 +93,7 @@ _PHASES = {PRE: "before_contact", RISE: "rise", HOLD: "hold", UNLOADING: "unload
 
 @dataclass(frozen=True)
 class Model:
-    """A fitted model: base parameters, effects, and the law error found on each thickness.
+    """A fitted model: base parameters, effects, and the law error found on each thickness, ``law`` (terms, pads).
 
     ``carried`` is the share of a pad's level that goes over to another pad: what is of the law, not of the pad;
     ``reach`` the depth over thickness that was pressed, to which the law error is known.
@@ -125,7 +126,7 @@ class Model:
         constant outside; none for a shape that was not measured.
 
         A pad of another thickness than those that were pressed takes :attr:`carried` of the level, and so does every
-        pad that is newly ``cast``.
+        pad that is newly ``cast``; neither has the waves of the law that the pressed ones were compared with.
         """
         at, wanted = np.log(thickness_mm), np.array(list(shapes) or [""] * len(thickness_mm))
         own = np.array([shape for shape, _ in self.pads])
@@ -134,11 +135,11 @@ class Model:
             rows, known = wanted == shape, own == shape
             for term, values in zip(terms, self.law):
                 term[rows] = np.interp(at[rows], np.log(self.thickness_mm[known]), values[known])
-        if self.carried < 1.0:
-            same = np.array([(shape, h) in self.pads for shape, h in zip(wanted.tolist(), thickness_mm.tolist())])
-            terms[0] *= np.where(same & (not cast), 1.0, self.carried)
-        level, slope, curve = terms
-        return LawError(level, slope, curve, self.reach)
+        same = np.array([(shape, h) in self.pads for shape, h in zip(wanted.tolist(), thickness_mm.tolist())])
+        same &= not cast
+        terms[0] *= np.where(same, 1.0, self.carried)
+        terms[SMOOTH_TERMS:] *= same
+        return LawError(terms, self.reach)
 
     def nodes(self, presses: Presses, law: SetupLaw) -> NDArray:
         """Force at the nodes of other presses (T, N). [N]"""
@@ -156,7 +157,8 @@ class Model:
             ],
             "law_error": {
                 "thickness_mm": self.thickness_mm.tolist(),
-                "level_slope_curve": self.law.tolist(),
+                "level_slope_curve": self.law[:SMOOTH_TERMS].tolist(),
+                **({"waves": self.law[SMOOTH_TERMS:].tolist()} if self.law[SMOOTH_TERMS:].any() else {}),
                 **({"shape": list(self.shapes)} if any(self.shapes) else {}),
                 **({"carried_to_other_pads": self.carried} if self.carried < 1.0 else {}),
                 **({"known_to_depth_over_thickness": self.reach} if np.isfinite(self.reach) else {}),

@@ -20,7 +20,8 @@ from dummydesign.loop.data.pad_modulus_factors import USUAL
 from dummydesign.loop.effects.learned import Learned, SmoothChange, followed_by
 from dummydesign.loop.effects.registry import known_effects
 from dummydesign.loop.model.forward_model import (
-    LAW_TERMS,
+    SMOOTH_TERMS,
+    WAVES,
     Active,
     BaseParameters,
     base_names,
@@ -286,8 +287,8 @@ def _learned(entry: _Entry, follows: tuple[str, ...]) -> Learned:
 
 
 def _law_error(table: _Entry) -> tuple[np.ndarray, np.ndarray, tuple[str, ...], float, float]:
-    """Thicknesses (h,), of each shape rising; level, slope and curvature (3, h); shapes, empty for slabs alone; share
-    of a level that goes over to other pads; depth over thickness to which the error was seen."""
+    """Thicknesses (h,), of each shape rising; level, slope, curvature and waves (terms, h); shapes, empty for slabs
+    alone; share of a level that goes over to other pads; depth over thickness to which the error was seen."""
     thickness = table["thickness_mm"].numbers(0.0, math.inf)
     terms = [row.numbers(-LARGEST_LAW_ERROR, LARGEST_LAW_ERROR) for row in table["level_slope_curve"].items()]
     shapes = tuple(one.text() for one in table["shape"].items()) if "shape" in table.value else ()
@@ -296,8 +297,12 @@ def _law_error(table: _Entry) -> tuple[np.ndarray, np.ndarray, tuple[str, ...], 
     pads = list(zip(shapes or [""] * len(thickness), thickness))
     if not thickness or min(thickness) <= 0.0 or any(b[0] == a[0] and b[1] <= a[1] for a, b in pairwise(pads)):
         raise table["thickness_mm"].fault("must hold thicknesses above 0 that rise")
-    if len(terms) != LAW_TERMS or any(len(term) != len(thickness) for term in terms):
-        raise _Fault(f"{table.at}.level_slope_curve must hold {LAW_TERMS} rows of {len(thickness)} numbers")
+    waves = [[0.0] * len(thickness)] * WAVES
+    if "waves" in table.value:
+        waves = [row.numbers(-LARGEST_LAW_ERROR, LARGEST_LAW_ERROR) for row in table["waves"].items()]
+    for name, rows, count in (("level_slope_curve", terms, SMOOTH_TERMS), ("waves", waves, WAVES)):
+        if len(rows) != count or any(len(row) != len(thickness) for row in rows):
+            raise _Fault(f"{table.at}.{name} must hold {count} rows of {len(thickness)} numbers")
     carried, reach = table.get("carried_to_other_pads"), table.get("known_to_depth_over_thickness")
     ends = 1.0 if carried is None else carried.number(0.0, 1.0), np.inf if reach is None else reach.positive()
-    return np.array(thickness), np.array(terms), shapes, *ends
+    return np.array(thickness), np.array(terms + waves), shapes, *ends

@@ -14,7 +14,7 @@ from dummydesign.loop.data.trials import SAME_DEPTH, Presses, stack
 from dummydesign.loop.fitting.candidates import USUAL_POSITION_MM
 from dummydesign.loop.fitting.fit import CampaignFit
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
-from dummydesign.loop.model.forward_model import LAW_TERMS
+from dummydesign.loop.model.forward_model import LAW_TERMS, SMOOTH_TERMS
 from dummydesign.measurement.campaign import Trial
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.sensor import Lowpass
@@ -215,7 +215,7 @@ def _prediction(fit: CampaignFit, planned: Presses) -> tuple[NDArray, NDArray]:
                 source[at] = fit.problem.law_entries(term).start + old.index(pad)
                 vector[at] = fit.vector[source[at]]
             else:
-                spread[at, at] = fit.sizes.law[term] ** 2
+                spread[at, at] = fit.sizes.law[min(term, SMOOTH_TERMS)] ** 2
     known = source >= 0
     spread[np.ix_(known, known)] = fit.covariance[np.ix_(source[known], source[known])]
     forces = problem.predict(vector)
@@ -259,6 +259,7 @@ def next_measurement(
     plain = replace(first.problem, presses=planned, effects=())
     slope = plain.slope(np.r_[first.vector[: plain.base_count], np.zeros(LAW_TERMS * len(planned.pads))], forces)
     cover = planned.bins.covariance(noise, np.where(planned.used, slope, 0.0))
+    cover += first.sizes.gain**2 * forces[:, :, None] * forces[:, None, :]
     new = still_new(presses, chosen, planned, min(noise.position_mm, USUAL_POSITION_MM))
     for row in np.nonzero(new.any(axis=1))[0]:
         use = new[row]

@@ -9,6 +9,7 @@ import numpy as np
 
 from dummydesign.core.serialise import to_plain
 from dummydesign.loop.data.trials import Presses
+from dummydesign.loop.fitting.budget import Budget
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.next_measurement import NextMeasurement
@@ -52,6 +53,7 @@ class LoopResult(EffectModel):
     untested: dict[str, str]
     warnings: tuple[dict[str, str], ...]
     joined: PooledFit | None
+    budget: Budget
     doubts: tuple[Doubt, ...] = ()
     designed: AsDesigned | None = None
     """The design's own prediction; None where the campaign declares no material with intervals."""
@@ -100,6 +102,7 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
         "ambiguity": None if result.among is None else _ambiguity(result.among),
         "untested": result.untested,
         "prior": to_plain(result.joined),
+        "search": {name: getattr(result.budget, name) for name in ("models", "iterations", "stopped")},
         "next_measurement": to_plain(result.next),
         "warnings": list(result.warnings),
         "sources": sorted({effect.reference for effect in effects}),

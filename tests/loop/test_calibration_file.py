@@ -16,7 +16,7 @@ from dummydesign.design.calibrated import with_calibration
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.effects.registry import EFFECTS
-from dummydesign.loop.model.forward_model import Active, BaseParameters
+from dummydesign.loop.model.forward_model import LAW_TERMS, Active, BaseParameters
 from dummydesign.loop.model.material import widest_bounds
 from dummydesign.loop.run import replay
 from dummydesign.measurement.campaign_file import read_campaign
@@ -56,8 +56,8 @@ def made(active=None):
     base = BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2))
     if active is None:
         active = tuple(Active(one, {**one.null_values(), **size(one)}) for one in EFFECTS)
-    after = Model(base, active, np.array([5.0, 20.0]), np.array([[0.01, -0.02], [0.0, 0.1], [-0.03, 0.5]]))
-    plain = Model(base, (), np.array([12.0]), np.zeros((3, 1)))
+    after = Model(base, active, np.array([5.0, 20.0]), np.random.default_rng(2).normal(0.0, 0.02, (LAW_TERMS, 2)))
+    plain = Model(base, (), np.array([12.0]), np.zeros((LAW_TERMS, 1)))
     pad = {"young_kPa_expected": 25.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab", "contact": None}
     return Calibration(plain, after, "effect", {"rise": 0.05, "hold": 0.02}, 0.03, pad)
 
@@ -92,7 +92,10 @@ def test_an_older_file_without_owners_and_set_up_is_read(tmp_path):
         assert entry.pop("belongs_to") in ("pad", "rig", "sensor")
     data["pad"] = {"base": "bonded"}
     path.write_text(json.dumps(data))
+    del data["after"]["law_error"]["waves"]
+    path.write_text(json.dumps(data))
     old = read_calibration(path)
+    assert not old.after.law[3:].any()
     assert old.design_effects() == made().design_effects() and not old.on_pucks()
 
 

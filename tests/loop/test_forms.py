@@ -14,7 +14,7 @@ from dummydesign.loop.data.trials import shows_tension
 from dummydesign.loop.effects.registry import EFFECTS, effect_named
 from dummydesign.loop.fitting.fit import prior_precision
 from dummydesign.loop.model.effect import Arm
-from dummydesign.loop.model.forward_model import parameter_names, relax
+from dummydesign.loop.model.forward_model import WAVES, parameter_names, relax
 from dummydesign.loop.model.material import UNDECLARED
 from dummydesign.loop.selection.search import LAW_ERROR, doubt_of
 from dummydesign.loop.selection.verdict import EACH_PARAMETER
@@ -34,8 +34,8 @@ def test_only_forms_and_the_law_error_have_priors():
     effects = (effect_named("friction_hysteresis"),)
     problem = SimpleNamespace(effects=effects, thicknesses=np.array([5.0, 10.0]), prior=UNDECLARED)
     forms = [one.spread**-2.0 for one in effect_named("friction_hysteresis").parameters[1:]]
-    sizes = SimpleNamespace(law=(0.1, 0.2, 0.5))
-    expected = [*[0.0] * 6, *forms, 100.0, 100.0, 25.0, 25.0, 4.0, 4.0]
+    sizes = SimpleNamespace(law=(0.1, 0.2, 0.5, 0.25))
+    expected = [*[0.0] * 6, *forms, 100.0, 100.0, 25.0, 25.0, 4.0, 4.0, *[16.0] * 2 * WAVES]
     assert prior_precision(problem, sizes) == pytest.approx(expected)
 
 

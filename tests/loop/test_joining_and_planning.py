@@ -16,7 +16,7 @@ from dummydesign.loop.calibration import Calibration, Model, Posterior, model_of
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
-from dummydesign.loop.model.forward_model import Active, BaseParameters, LawError, parameter_names
+from dummydesign.loop.model.forward_model import LAW_TERMS, WAVES, Active, BaseParameters, LawError, parameter_names
 from dummydesign.loop.model.material import ARM_TOLERANCE, UNDECLARED
 from dummydesign.loop.next_measurement import (
     BACK_MM_S,
@@ -144,22 +144,23 @@ def test_a_law_error_is_linear_in_the_logarithm_of_thickness_of_its_own_shape():
                   np.array([[0.01, 0.03, 0.5], [0.0, 0.1, 0.6], [0.2, 0.0, 0.7]]), ("", "", "crowned"))  # fmt: skip
     at = np.array([1.0, 5.0, 10.0, 20.0, 90.0])
     error = model.law_error(at)
-    np.testing.assert_allclose(error.level, [0.01, 0.01, 0.02, 0.03, 0.03])
-    np.testing.assert_allclose(error.slope, [0.0, 0.0, 0.05, 0.1, 0.1])
-    np.testing.assert_allclose(error.curve, [0.2, 0.2, 0.1, 0.0, 0.0])
+    np.testing.assert_allclose(error.terms[0], [0.01, 0.01, 0.02, 0.03, 0.03])
+    np.testing.assert_allclose(error.terms[1], [0.0, 0.0, 0.05, 0.1, 0.1])
+    np.testing.assert_allclose(error.terms[2], [0.2, 0.2, 0.1, 0.0, 0.0])
     mixed = model.law_error(np.array([10.0, 10.0, 10.0]), ("crowned", "boned", ""))
-    np.testing.assert_allclose(mixed.level, [0.5, 0.0, 0.02])
+    np.testing.assert_allclose(mixed.terms[0], [0.5, 0.0, 0.02])
     # of a level a pad that was not pressed takes what is of the law
     part = replace(model, carried=0.25)
-    np.testing.assert_allclose(part.law_error(at).level, [0.0025, 0.01, 0.005, 0.03, 0.0075])
-    np.testing.assert_allclose(part.law_error(at, cast=True).level, 0.25 * error.level)
-    np.testing.assert_allclose(part.law_error(at).slope, error.slope)
-    terms = np.array([0.1]), np.array([0.2]), np.array([0.4])
-    held = LawError(*terms, 0.4).factor(np.array([[0.2, 0.4, 0.8]]))
-    assert held[0, 2] == held[0, 1] == pytest.approx(1.7) and held[0, 0] == LawError(*terms).factor(
+    np.testing.assert_allclose(part.law_error(at).terms[0], [0.0025, 0.01, 0.005, 0.03, 0.0075])
+    np.testing.assert_allclose(part.law_error(at, cast=True).terms[0], 0.25 * error.terms[0])
+    np.testing.assert_allclose(part.law_error(at).terms[1], error.terms[1])
+    terms = np.zeros((LAW_TERMS, 1))
+    terms[:3, 0] = 0.1, 0.2, 0.4
+    held = LawError(terms, 0.4).factor(np.array([[0.2, 0.4, 0.8]]))
+    assert held[0, 2] == held[0, 1] == pytest.approx(1.7) and held[0, 0] == LawError(terms).factor(
         held[:, :1] * 0 + 0.2
     )
-    factor = LawError(*terms).factor(np.array([[0.0, 0.2, 0.4, 0.8]]))
+    factor = LawError(terms).factor(np.array([[0.0, 0.2, 0.4, 0.8]]))
     np.testing.assert_allclose(factor[0], [1.1, 1.1 + 0.1 + 0.1, 1.7, 1.1 + 0.4 + 1.6])
 
 
@@ -267,12 +268,12 @@ def test_a_prediction_knows_pressed_pads_as_the_fit_does_and_new_ones_as_their_p
     new = planned_presses(presses, None, [replace(option, thickness_mm=10.0, known=False)])
     forces, root = next_module._prediction(found, new)
     problem = CampaignProblem(new, pucks.LAW)
-    vector = np.r_[found.vector[:BASE], np.zeros(3)]
+    vector = np.r_[found.vector[:BASE], np.zeros(LAW_TERMS)]
     np.testing.assert_allclose(forces, problem.predict(vector), atol=1e-9)
     jacobian = problem.jacobian(vector, forces)[0]
-    spread = np.zeros((8, 8))
+    spread = np.zeros((5 + LAW_TERMS,) * 2)
     spread[:5, :5] = found.covariance[:5, :5]
-    spread[5:, 5:] = np.diag(np.square(found.sizes.law))
+    spread[5:, 5:] = np.diag(np.repeat(np.square(found.sizes.law), [1, 1, 1, WAVES]))
     np.testing.assert_allclose(root[0] @ root[0].T, jacobian @ spread @ jacobian.T, rtol=1e-5, atol=1e-9)
 
 
@@ -288,7 +289,7 @@ def test_the_next_press_has_the_largest_gap_over_noise_and_doubt():
         planned = planned_presses(found.problem.presses, None, [option])
         one, first = next_module._prediction(found, planned)
         two, second = next_module._prediction(other, planned)
-        law = np.zeros(3)
+        law = np.zeros(LAW_TERMS)
         slope = CampaignProblem(planned, pucks.LAW).slope(np.r_[found.vector[:BASE], law], one)
         cover = planned.bins.covariance(found.sizes.noise, slope)[0]
         total = cover + first[0] @ first[0].T + second[0] @ second[0].T

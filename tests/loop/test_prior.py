@@ -17,6 +17,7 @@ from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit_base, fit_with_noise
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.campaign_law import law_of
+from dummydesign.loop.model.forward_model import LAW_TERMS
 from dummydesign.loop.next_measurement import next_measurement
 from dummydesign.loop.planning import REPEATS, plan_of, write_plan
 from dummydesign.loop.prior import check_prior, join
@@ -98,12 +99,15 @@ def test_a_prior_of_another_material_or_of_an_earlier_version_is_refused(fits, c
 def test_pads_of_earlier_campaigns_keep_their_law_error(fits):
     prior = known(fits[0])
     new = replace(
-        prior.after, thickness_mm=np.array([20.0, 10.0]), law=np.full((3, 2), 0.01), shapes=("", "crowned:radius=20")
+        prior.after,
+        thickness_mm=np.array([20.0, 10.0]),
+        law=np.full((LAW_TERMS, 2), 0.01),
+        shapes=("", "crowned:radius=20"),
     )
     both = new.with_pads_of(prior.after)
     assert both.pads == (("", 15.0), ("", 20.0), ("crowned:radius=20", 10.0))
     assert both.law[:, 0] == pytest.approx(prior.after.law[:, 0]) and (both.law[:, 1:] == 0.01).all()
-    again = replace(prior.after, law=np.full((3, 1), 0.02)).with_pads_of(prior.after)
+    again = replace(prior.after, law=np.full((LAW_TERMS, 1), 0.02)).with_pads_of(prior.after)
     assert again.pads == (("", 15.0),) and (again.law == 0.02).all()
 
 

@@ -14,13 +14,14 @@ from dummydesign.loop.corrected_law import CorrectedLaw, Correction
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit_base, fit_with_noise
+from dummydesign.loop.fitting.noise import repeat_scatter
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.model.forward_model import BaseParameters
 from dummydesign.loop.run import close_loop, replay
 from dummydesign.loop.selection import search, verdict
 from dummydesign.loop.selection import verdict as acceptance
-from dummydesign.loop.selection.cross_validation import LARGEST_POSITION_MM, expected_heldout_N, repeat_scatter_mm
+from dummydesign.loop.selection.cross_validation import LARGEST, expected_heldout_N
 from dummydesign.loop.selection.residuals import ResidualDiagnostics
 from dummydesign.loop.selection.search import without
 from dummydesign.loop.selection.verdict import Needed, remainder
@@ -184,6 +185,7 @@ def test_evidence_apart_counts_only_bins_that_the_form_error_of_another_effect_d
         vector=vector,
         forces=forces,
         residual=np.zeros((1, bins)),
+        whitener=lambda values: values,
     )
     monkeypatch.setattr(verdict, "make_whitener", lambda *args: lambda values: values)
     monkeypatch.setattr(verdict, "prior_precision", lambda problem, sizes: np.zeros(7))
@@ -219,6 +221,11 @@ def test_an_effect_is_in_doubt_as_far_as_it_acts_where_a_larger_one_does(monkeyp
     assert whole.doubted == pytest.approx(verdict.IMITATED * 1e5) == 2.0 * half.doubted
 
 
+def scatter_of(fit):
+    """Scatter of the contact that the repeats of a fit show."""
+    return repeat_scatter(fit.problem.presses, fit.residual, fit.slope, fit.forces, fit.sizes.noise)[0]
+
+
 def test_what_must_be_gained_grows_with_the_models_tried(monkeypatch):
     problem, sizes = SimpleNamespace(presses=None, effects=()), SimpleNamespace(noise=None)
     fit = SimpleNamespace(problem=problem, sizes=sizes, slope=None)
@@ -235,16 +242,16 @@ def test_scatter_that_a_missing_effect_makes_does_not_count_as_contact_scatter(c
     """Single trials that are shifted far are passed over by the median; all of them shifted is more than a machine."""
     presses = make_presses(read_campaign(campaigns("none", 401)))
     found = fit_base(presses, law_of(read_campaign(campaigns("none", 401))), 0.03)
-    usual = repeat_scatter_mm(found)
+    usual = scatter_of(found)
     assert 0.0039 < usual < 0.008
     few, all_shifted = found.residual.copy(), found.residual.copy()
     few[:6] += 0.1 * found.slope[:6]
-    assert repeat_scatter_mm(replace(found, residual=few)) < 2.5 * usual
+    assert scatter_of(replace(found, residual=few)) < 2.5 * usual
     shift = np.random.default_rng(1).normal(0.0, 0.08, len(few))
     all_shifted += shift[:, None] * found.slope
     scattered = replace(found.sizes, noise=replace(found.sizes.noise, position_mm=0.08))
     far = replace(found, residual=all_shifted, sizes=scattered)
-    assert repeat_scatter_mm(far) > 0.04
+    assert scatter_of(far) > 0.04
     stiff = np.sqrt(np.average(found.slope**2, weights=presses.samples * presses.used))
-    largest = np.hypot(expected_heldout_N(found), LARGEST_POSITION_MM * stiff)
+    largest = np.hypot(expected_heldout_N(found), LARGEST[0] * stiff)
     assert expected_heldout_N(far) < largest + 0.1 * found.sizes.floor_N

@@ -24,7 +24,7 @@ SHORTEST_HOLD_S = 0.05
 LOADING_BINS = 40  # bins of a press that ends while it loads
 UNLOADING_BINS = 20
 RISE_NODES = 80
-AWAY_NODES = 45
+AWAY_NODES, BACK_NODES = 20, 60  # nodes on the way back: even in time, and even in the travel of a deepest press
 NODE_GROWTH, NODE_CAP_S = 1.2, 0.4
 NEAR_S = 0.01
 EARLY_S = (0.06, 0.005)
@@ -123,8 +123,8 @@ def _nodes(trace: Trace, ramp: Ramp) -> tuple[NDArray, NDArray]:
     """Node times and the displacement there.
 
     All samples (and, when fast, points half-way on a cubic) near contact and stop; thinned elsewhere in
-    the rise; close while the punch rings; a growing series with averaged displacement in the hold; thinned in the
-    unloading.
+    the rise; close while the punch rings; a growing series with averaged displacement in the hold; thinned on the
+    way back, by travel and by time.
     """
     from scipy.interpolate import CubicSpline
 
@@ -142,9 +142,11 @@ def _nodes(trace: Trace, ramp: Ramp) -> tuple[NDArray, NDArray]:
     hold = [max(late, rise[-1] if len(rise) else late)]
     while hold[-1] < end:
         hold.append(hold[-1] + min(max((hold[-1] - stop) * (NODE_GROWTH - 1.0), 2e-3), NODE_CAP_S))
-    away = time[time >= end]
-    if len(away) > AWAY_NODES:
-        away = away[:: int(np.ceil(len(away) / AWAY_NODES))]
+    away = time >= end
+    # travel from the deepest on, which noise of the position does not add to
+    back = np.maximum.accumulate(np.clip(1.0 - x[away] / max(float(x.max()), 1e-9), 0.0, 1.0))
+    passed = BACK_NODES * back + AWAY_NODES * (time[away] - end) / max(time[-1] - end, 1e-9)
+    away = time[away][np.diff(np.floor(passed), prepend=-1.0) > 0]
     nodes = np.unique(np.r_[start, rise, ringing_times(ramp), hold[1:-1], end, away, time[-1]])
     nodes = distinct(nodes[(nodes >= time[0]) & (nodes <= time[-1])], 1e-5)
     rising = np.diff(time).min() > 0 and len(time) > 3

@@ -96,7 +96,7 @@ def _own(
     presses: Presses, fit: CampaignFit, use: NDArray, columns: list[NDArray], spreads: Sequence[float], wanted: int
 ) -> Own:
     """Least squares of each press on columns with normal priors; the first is the force, that all are relative to."""
-    whiten = make_whitener(replace(presses, bins=presses.bins.without(~use)), fit.sizes.noise, columns[1], False)
+    whiten = make_whitener(replace(presses, bins=presses.bins.without(~use)), fit.sizes.noise)
     turned = whiten(np.where(use[..., None], np.stack(columns, axis=-1), 0.0))
     read = whiten(np.where(use, presses.force_N, 0.0))
     prior = np.diag(np.array(spreads) ** -2.0 + 1e-9)

@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dummydesign.core.cpu_limit import budget_spent
 from dummydesign.core.progress import Progress, quiet
+from dummydesign.loop.fitting.budget import budget_spent
 from dummydesign.loop.fitting.fit import CampaignFit, fit, fit_with_noise, with_sizes
 from dummydesign.loop.fitting.noise import NoiseSizes
 from dummydesign.loop.fitting.screening import Screened, screen
 from dummydesign.loop.model.effect import Effect
 
 ROUGH = 0.5  # gain in chi-square at which a first fit ends: what is compared are tens
-USUAL_POSITION_MM = 0.02  # contact scatter of a usual robot
+USUAL_POSITION_MM, USUAL_GAIN = 0.02, 0.002  # scatter of presses by a usual robot
 SETTLED, NEAR, SHARE = 3, 40.0, 0.3
 """Effects that are fitted again with contact scatter and law error of their own: how many at least, and all whose
 first fit is so near the best, if they have this share of its evidence."""
@@ -52,15 +52,17 @@ def first_fit(campaign_fit: CampaignFit, one: Screened) -> CampaignFit:
 
 
 def modest(campaign_fit: CampaignFit) -> CampaignFit:
-    """The same model refitted with law error and contact scatter of usual size.
+    """The same model refitted with law error and scatter of presses of usual size.
 
     Where an effect is missing, both have grown to imitate it; screened at that size, and fitted from there,
     the effect would not be seen.
     """
     usual = [prior[0] for prior in campaign_fit.problem.law.error_priors]
-    position = min(campaign_fit.sizes.noise.position_mm, USUAL_POSITION_MM)
-    noise = replace(campaign_fit.sizes.noise, position_mm=position)
-    sizes = NoiseSizes(noise, *(min(a, b) for a, b in zip(campaign_fit.sizes.law, usual)))
+    own = campaign_fit.sizes
+    noise = replace(own.noise, position_mm=min(own.noise.position_mm, USUAL_POSITION_MM))
+    sizes = NoiseSizes(
+        noise, *(min(a, b) for a, b in zip(own.law, usual)), gain=min(own.gain, USUAL_GAIN), most=own.most
+    )
     return fit(campaign_fit.problem, campaign_fit.vector, sizes, 6)
 
 

@@ -10,11 +10,19 @@ from numpy.typing import NDArray
 from dummydesign.core.progress import Progress, quiet
 from dummydesign.inference.least_squares import solve_marquardt
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.fitting.noise import NoiseSizes, SizeLikelihood, estimate_slow_noise, make_whitener
+from dummydesign.loop.fitting.budget import count
+from dummydesign.loop.fitting.noise import (
+    NoiseSizes,
+    SizeLikelihood,
+    Whitener,
+    estimate_slow_noise,
+    make_whitener,
+    repeat_scatter,
+    volume,
+)
 from dummydesign.loop.fitting.problem import CampaignProblem
-from dummydesign.loop.model.base_law import USUAL_ROUGHNESS
 from dummydesign.loop.model.effect import SetupLaw
-from dummydesign.loop.model.forward_model import LAW_TERMS, Active, BaseParameters
+from dummydesign.loop.model.forward_model import LAW_TERMS, SMOOTH_TERMS, WAVES, Active, BaseParameters
 from dummydesign.loop.model.material import UNDECLARED, BasePrior
 
 NORMAL_95 = 1.959964
@@ -47,12 +55,17 @@ class CampaignFit:
     score: float
     joined: bool = False
     doubt: NDArray | None = None
-    """Covariance (n, n) beside the fit's own, from rivals and the law; see ``doubt_of`` and ``with_rough_law``."""
+    """Covariance of the base logarithms beside the fit's own, from rivals and the law; see ``doubt_of``."""
 
     @property
     def base(self) -> BaseParameters:
         """The fitted base parameters."""
         return self.problem.base_of(self.vector)
+
+    @property
+    def whitener(self) -> Whitener:
+        """Whitening by all noise, the scatter of presses at its estimated size."""
+        return make_whitener(self.problem.presses, self.sizes.noise, (self.slope, self.forces), self.sizes.scatter)
 
     @property
     def active(self) -> tuple[Active, ...]:
@@ -73,18 +86,26 @@ def start_vector(problem: CampaignProblem, young_MPa: float) -> NDArray:
 def prior_precision(problem: CampaignProblem, sizes: NoiseSizes) -> NDArray:
     """Inverse prior variances of the vector: of the material, of parameters of form, and of the law error."""
     forms = [p.spread**-2.0 for effect in problem.effects for p in effect.parameters]
-    return np.r_[problem.prior.spread**-2.0, forms, np.repeat(np.array(sizes.law) ** -2.0, len(problem.thicknesses))]
+    return np.r_[problem.prior.spread**-2.0, forms, np.repeat(np.array(sizes.law) ** -2.0, law_counts(problem))]
+
+
+def law_counts(problem: CampaignProblem) -> tuple[int, ...]:
+    """How many entries of the vector are levels, slopes, curvatures and waves."""
+    pads = len(problem.thicknesses)
+    return *[pads] * SMOOTH_TERMS, pads * WAVES
 
 
 def fit(
     problem: CampaignProblem, start: NDArray, sizes: NoiseSizes, iterations: int = 12, enough: float = ENOUGH
 ) -> CampaignFit:
     """Levenberg-Marquardt with a given noise."""
+    count(models=1)
     low, high = problem.bounds()
     begin = np.clip(start, low, high)
     root, centre = np.sqrt(prior_precision(problem, sizes)), problem.centre
     used = problem.presses.used
-    whiten = make_whitener(problem.presses, sizes.noise, problem.slope(begin, problem.predict(begin)))
+    first = problem.predict(begin)
+    whiten = make_whitener(problem.presses, sizes.noise, (problem.slope(begin, first), first), sizes.scatter)
     kept: dict[bytes, NDArray] = {}
 
     def forces_at(vector: NDArray) -> NDArray:
@@ -98,6 +119,7 @@ def fit(
         return np.r_[whiten(error).ravel(), root * (vector - centre)]
 
     def jacobian(vector: NDArray) -> NDArray:
+        count(iterations=1)
         change = problem.jacobian(vector, forces_at(vector))
         change[~used] = 0.0
         return np.concatenate([whiten(change).reshape(-1, len(vector)), np.diag(root)])
@@ -119,7 +141,7 @@ def fit_at(problem: CampaignProblem, vector: NDArray, forces: NDArray, sizes: No
     jacobian[~used] = 0.0
     slope = np.where(used, problem.slope(vector, forces), 0.0)
     residual = np.where(used, problem.presses.force_N - forces, 0.0)
-    whiten = make_whitener(problem.presses, sizes.noise, slope)
+    whiten = make_whitener(problem.presses, sizes.noise, (slope, forces), sizes.scatter)
     turned = whiten(jacobian).reshape(-1, len(vector))
     covariance = np.linalg.pinv(turned.T @ turned + np.diag(prior), rcond=1e-12, hermitian=True)
     chi2 = float((whiten(residual) ** 2).sum() + (prior * (vector - problem.centre) ** 2).sum())
@@ -127,36 +149,39 @@ def fit_at(problem: CampaignProblem, vector: NDArray, forces: NDArray, sizes: No
 
 
 def with_sizes(campaign_fit: CampaignFit) -> CampaignFit:
-    """Re-estimate contact scatter and law error at an optimum and set its score."""
+    """Re-estimate scatter of presses and law error at an optimum and set its score."""
     sizes, score = size_likelihood(campaign_fit).estimate(campaign_fit.sizes)
     return replace(campaign_fit, sizes=sizes, score=score)
 
 
 def size_likelihood(campaign_fit: CampaignFit) -> SizeLikelihood:
-    """Likelihood of contact scatter and law error at an optimum."""
+    """Likelihood of scatter of presses and law error at an optimum."""
     fit, problem, p = campaign_fit, campaign_fit.problem, campaign_fit.problem.fixed
-    whiten = make_whitener(problem.presses, fit.sizes.noise, fit.slope, False)
+    whiten = make_whitener(problem.presses, fit.sizes.noise)
     residual = fit.residual + fit.jacobian[..., p:] @ fit.vector[p:]
-    turned, shift = whiten(fit.jacobian).reshape(-1, len(fit.vector)), whiten(fit.slope)
+    turned = whiten(fit.jacobian).reshape(-1, len(fit.vector))
+    scatter = np.stack([whiten(fit.slope), whiten(np.where(problem.presses.used, fit.forces, 0.0))])
     dense = np.column_stack([whiten(residual).ravel(), turned])
-    inner, wide = dense.T @ dense, np.einsum("tb,tbk->tk", shift, dense.reshape(*shift.shape, -1))
+    inner, count = dense.T @ dense, 2 * scatter.shape[1]
+    wide = (scatter[:, :, None] @ dense.reshape(*scatter.shape[1:], -1)).reshape(count, -1)
+    same = (scatter[:, None] * scatter).sum(axis=-1)
     # material and parameters of form have a prior, a row each
     prior, known, at = prior_precision(problem, fit.sizes)[:p], (fit.vector - problem.centre)[:p], 1 + np.arange(p)
     inner[0, 0] += float(prior @ known**2)
     inner[0, at] -= prior * known
     inner[at, 0] -= prior * known
     inner[at, at] += prior
-    gram = np.block([[inner, wide.T], [wide, np.diag((shift**2).sum(axis=1))]])
-    # the shifts of the trials stand before the law's errors
+    gram = np.block([[inner, wide.T], [wide, np.block([[np.diag(one) for one in row] for row in same])]])
+    # the scatter of the trials stands before the law's errors
     order = np.r_[: 1 + p, len(inner) : len(gram), 1 + p : len(inner)]
-    counts = p, len(shift), *[len(problem.thicknesses)] * LAW_TERMS
-    return SizeLikelihood(gram[np.ix_(order, order)], counts, problem.law.error_priors)
+    counts = p, count // 2, count // 2, *law_counts(problem)
+    return SizeLikelihood(gram[np.ix_(order, order)], counts, problem.law.error_priors, fit.sizes.most)
 
 
 def fit_with_noise(
     problem: CampaignProblem, start: NDArray, sizes: NoiseSizes, rounds: int = 2, iterations: int = 12
 ) -> CampaignFit:
-    """Alternate the fit and the estimate of contact scatter and law error."""
+    """Alternate the fit and the estimate of scatter of presses and law error."""
     fitted = fit(problem, start, sizes, iterations)
     for _ in range(rounds - 1):
         sized = with_sizes(fitted)
@@ -170,74 +195,31 @@ def fit_base(
     """Fit modulus, relaxing arms and law error; the noise is estimated in between, twice."""
     problem = CampaignProblem(presses, law, prior=prior)
     progress("base")
-    first = fit_with_noise(problem, start_vector(problem, young_MPa), NoiseSizes.first(presses, law.error_priors))
+    first = fit_with_noise(problem, start_vector(problem, young_MPa), NoiseSizes.first(presses, law.error_priors), 1)
+    seen = repeat_scatter(presses, first.residual, first.slope, first.forces, first.sizes.noise)
+    most = (LOOSE * seen[0], LOOSE * seen[1]) if seen else first.sizes.most
+    first = fit_with_noise(problem, first.vector, replace(first.sizes, most=most), 2)
     progress("base")
     return same_noise(same_noise(first, 12), 12)
 
 
+LOOSE = 1.5
+"""Scatter of presses over what repeats show of it, at most: what a fit puts there beyond that is an effect."""
+
+
 def same_noise(fitted: CampaignFit, iterations: int = 8) -> CampaignFit:
-    """Estimate the slow noise again at a fit and refit: a better model shows the noise better."""
-    problem, sizes = fitted.problem, fitted.sizes
-    noise = estimate_slow_noise(problem.presses, fitted.residual, fitted.slope, fitted.forces, sizes.noise)
-    return fit_with_noise(problem, fitted.vector, replace(sizes, noise=noise), 2, iterations)
+    """Estimate the slow noise again at a fit and refit: a better model shows the noise better.
 
-
-KNOTS = 9
+    What repeats do not differ in, they do not show: an estimate with which the campaign is less likely is not taken.
+    """
+    problem, presses = fitted.problem, fitted.problem.presses
+    noise = estimate_slow_noise(presses, fitted.residual, fitted.slope, fitted.forces, fitted.sizes.noise)
+    sizes = replace(fitted.sizes, noise=noise)
+    trial = with_sizes(replace(fitted, sizes=sizes))
+    old, new = (one.score + volume(presses, one.sizes.noise) for one in (fitted, trial))
+    return fit_with_noise(problem, fitted.vector, sizes, 2, iterations) if new < old else fitted
 
 
 def hats(values: NDArray, knots: NDArray) -> list[NDArray]:
     """Piecewise-linear hat functions on knots, constant outside."""
     return [np.interp(values, knots, hat) for hat in np.eye(len(knots))]
-
-
-def rough_columns(campaign_fit: CampaignFit) -> NDArray:
-    """What a rough law could add, in newton at one standard deviation, shape (T, B, q)."""
-    presses, law = campaign_fit.problem.presses, campaign_fit.problem.law
-    depth = presses.measure(np.maximum(presses.displacement_mm, 0.0))
-    columns = []
-    for pad in presses.pads:
-        size = law.roughness(pad) if hasattr(law, "roughness") else USUAL_ROUGHNESS
-        own = np.array([trial.pad == pad for trial in presses.trials])[:, None] & presses.used
-        if not own.any():
-            continue  # every press of the pad is left out
-        for hat in hats(depth, np.linspace(0.0, float(depth[own].max()), KNOTS))[1:]:
-            columns.append(np.where(own, size * campaign_fit.forces * hat, 0.0))
-    return np.stack(columns, axis=-1) if columns else np.zeros((*presses.used.shape, 0))
-
-
-LARGEST_WAVES = 2.0
-"""Largest waves of a law that are believed, rms in standard deviations; laws by GetFEM ask for 0.5 to 0.9."""
-
-
-def with_rough_law(campaign_fit: CampaignFit, of_base: NDArray | float = 0.0) -> CampaignFit:
-    """The fit where its force law may be rough over depth: one linear step from the optimum, and the doubt it leaves
-    beside one ``of_base`` of the base logarithms.
-
-    With C the fit's covariance, J and R the whitened sensitivities and :func:`rough_columns`, each with a standard
-    deviation of one, S = R'R + 1 - R'J C J'R and r the whitened residual: step - C J'R S^-1 R'r, doubt
-    C J'R S^-1 R'J C. Without it, what changes the force over depth takes up the law's waves. Where the residual asks
-    for waves above :data:`LARGEST_WAVES` it is something else, and the fit stays.
-    """
-    fit, problem = campaign_fit, campaign_fit.problem
-    whiten = make_whitener(problem.presses, fit.sizes.noise, fit.slope)
-    count = len(fit.vector)
-    turned, left = whiten(fit.jacobian).reshape(-1, count), whiten(fit.residual).ravel()
-    rough = whiten(rough_columns(fit)).reshape(len(turned), -1)
-    apart = fit.covariance @ (turned.T @ rough)
-    inverse = np.linalg.inv(rough.T @ rough + np.eye(rough.shape[1]) - (rough.T @ turned) @ apart)
-    waves, doubt = inverse @ (rough.T @ left), apart @ inverse @ apart.T
-    doubt[: problem.base_count, : problem.base_count] += of_base
-    if np.mean(waves**2) > LARGEST_WAVES**2:
-        return replace(fit, doubt=doubt)
-    low, high = problem.bounds()
-    vector = np.clip(fit.vector - apart @ waves, low, high)
-    moved = fit_at(problem, vector, problem.predict(vector), fit.sizes)
-
-    def squares(at: CampaignFit) -> float:
-        """Squares with the waves at their likeliest."""
-        error = whiten(at.residual).ravel()
-        seen = rough.T @ error
-        taken = seen @ np.linalg.solve(rough.T @ rough + np.eye(len(seen)), seen)
-        return float(error @ error - taken + prior_precision(problem, fit.sizes) @ (at.vector - problem.centre) ** 2)
-
-    return replace(moved if squares(moved) < squares(fit) else fit, score=fit.score, doubt=doubt)

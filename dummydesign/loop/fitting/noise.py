@@ -1,4 +1,4 @@
-"""What in a campaign is noise: white and slow noise from repeats, scatter of contact, error of the force law.
+"""What in a campaign is noise: white and slow noise from repeats, scatter of presses, error of the force law.
 
 The slow noise is estimated from differences of repeats from which a shift in depth and a change of scale
 are taken out, so that neither model error nor effects that change from trial to trial count as noise.
@@ -6,8 +6,8 @@ are taken out, so that neither model error nor effects that change from trial to
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any
@@ -22,19 +22,30 @@ from dummydesign.loop.data.trials import Presses
 POSITION_PRIOR_MM = (0.008, 1.0)
 """Median and spread (of the logarithm) of the contact scatter; that of the law's error belongs to the law."""
 SLOW_BOUNDS = np.array([[1e-4, 0.05], [5.0, 20.0]])  # lowest and highest slow noise [N] and time of it [s]
-SIZE_BOUNDS = np.array([[3e-4, 3e-4, 3e-4, 3e-4], [0.5, 0.2, 0.3, 0.3]])
-"""Lowest and highest contact scatter [mm] and law error in level, slope and curvature."""
+STEADY = 1e-4
+"""Slow noise over the largest force, at least: load cells creep by up to 2.5e-4 of their load (OIML R 60, class C3)."""
+GAIN_PRIOR = (5e-4, 1.0)
+"""The same of the scatter of a press's whole force about that of its repeats."""
+SIZE_BOUNDS = np.array([[3e-4, 5e-5, 3e-4, 3e-4, 3e-4, 1e-4], [0.5, 0.1, 0.2, 0.3, 0.3, 0.01]])
+"""Lowest and highest scatter of presses in contact [mm] and gain, and law error in level, slope, curvature, waves."""
+UNSEEN = (0.008, 5e-4)
+"""Scatter of contact [mm] and gain that is taken for usual where repeats do not show it."""
+CHI2_MEDIAN = 0.4549  # median of the chi-square distribution of one degree of freedom
 Priors = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True)
 class NoiseSizes:
-    """Noise of the bins, and the prior size of the law's error in level and slope."""
+    """Noise of the bins, the prior sizes of the law's error, the scatter of presses in gain, and the largest scatter in
+    contact [mm] and gain that repeats allow."""
 
     noise: Noise
     level: float
     slope: float
     curve: float
+    wave: float
+    gain: float = field(default=0.0, kw_only=True)
+    most: tuple[float, float] = field(default=(0.5, 0.1), kw_only=True)
 
     @classmethod
     def first(cls, presses: Presses, law_priors: Priors) -> NoiseSizes:
@@ -45,11 +56,22 @@ class NoiseSizes:
     @property
     def law(self) -> tuple[float, ...]:
         """Prior sizes of the law error's terms."""
-        return self.level, self.slope, self.curve
+        return self.level, self.slope, self.curve, self.wave
+
+    @property
+    def scatter(self) -> tuple[float, float]:
+        """Scatter of presses in contact [mm] and gain."""
+        return self.noise.position_mm, self.gain
+
+    @property
+    def fitted(self) -> NDArray:
+        """The sizes that are estimated with a fit: of the presses, of the law."""
+        return np.array([*self.scatter, *self.law])
 
     def to_dict(self) -> dict[str, Any]:
         """Return all sizes with units."""
-        return {**self.noise.to_dict(), "law_level": self.level, "law_slope": self.slope, "law_curve": self.curve}
+        law = {"law_level": self.level, "law_slope": self.slope, "law_curve": self.curve, "law_wave": self.wave}
+        return {**self.noise.to_dict(), "gain": self.gain, **law}
 
     @property
     def floor_N(self) -> float:
@@ -124,8 +146,38 @@ def estimate_slow_noise(presses: Presses, residual: NDArray, slope: NDArray, for
         return restricted_likelihood(cover, values, columns, shared=False, refitted=True) + weak
 
     begin = np.array([max(start.slow_N, 1e-3), start.slow_time_s])
-    slow, time = likeliest(cost, begin, *SLOW_BOUNDS)[0].tolist()
+    low, high = SLOW_BOUNDS
+    low = np.array([max(low[0], STEADY * float(presses.force_N.max())), low[1]])
+    slow, time = likeliest(cost, begin, low, high)[0].tolist()
     return Noise(start.white_N, slow, time, start.position_mm)
+
+
+def repeat_scatter(
+    presses: Presses, residual: NDArray, slope: NDArray, forces: NDArray, noise: Noise
+) -> tuple[float, ...]:
+    """Scatter of contact [mm] and gain as differences of repeats show it, by medians so that few cannot make it.
+
+    Each difference is fitted with a shift and a change of scale, of variances v by noise alone; of either the scatter p
+    is such that the median of d^2 / (p^2 + v) is that of the chi-square of one degree. Not below half of
+    :data:`UNSEEN`; nothing without three pairs.
+    """
+    parts, places = contrasts(presses, residual)
+    if len(parts) < 3:
+        return ()
+    bins = Bins(parts)
+    difference = bins.stacked(np.concatenate([part.force_N for part in parts]))
+    sides = [np.stack([slope[i, a], forces[i, a]], axis=1) for i, _, a, _ in places]
+    factor = whitener(bins.covariance(replace(noise, position_mm=0.0), np.zeros(difference.shape)))
+    columns, values = factor @ bins.stacked(np.concatenate(sides)), factor @ difference[..., None]
+    turned = np.swapaxes(columns, 1, 2)
+    inverse = np.linalg.pinv(turned @ columns, hermitian=True)
+    found = (inverse @ turned @ values)[..., 0]
+    shown = []
+    for at, least in enumerate(UNSEEN):
+        sizes = np.geomspace(0.5 * least, 1.0, 200)
+        ratio = np.median(found[:, at] ** 2 / (sizes[:, None] ** 2 + inverse[:, at, at]), axis=1)
+        shown.append(float(sizes[np.argmin(ratio > CHI2_MEDIAN)]))
+    return tuple(shown)
 
 
 Whitener = Callable[[NDArray], NDArray]  # takes (T, B) or (T, B, p) to its whitened form
@@ -137,23 +189,33 @@ def _factor(bins: Bins, white_N: float, slow_N: float, slow_time_s: float) -> ND
     return whitener(bins.covariance(Noise(white_N, slow_N, slow_time_s, 0.0), np.zeros(bins.used.shape)))
 
 
-def make_whitener(presses: Presses, noise: Noise, slope: NDArray, with_position: bool = True) -> Whitener:
-    """Whitening by the noise, with or without the scatter of the contact position.
+def volume(presses: Presses, noise: Noise) -> float:
+    """Logarithm of the determinant of white and slow noise of all bins."""
+    factor = _factor(presses.bins, noise.white_N, noise.slow_N, noise.slow_time_s)
+    return float(-2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum())
 
-    The scatter p is one direction u = L^-1 dF/dx of each trial's whitened bins:
+
+def make_whitener(
+    presses: Presses, noise: Noise, directions: Sequence[NDArray] = (), sizes: Sequence[float] = ()
+) -> Whitener:
+    """Whitening by the noise of the bins, and by scatter of presses of these sizes along directions (T, B) in newton.
+
+    A scatter p is one direction u of each trial's bins, whitened by all before it:
     (1 + p^2 u u')^(-1/2) = 1 - (1 - (1 + p^2 u'u)^(-1/2)) u u' / u'u.
     """
     factor = _factor(presses.bins, noise.white_N, noise.slow_N, noise.slow_time_s)
-    shift = (factor @ np.where(presses.used, slope, 0.0)[..., None])[..., 0]
-    length = (shift**2).sum(axis=1)
-    shrink = -np.expm1(-0.5 * np.log1p(noise.position_mm**2 * length)) / np.maximum(length, 1e-300)
+    taken: list[tuple[NDArray, NDArray]] = []
 
     def apply(values: NDArray) -> NDArray:
         white = factor @ (values[..., None] if values.ndim == 2 else values)
-        if with_position:
-            white -= shift[..., None] * (shrink[:, None, None] * (shift[:, None, :] @ white))
+        for along, shrink in taken:
+            white -= along[..., None] * (shrink[:, None, None] * (along[:, None, :] @ white))
         return white[..., 0] if values.ndim == 2 else white
 
+    for direction, size in zip(directions, sizes):
+        along = apply(np.where(presses.used, direction, 0.0))
+        length = (along**2).sum(axis=1)
+        taken.append((along, -np.expm1(-0.5 * np.log1p(size**2 * length)) / np.maximum(length, 1e-300)))
     return apply
 
 
@@ -164,23 +226,36 @@ STEP = 0.05
 
 @dataclass(frozen=True)
 class SizeLikelihood:
-    """Minus twice the log likelihood of contact scatter and law error."""
+    """Minus twice the log likelihood of the scatter of presses and of the law error."""
 
     gram: NDArray
     counts: tuple[int, ...]
     law_priors: Priors
+    most: tuple[float, float] = (0.5, 0.1)
+
+    @property
+    def bounds(self) -> tuple[NDArray, NDArray]:
+        """Lowest and highest sizes."""
+        low, high = SIZE_BOUNDS
+        return low, np.r_[self.most, high[2:]]
+
+    @property
+    def priors(self) -> Priors:
+        """Median and spread of the logarithm of each size."""
+        return POSITION_PRIOR_MM, GAIN_PRIOR, *self.law_priors
 
     def estimate(self, sizes: NoiseSizes) -> tuple[NoiseSizes, float]:
         """Likeliest sizes, and minus twice the log likelihood there."""
         terms = self._terms()
-        begin = np.array([max(sizes.noise.position_mm, 1e-3), *sizes.law])
-        low, high = SIZE_BOUNDS
+        low, high = self.bounds
+        begin = np.clip(np.maximum(sizes.fitted, [1e-3, 1e-4, *low[2:]]), low, high)
         likely = likeliest(lambda z: self._score(terms, z, True), begin, low, high, gradient=True)[0]
-        position, *law = likely.tolist()
-        return NoiseSizes(replace(sizes.noise, position_mm=position), *law), self._score(terms, likely, False)[0]
+        position, gain, *law = likely.tolist()
+        noise = replace(sizes.noise, position_mm=position)
+        return NoiseSizes(noise, *law, gain=gain, most=self.most), self._score(terms, likely, False)[0]
 
     def variances(self, sizes: NDArray) -> NDArray:
-        """Variances (p,) of the fitted parameters for given sizes (4,), random columns integrated out."""
+        """Variances (p,) of the fitted parameters for given sizes, random columns integrated out."""
         p = self.counts[0]
         fixed, cross = self.gram[1 : 1 + p, 1 : 1 + p], self.gram[1 : 1 + p, 1 + p :]
         scale = sizes[self._groups()]
@@ -193,8 +268,8 @@ class SizeLikelihood:
         return np.where(length > 0.0, np.diag(inverse) / seen**2, 0.0)
 
     def degrees(self, sizes: NoiseSizes) -> tuple[NDArray, NDArray]:
-        """Degrees of freedom of the variances of the fitted parameters (p,), and of the four sizes squared (4,)."""
-        at = np.clip(np.array([sizes.noise.position_mm, *sizes.law]), *SIZE_BOUNDS)
+        """Degrees of freedom of the variances of the fitted parameters (p,), and of the sizes squared."""
+        at = np.clip(sizes.fitted, *self.bounds)
         terms = self._terms()
         steps = np.exp(STEP * np.eye(len(at)))
         sides = [(at * step, at / step) for step in steps]
@@ -202,8 +277,7 @@ class SizeLikelihood:
         bend = 0.25 * (bend + bend.T) / STEP
         # of -2 ln L, whose second derivative is twice the inverse covariance; flat or upward where a size is unseen
         values, turn = np.linalg.eigh(bend)
-        priors = np.array([POSITION_PRIOR_MM[1], *(spread for _, spread in self.law_priors)])
-        values = np.maximum(values, 2.0 / priors.max() ** 2)
+        values = np.maximum(values, 2.0 / max(spread for _, spread in self.priors) ** 2)
         covariance = turn @ np.diag(2.0 / values) @ turn.T
         middle = self.variances(at)
         slopes = np.stack([self.variances(up) - self.variances(down) for up, down in sides], axis=1) / (2.0 * STEP)
@@ -230,7 +304,7 @@ class SizeLikelihood:
         """Minus twice the log likelihood, and (restricted) its gradient in the logarithms of the sizes."""
         total, inner, cleaned, random = terms
         groups = self._groups()
-        medians, spreads = np.array((POSITION_PRIOR_MM, *self.law_priors)).T
+        medians, spreads = np.array(self.priors).T
         eye, scale, logs = np.eye(len(random)), sizes[groups], np.log(sizes)
         # in units of the scale the matrix is 1 + S R S, which is never singular
         inverse = np.linalg.inv(eye + scale[:, None] * cleaned * scale)

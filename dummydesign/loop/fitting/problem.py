@@ -13,12 +13,14 @@ from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.model.effect import Effect, SetupLaw
 from dummydesign.loop.model.forward_model import (
     LAW_TERMS,
+    SMOOTH_TERMS,
     Active,
     BaseParameters,
     LawError,
     base_and_law_columns,
     readings,
     simulate_yielding,
+    wave_columns,
 )
 from dummydesign.loop.model.material import UNDECLARED, BasePrior
 
@@ -30,7 +32,7 @@ class CampaignProblem:
     """A campaign with a force law, what is known of its material, and the effects that are fitted beside the base.
 
     The vector is [logarithms of modulus and arms | coordinates of the effects' parameters | law level, slope, curvature
-    per thickness].
+    and waves per thickness].
     """
 
     presses: Presses
@@ -100,7 +102,7 @@ class CampaignProblem:
 
     def law_error_of(self, vector: NDArray) -> LawError:
         """The law error per trial in a vector."""
-        return LawError(*(term[self.presses.pad] for term in np.split(vector[self.fixed :], LAW_TERMS)))
+        return LawError(vector[self.fixed :].reshape(LAW_TERMS, -1)[:, self.presses.pad])
 
     def nodes(self, vector: NDArray, offset_mm: NDArray | float = 0.0, near_mm: NDArray | None = None) -> NDArray:
         """Force at the nodes before the sensor filter (T, N). [N]"""
@@ -138,7 +140,7 @@ class CampaignProblem:
                 moved.append(vector.copy())
                 moved[-1][entry] += steps[-1][1]
         if not shared:
-            for term in range(LAW_TERMS):
+            for term in range(SMOOTH_TERMS):
                 moved.append(vector.copy())
                 moved[-1][self.law_entries(term)] += STEP
         if moved:
@@ -153,6 +155,10 @@ class CampaignProblem:
             )
         else:
             by_pad = change[..., len(steps) :] / STEP
+        model = self.base_of(vector), self.active_of(vector)
+        by_pad = np.concatenate(
+            [by_pad, wave_columns(self.presses, self.law, *model, 0.0 if near is None else near)], axis=-1
+        )
         rows = np.arange(len(self.presses.pad))
         for term in range(LAW_TERMS):
             out[rows, :, self.law_entries(term).start + self.presses.pad] = by_pad[..., term]

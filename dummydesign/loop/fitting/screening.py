@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.loop.fitting.fit import CampaignFit, prior_precision, rough_columns
-from dummydesign.loop.fitting.noise import Whitener, make_whitener
+from dummydesign.loop.fitting.fit import CampaignFit, prior_precision
+from dummydesign.loop.fitting.noise import Whitener
 from dummydesign.loop.model.effect import Effect
+from dummydesign.loop.model.forward_model import SMOOTH_TERMS
 
 
 @dataclass(frozen=True)
@@ -50,21 +51,21 @@ def project(fit: CampaignFit, law_free: bool = False) -> Projection:
     """Whiten a fit's residual with its prior rows and orthonormalise its sensitivities.
 
     ``law_free`` drops the prior rows of level, slope and curvature: then whatever such a law error of any size could
-    do is taken out. The roughness of a solved law keeps its prior.
+    do is taken out. Waves keep their prior.
     """
     problem = fit.problem
-    whiten = make_whitener(problem.presses, fit.sizes.noise, fit.slope)
-    scale = np.sqrt(prior_precision(problem, fit.sizes)[problem.fixed :]) * (0.0 if law_free else 1.0)
+    whiten = fit.whitener
+    scale = np.sqrt(prior_precision(problem, fit.sizes)[problem.fixed :])
+    if law_free:
+        scale[: SMOOTH_TERMS * len(problem.presses.pads)] = 0.0
     turned = whiten(fit.jacobian).reshape(-1, len(fit.vector))
-    rough = rough_columns(fit)
-    count = rough.shape[-1]
     # the base parameters have no prior
-    prior = np.diag(np.r_[np.zeros(problem.fixed), scale, np.ones(count)])[problem.fixed :]
-    stacked = np.concatenate([np.hstack([turned, whiten(rough).reshape(len(turned), count)]), prior])
+    prior = np.diag(np.r_[np.zeros(problem.fixed), scale])[problem.fixed :]
+    stacked = np.concatenate([turned, prior])
     norm = np.linalg.norm(stacked, axis=0)
     basis, singular, _ = np.linalg.svd(stacked / np.where(norm > 0, norm, 1.0), full_matrices=False)
     basis = basis[:, singular > 1e-9 * singular[0]]
-    residual = np.r_[whiten(fit.residual).ravel(), -scale * fit.vector[problem.fixed :], np.zeros(count)]
+    residual = np.r_[whiten(fit.residual).ravel(), -scale * fit.vector[problem.fixed :]]
     return Projection(basis, residual, len(prior), whiten)
 
 

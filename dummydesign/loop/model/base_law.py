@@ -18,16 +18,14 @@ from dummydesign.pad.tables.filleted import FILLETS, POWER, load_filleted
 from dummydesign.pad.tables.slab import ResponseTable, load_compressibility, load_table
 from dummydesign.pad.tables.square import load_square
 
-SLAB_ERROR = ((0.005, 0.35), (0.015, 0.35), (0.008, 0.4))
+SLAB_ERROR = ((0.005, 0.35), (0.015, 0.35), (0.008, 0.4), (0.001, 0.7))
 PUCK_ERROR = SLAB_ERROR
-"""Error of a law per thickness in level, slope and curvature at d/h = 0.4: median size and spread of its logarithm.
+"""Error of a law per thickness in level, slope and curvature at d/h = 0.4, and waves: median size and spread of its
+logarithm.
 Slabs: half a per cent from pad to pad, and at depth what the table and the square-punch factor state, each known
-within a factor of two (0.35 = ln 2 / 1.96). Pucks: the closed form is exact for
-the neo-Hookean law; the allowance is for the law."""
-
-USUAL_ROUGHNESS = 0.001
-"""Relative roughness of a solved force over depth: slabs of 6, 10 and 16 mm under a filleted punch differ from GetFEM's
-by 0.05 to 0.09 % (root mean square) beside a parabola in depth."""
+within a factor of two (0.35 = ln 2 / 1.96); waves: slabs of 6, 10 and 16 mm under a filleted punch differ from GetFEM's
+by 0.05 to 0.09 % (root mean square) beside a parabola in depth, known within a factor of four. Pucks: the closed form
+is exact for the neo-Hookean law; the allowance is for the law."""
 
 EDGES = (0.0, *map(float, FILLETS))
 """Fillets over the punch's radius between which the change of a force by a fillet is interpolated."""

@@ -15,7 +15,7 @@ from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
-from dummydesign.loop.model.base_law import USUAL_ROUGHNESS, SlabLaw
+from dummydesign.loop.model.base_law import SlabLaw
 from dummydesign.loop.model.effect import UnitForce
 from dummydesign.measurement.campaign import Trial
 from dummydesign.pad.axisymmetric.case import Case
@@ -44,7 +44,6 @@ class SolvedCurve:
     pad: Pad | Puck
     deepest_mm: float
     offers: frozenset[str] = frozenset()
-    roughness: float = 0.0
 
     @cached_property
     def _points(self) -> tuple[NDArray, NDArray, NDArray]:
@@ -239,11 +238,16 @@ ROUGHNESS = 0.0015
 cells differ by 0.12 to 0.18 % (root mean square) beside a parabola in depth. Taken for other growing contacts too."""
 
 
-def error_priors(own: tuple, relative_error: float, outline: bool, thickness: float) -> tuple:
+def error_priors(own: tuple, relative_error: float, outline: bool, thickness: float, roughness: float = 0.0) -> tuple:
     """Median size and spread of the law error: the usual one with the stated error of a solve and of thickness."""
     solved = 0.5 * relative_error
     shape = OUTLINE_ERROR if outline else 0.0
-    more = ((solved, shape, THICKNESS_SLOPE * thickness), (solved, shape, 0.0), (0.5 * solved, 0.0, 0.0))
+    more = (
+        (solved, shape, THICKNESS_SLOPE * thickness),
+        (solved, shape, 0.0),
+        (0.5 * solved, 0.0, 0.0),
+        (roughness, 0.0, 0.0),
+    )
     return tuple((float(np.linalg.norm([size, *added])), spread) for (size, spread), added in zip(own, more))
 
 
@@ -265,10 +269,6 @@ class CampaignForceLaw:
         shape, thickness = pad
         own = [known for known in self.pads if known[0] == shape]
         return self.pads[min(own, key=lambda known: abs(np.log(known[1] / thickness)))]
-
-    def roughness(self, pad: tuple[str, float]) -> float:
-        """Relative roughness of the force on a pad."""
-        return max(getattr(self.law_of(pad), "roughness", 0.0), USUAL_ROUGHNESS)
 
     def on(self, trials: Sequence[Trial]) -> BoundLaw:
         """The law of these trials, row by row."""

@@ -180,11 +180,12 @@ def _solved(
         progress(f"force law of the {what} of {made.thickness_mm:g} mm ({number + 1} of {len(groups)})")
         share = MARGIN * max(float(t.trace.displacement_mm.max()) / t.thickness_mm for t in own)
         deepest = next((depth for depth in DEPTHS if depth >= share), DEPTHS[-1]) * made.thickness_mm
-        curve = SolvedCurve(made, deepest, frozenset(offers), ROUGHNESS if grows else 0.0)
+        curve = SolvedCurve(made, deepest, frozenset(offers))
         curves |= {trial.pad: curve for trial in own}
     error = max(curve.relative_error for curve in curves.values())
     corners = all(isinstance(curve.pad, Pad) and has_square_factor(curve.pad) for curve in curves.values())
-    priors = error_priors(SlabLaw.error_priors, error, punch.shape == "square" and not corners, thickness_error)
+    outline = punch.shape == "square" and not corners
+    priors = error_priors(SlabLaw.error_priors, error, outline, thickness_error, ROUGHNESS if grows else 0.0)
     return CampaignForceLaw(dict(curves), shape, priors)
 
 

@@ -300,9 +300,9 @@ class Effect:
         return {p.name: p.null for p in self.parameters}
 
 
-def usual_arms(logs: NDArray) -> NDArray:
-    """The base's logarithms (5,) with times and strengths of a usual soft gel."""
-    return np.r_[logs[0], np.log([0.07, 0.3, 1.5, 0.3])]
+def usual_starts(logs: NDArray) -> list[NDArray]:
+    """The base's logarithms, and where no arms are declared (5,) those with times and strengths of a usual soft gel."""
+    return [logs, np.r_[logs[0], np.log([0.07, 0.3, 1.5, 0.3])]] if len(logs) == 5 else [logs]
 
 
 def effect_classes(module: ModuleType) -> list[type[Effect]]:

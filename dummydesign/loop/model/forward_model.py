@@ -13,7 +13,11 @@ from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.model.effect import Arm, Effect, SetupLaw, UnitForce, Values, wrap
 
-LAW_TERMS = 3  # level, slope and curvature in depth over thickness
+SMOOTH_TERMS = 3  # level, slope and curvature in depth over thickness
+WAVES, WAVES_END, WAVES_POWER = 32, 0.6, 2.0 / 3.0
+"""Number of the hat functions whose heights are the waves of a law error, depth over thickness of the last one, and the
+power of depth in which they are even: contact that grows cell by cell leaves the shorter waves the smaller it is."""
+LAW_TERMS = SMOOTH_TERMS + WAVES
 REFERENCE_DEPTH = 0.4
 """Depth over thickness at which the slope of a law error is counted."""
 
@@ -109,18 +113,27 @@ class Active:
 
 @dataclass(frozen=True)
 class LawError:
-    """Relative error of the force law per trial: level, slope and curvature at d/h = 0.4, shapes (T,)."""
+    """Relative error of the force law per trial: level, slope and curvature at d/h = 0.4, and its waves, (terms, T)."""
 
-    level: NDArray
-    slope: NDArray
-    curve: NDArray
+    terms: NDArray
     reach: float = np.inf
     """Depth over thickness to which the error was seen; deeper it is held."""
 
     def factor(self, share: NDArray) -> NDArray:
-        """1 + level + slope s + curve s^2, s = (d/h) / 0.4, of relative depths (T, N)."""
-        s = np.minimum(share, self.reach) / REFERENCE_DEPTH
-        return 1.0 + self.level[:, None] + s * (self.slope[:, None] + s * self.curve[:, None])
+        """1 + level + slope s + curve s^2 + waves, s = (d/h) / 0.4, of relative depths (T, N)."""
+        share = np.minimum(share, self.reach)
+        s, (level, slope, curve) = share / REFERENCE_DEPTH, self.terms[:SMOOTH_TERMS, :, None]
+        smooth = 1.0 + level + s * (slope + s * curve)
+        waves = self.terms[SMOOTH_TERMS:].T
+        if not waves.any():
+            return smooth
+        knots, at = np.arange(WAVES + 1.0), wave_number(share)
+        return smooth + np.stack([np.interp(x, knots, np.r_[0.0, own]) for x, own in zip(at, waves)])
+
+
+def wave_number(share: NDArray) -> NDArray:
+    """Relative depths counted in knots of the waves, whose heights are linear between knots."""
+    return WAVES * np.clip(share / WAVES_END, 0.0, 1.0) ** WAVES_POWER
 
 
 def simulate(
@@ -238,36 +251,66 @@ def at_the_surface(presses: Presses, force_N: NDArray, acting: Sequence[Active],
 def base_and_law_columns(
     presses: Presses, law: SetupLaw, logs: NDArray, active: Sequence[Active], error: LawError, step: float
 ) -> tuple[NDArray, NDArray]:
-    """Forward differences with respect to the base logarithms, and to the law error of each trial's pad."""
+    """Forward differences with respect to the base logarithms, and to the smooth law error of each trial's pad."""
     acting = [one for one in active if not one.absent]
     own, depth = before_the_pad(presses, law, acting)
     thickness = presses.thickness_mm[:, None]
     unit = own(depth, thickness)
     for one in acting:
         unit = unit * one.effect.scale(presses, depth, one.values)
-    share = np.maximum(depth, 0.0) / thickness / REFERENCE_DEPTH
+    share = np.maximum(depth, 0.0) / thickness
     base = BaseParameters.from_logs(logs)
-    level, slope, curve = (term[:, None] for term in (error.level, error.slope, error.curve))
     arms = arms_of(presses, base, acting, depth)
     plain = base.young_MPa * unit
-    powers = np.stack([plain, plain * share, plain * share**2])
-    weights = np.stack([1.0 + level, slope, curve])
-    elastic = (weights * powers).sum(axis=0)
-    held = arm_forces(presses.time_s, powers, arms)
-    shapes = [loaded(power, arms, held[:, k]) for k, power in enumerate(powers)]
-    force = (weights * np.stack(shapes)).sum(axis=0)
+    elastic = plain * error.factor(share)
+    each = np.stack([elastic, *(plain * (share / REFERENCE_DEPTH) ** power for power in range(SMOOTH_TERMS))])
+    held = arm_forces(presses.time_s, each, arms)
+    force, *shapes = (loaded(one, arms, held[:, k]) for k, one in enumerate(each))
     moved = [force, force * np.exp(step), *(force + step * one for one in shapes)]
-    total = (weights * held).sum(axis=1)
     for index in range(1, len(logs)):
         other = logs.copy()
         other[index] += step
         changed = arms_of(presses, BaseParameters.from_logs(other), acting, depth)
-        moved.append(_with_arms(presses, elastic, arms, total, changed))
+        moved.append(_with_arms(presses, elastic, arms, held[:, 0], changed))
     shown = [sensor_signal(presses, at_the_surface(presses, one, acting, depth), acting) for one in moved]
     bins = readings(presses, presses.operator @ np.stack(shown, axis=-1), acting)
     change = (bins[..., 1:] - bins[..., :1]) / step
-    after = 1 + LAW_TERMS
+    after = 1 + SMOOTH_TERMS
     return np.concatenate([change[..., :1], change[..., after:]], axis=-1), change[..., 1:after]
+
+
+def wave_columns(
+    presses: Presses, law: SetupLaw, base: BaseParameters, active: Sequence[Active], yielded_mm: NDArray | float
+) -> NDArray:
+    """Change of the bins with each wave of the law of a trial's pad (T, B, waves), relaxation stepped from bin to bin.
+    [N]"""
+    acting = [one for one in active if not one.absent]
+    unit, start = before_the_pad(presses, law, acting)
+    depth, thickness = start - yielded_mm, presses.thickness_mm[:, None]
+    elastic = base.young_MPa * unit(depth, thickness)
+    for one in acting:
+        elastic = elastic * one.effect.scale(presses, depth, one.values)
+    at = wave_number(np.maximum(depth, 0.0) / thickness)
+    hats = [np.maximum(1.0 - np.abs(at - k), 0.0) for k in range(1, min(int(at.max()) + 2, WAVES + 1))]
+    none = sensor_signal(presses, np.zeros_like(elastic), acting)
+    seen = [sensor_signal(presses, elastic * hat, acting) - none for hat in (1.0, *hats)]
+    direct = presses.operator @ np.stack(seen, axis=-1)
+    bins, each = presses.bins, np.moveaxis(direct, -1, 0)
+    middle = np.maximum.accumulate(np.where(bins.used, 0.5 * (bins.start + bins.end), 0.0), axis=1)
+    middle += 1e-6 * np.arange(middle.shape[1])  # the padding too goes on
+    arms = [_at_bins(presses, arm) for arm in arms_of(presses, base, acting, depth)]
+    held = arm_forces(middle, each, arms)
+    force, *waves = (loaded(one, arms, held[:, k]) for k, one in enumerate(each))
+    out = np.zeros((*force.shape, WAVES))
+    out[..., : len(waves)] = np.stack(waves, axis=-1) * (force > 0.0)[..., None]
+    return out
+
+
+def _at_bins(presses: Presses, arm: Arm) -> Arm:
+    """An arm whose time and weight, where they change along the nodes, are those of the bins."""
+    own = {name: getattr(arm, name) for name in ("tau_s", "beta", "weight")}
+    along = {name: value for name, value in own.items() if np.shape(value) == presses.time_s.shape}
+    return arm.changed(**{name: np.where(presses.used, presses.measure(value), 1.0) for name, value in along.items()})
 
 
 def _with_arms(

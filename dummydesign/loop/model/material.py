@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -12,12 +13,14 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.loop.data.pad_modulus_factors import PADS_DIFFER
-from dummydesign.loop.model.forward_model import BaseParameters
+from dummydesign.loop.model.forward_model import BaseParameters, base_names
 from dummydesign.measurement.campaign import Campaign
 from dummydesign.pad.material.relaxation import PronyTerm
 
 USUAL_ARMS = (PronyTerm(0.07, 0.3), PronyTerm(1.5, 0.3))
 """Arms that stand for a material of which no relaxation is declared."""
+RELEASED = 20.0
+"""Factor on the spread of a declared number that the presses contradict: what they say then stands."""
 ARM_TOLERANCE = 0.05
 """Standard deviation of the logarithm of an arm's time and strength from pour to pour beside what the data say: newly
 cast pads scatter in strength (assumed: a twentieth)."""
@@ -39,6 +42,11 @@ class BasePrior:
     def declared(self) -> bool:
         """Whether the material's arms are known."""
         return bool(np.isfinite(self.spread[1:]).any())
+
+    def released(self, names: Collection[str]) -> BasePrior:
+        """The prior where these numbers are known :data:`RELEASED` times less well."""
+        wider = [RELEASED if name in names else 1.0 for name in base_names(self.arms)]
+        return BasePrior(self.mean, self.spread * wider)
 
     def bounds(self) -> tuple[NDArray, NDArray]:
         """Bounds of the logarithms: those of arms that are not declared keep the fast one before the slow one."""

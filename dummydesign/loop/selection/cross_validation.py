@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,15 +11,14 @@ from numpy.typing import NDArray
 
 from dummydesign.inference.noise import Bins, whitener
 from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit, prior_precision, size_likelihood, student_over_normal
-from dummydesign.loop.fitting.noise import contrasts, make_whitener
+from dummydesign.loop.fitting.noise import UNSEEN, contrasts, repeat_scatter
 from dummydesign.loop.model.effect import Effect
-from dummydesign.loop.model.forward_model import base_names
+from dummydesign.loop.model.forward_model import SMOOTH_TERMS, base_names
 
 ESTIMABLE = 0.2  # a cell counts when the rest still holds this share of the information on an effect's size
 
-UNSEEN_POSITION_MM, LARGEST_POSITION_MM = 0.008, 0.01
-"""Contact scatter that is taken for usual when no repeats show it, and the largest that is."""
-CHI2_MEDIAN = 0.4549  # median of the chi-square distribution of one degree of freedom
+LARGEST = (0.01, 0.005)
+"""Largest scatter of presses in contact [mm] and gain that is taken for usual."""
 
 
 @dataclass(frozen=True)
@@ -75,47 +74,25 @@ def errors(fit: CampaignFit, cells: NDArray | None = None) -> Errors:
 
 
 def expected_heldout_N(fit: CampaignFit) -> float:
-    """Error on left-out conditions when nothing is missing: noise, contact scatter, uncertainty of all parameters. [N]
+    """Error on left-out conditions when nothing is missing: noise, scatter of presses, uncertainty of parameters. [N]
 
-    Contact scatter counts as far as repeats show it and a test machine has it: more is a sign of a missing effect.
+    Scatter of presses counts as far as repeats show it and a test machine has it: more is a sign of a missing effect.
     """
     presses, noise = fit.problem.presses, fit.sizes.noise
     weight = presses.samples * presses.used
-    position = min(noise.position_mm, repeat_scatter_mm(fit), LARGEST_POSITION_MM)
-    spread = np.einsum("tbi,ij,tbj->tb", fit.jacobian, fit.covariance, fit.jacobian)
-    return float(np.sqrt(fit.sizes.floor_N**2 + np.average((position * fit.slope) ** 2 + spread, weights=weight)))
-
-
-def repeat_scatter_mm(fit: CampaignFit) -> float:
-    """Scatter of the contact position as differences of repeats show it, by their median so that few cannot make it.
-
-    Each difference is fitted with a shift d, of variance v by noise alone, and a change of scale; the scatter p is such
-    that the median of d^2 / (p^2 + v) is that of the chi-square of one degree. Not below half of, and without three
-    pairs equal to, :data:`UNSEEN_POSITION_MM`. [mm]
-    """
-    presses, noise = fit.problem.presses, fit.sizes.noise
-    parts, places = contrasts(presses, fit.residual)
-    if len(parts) < 3:
-        return UNSEEN_POSITION_MM
-    bins = Bins(parts)
-    difference = bins.stacked(np.concatenate([part.force_N for part in parts]))
-    sides = [np.stack([fit.slope[i, a], fit.forces[i, a]], axis=1) for i, _, a, _ in places]
-    factor = whitener(bins.covariance(replace(noise, position_mm=0.0), np.zeros(difference.shape)))
-    columns, values = factor @ bins.stacked(np.concatenate(sides)), factor @ difference[..., None]
-    turned = np.swapaxes(columns, 1, 2)
-    inverse = np.linalg.pinv(turned @ columns, hermitian=True)
-    shift, own = (inverse @ turned @ values)[:, 0, 0], inverse[:, 0, 0]
-    sizes = np.geomspace(0.5 * UNSEEN_POSITION_MM, 1.0, 200)
-    ratio = np.median(shift**2 / (sizes[:, None] ** 2 + own), axis=1)
-    return float(sizes[np.argmin(ratio > CHI2_MEDIAN)])
+    shown = repeat_scatter(presses, fit.residual, fit.slope, fit.forces, noise) or UNSEEN
+    position, gain = (min(each) for each in zip(fit.sizes.scatter, shown, LARGEST))
+    spread = ((fit.jacobian @ fit.covariance) * fit.jacobian).sum(axis=-1)
+    spread += (position * fit.slope) ** 2 + (gain * fit.forces) ** 2
+    return float(np.sqrt(fit.sizes.floor_N**2 + np.average(spread, weights=weight)))
 
 
 def leave_out(fit: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
     """Change of the vector when each cell is left out; cells without which an effect is not known are missing."""
     problem = fit.problem
-    whiten = make_whitener(problem.presses, fit.sizes.noise, fit.slope)
+    whiten = fit.whitener
     turned, white = whiten(fit.jacobian), whiten(fit.residual)
-    normal = np.einsum("tbi,tbj->tij", turned, turned)
+    normal = np.swapaxes(turned, 1, 2) @ turned
     gradient = np.einsum("tbi,tb->ti", turned, white)
     prior = np.diag(prior_precision(problem, fit.sizes) + 1e-9)
     low, high = problem.bounds()
@@ -156,7 +133,7 @@ def widened(fit: CampaignFit, lack_ratio: float | None = None) -> NDArray:
     fixed = fit.problem.fixed
     likelihood = size_likelihood(fit)
     degrees, _ = likelihood.degrees(fit.sizes)
-    variances = likelihood.variances(np.array([fit.sizes.noise.position_mm, *fit.sizes.law]))
+    variances = likelihood.variances(fit.sizes.fitted)
     plain = np.diag(fit.covariance)[:fixed]
     factor = np.ones(len(fit.vector))
     known = plain > 0.0
@@ -165,7 +142,7 @@ def widened(fit: CampaignFit, lack_ratio: float | None = None) -> NDArray:
     if lack_ratio is not None and lack_ratio > MISFIT:
         covariance = covariance + jackknife(fit)
     if fit.doubt is not None:
-        covariance = covariance + fit.doubt
+        covariance[: len(fit.doubt), : len(fit.doubt)] += fit.doubt
     for effect in fit.problem.effects:
         if not effect.held:
             size = fit.problem.entries[effect.name][0]
@@ -185,7 +162,7 @@ def jackknife(fit: CampaignFit) -> NDArray:
 def pad_spreads(fit: CampaignFit) -> tuple[float, ...]:
     """Standard deviations from pad to pad of the law's level, slope and curvature, scaled like :func:`widened`."""
     _, degrees = size_likelihood(fit).degrees(fit.sizes)
-    return tuple((np.array(fit.sizes.law) * student_over_normal(degrees[1:])).tolist())
+    return tuple((np.array(fit.sizes.law) * student_over_normal(degrees[2:])).tolist()[:SMOOTH_TERMS])
 
 
 DRAWS = 4000

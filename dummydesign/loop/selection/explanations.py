@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.candidates import EffectCandidate, first_fit
-from dummydesign.loop.fitting.fit import KNOTS, CampaignFit, fit, hats
+from dummydesign.loop.fitting.fit import CampaignFit, fit, hats
 from dummydesign.loop.fitting.noise import NoiseSizes, contrasts
 from dummydesign.loop.fitting.screening import Screened, project, screen
 from dummydesign.loop.model.effect import Effect
@@ -23,6 +23,8 @@ FACES_MM = 0.05
 """Scatter of the contact of cast pucks, whose faces are not quite parallel. [mm]"""
 LAW_SHARE, CORRELATED = 0.004, 0.05
 """Error of a force law over the largest force, and the share of a press over which it stays the same."""
+KNOTS = 9
+"""Knots of a free function of depth."""
 FAMILY = 0.9
 """Share of an effect's signature that a function of depth must make for it to be in doubt."""
 SOME = 0.5

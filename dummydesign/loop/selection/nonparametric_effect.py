@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.cpu_limit import budget_spent
 from dummydesign.core.progress import Progress
 from dummydesign.loop.effects.learned import BY_TRIAL, FOLLOWED, Learned, SmoothChange, followed, largest_change
+from dummydesign.loop.fitting.budget import budget_spent
 from dummydesign.loop.fitting.candidates import EffectCandidate, modest
 from dummydesign.loop.fitting.fit import CampaignFit, fit, fit_with_noise
 from dummydesign.loop.fitting.problem import CampaignProblem

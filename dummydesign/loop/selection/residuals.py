@@ -30,16 +30,18 @@ class ResidualCheck(Serialised):
 
 
 def raw_residuals(fit: CampaignFit) -> list[NDArray]:
-    """Measured minus modelled force at the raw samples, with each trial's contact shift taken out. [N]"""
+    """Measured minus modelled force at the raw samples, with each trial's contact shift and gain taken out. [N]"""
     presses = fit.problem.presses
     white = np.maximum(presses.samples, 1.0) / fit.sizes.noise.white_N**2 * presses.used
     slow = np.maximum(fit.sizes.noise.slow_N, 1e-6) ** 2
     weight = white / (1.0 + white * slow)
-    ridge = fit.sizes.noise.position_mm**-2
-    shift = (weight * fit.slope * fit.residual).sum(axis=1) / ((weight * fit.slope**2).sum(axis=1) + ridge)
+    own = np.stack([fit.slope, fit.forces], axis=-1)
+    weighed = np.swapaxes(own * weight[..., None], 1, 2)
+    ridge = np.diag(np.maximum(fit.sizes.scatter, 1e-9) ** -2.0)
+    shift, gain = np.linalg.solve(weighed @ own + ridge, weighed @ fit.residual[..., None])[..., 0].T
     # slope is dF/dx: a trial that touched earlier by s reads s dF/dx more
     modelled = fit.problem.at_samples(fit.vector, -shift)
-    return [trial.trace.force_N - model for trial, model in zip(presses.trials, modelled)]
+    return [t.trace.force_N - (1.0 + own) * model for t, own, model in zip(presses.trials, gain, modelled)]
 
 
 def run_checks(fit: CampaignFit) -> list[ResidualCheck]:

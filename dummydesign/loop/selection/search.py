@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.cpu_limit import budget_spent
 from dummydesign.core.progress import Progress, quiet
+from dummydesign.loop.fitting.budget import budget_spent
 from dummydesign.loop.fitting.candidates import EffectCandidate, finished, first_fit, first_fits, modest, to_the_end
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise, same_noise
 from dummydesign.loop.fitting.screening import Screened, screen

@@ -70,7 +70,7 @@ def needed(screened: list[Screened], fit: CampaignFit, name: str, others: dict[s
 
 def _where(fit: CampaignFit, names: set[str]) -> dict[str, NDArray]:
     """How the whitened squares of each effect's size spread over the bins (T, B); each sums to one."""
-    whiten = make_whitener(fit.problem.presses, fit.sizes.noise, fit.slope, False)
+    whiten = make_whitener(fit.problem.presses, fit.sizes.noise)
     squares = {name: whiten(fit.jacobian[..., fit.problem.entries[name][0]]) ** 2 for name in names}
     return {name: values / max(float(values.sum()), 1e-300) for name, values in squares.items()}
 
@@ -82,7 +82,7 @@ def separate_evidence(fit: CampaignFit, name: str) -> float:
     over its standard error there, base, law error and all other parameters free.
     """
     problem, quiet = fit.problem, np.zeros(fit.problem.presses.used.shape)
-    whiten = make_whitener(problem.presses, fit.sizes.noise, fit.slope)
+    whiten = fit.whitener
     for one in problem.effects:
         if one.name != name and not one.held:
             vector = fit.vector.copy()

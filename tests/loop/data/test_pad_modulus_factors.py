@@ -172,6 +172,6 @@ def test_a_level_beyond_what_the_law_can_be_off_is_the_pad_s_and_does_not_go_ove
     assert carried_share(fit) == pytest.approx(0.25, rel=1e-3), "what a record leaves open is not the law's"
     model = Model(BASE, (), np.array([5.0, 15.0]), np.array([[0.04, 0.08], [0.1, 0.1], [0.0, 0.0]]), (), 0.25)
     found = model.law_error(np.array([5.0, 15.0, 20.0]))
-    np.testing.assert_allclose(found.level, [0.04, 0.08, 0.02])
-    np.testing.assert_allclose(found.slope, 0.1)
-    np.testing.assert_allclose(model.law_error(np.array([5.0, 15.0]), cast=True).level, [0.01, 0.02])
+    np.testing.assert_allclose(found.terms[0], [0.04, 0.08, 0.02])
+    np.testing.assert_allclose(found.terms[1], 0.1)
+    np.testing.assert_allclose(model.law_error(np.array([5.0, 15.0]), cast=True).terms[0], [0.01, 0.02])

@@ -370,6 +370,9 @@ def test_a_sensor_that_bends_also_begins_from_usual_arms_with_the_same_modulus(k
     first, second = kind().base_starts(logs)
     np.testing.assert_array_equal(first, logs)
     np.testing.assert_allclose(np.exp(second), [0.03, 0.07, 0.3, 1.5, 0.3])
+    # declared arms stay where they are, any number of them
+    (only,) = kind().base_starts(np.zeros(7))
+    assert len(only) == 7
 
 
 def test_an_age_of_nothing_has_no_logarithm():

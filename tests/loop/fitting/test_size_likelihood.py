@@ -11,7 +11,7 @@ from dummydesign.loop.fitting.fit import NORMAL_95, student_over_normal
 from dummydesign.loop.fitting.noise import NoiseSizes, SizeLikelihood
 
 NOISE = 1e-4
-WIDE = ((0.005, 30.0), (0.005, 0.3), (0.005, 0.3))
+WIDE = ((0.005, 30.0), (0.005, 0.3), (0.005, 0.3), (0.001, 0.3))
 
 
 def pressed(levels, rng, presses=4, priors=WIDE):
@@ -21,12 +21,12 @@ def pressed(levels, rng, presses=4, priors=WIDE):
     values = levels[pad] + rng.normal(0.0, NOISE, len(pad))
     level = np.eye(pads)[pad]
     nothing = np.zeros((len(pad), len(pad)))
-    columns = np.column_stack([values, np.ones(len(pad)), nothing, level, 0.0 * level, 0.0 * level]) / NOISE
-    return SizeLikelihood(columns.T @ columns, (1, len(pad), pads, pads, pads), priors), values
+    columns = np.column_stack([values, np.ones(len(pad)), nothing, nothing, level, *[0.0 * level] * 3]) / NOISE
+    return SizeLikelihood(columns.T @ columns, (1, len(pad), len(pad), *[pads] * 4), priors), values
 
 
 def start(level=0.005):
-    return NoiseSizes(Noise(NOISE, 0.0, 1.0, 0.005), level, 0.005, 0.005)
+    return NoiseSizes(Noise(NOISE, 0.0, 1.0, 0.005), level, 0.005, 0.005, 0.001)
 
 
 @pytest.mark.parametrize("pads", [3, 4, 8])
@@ -36,9 +36,9 @@ def test_the_degrees_of_a_mean_over_pads_are_their_number_less_one(pads):
     made, values = pressed(levels, rng)
     sizes, _ = made.estimate(start())
     degrees, own = made.degrees(sizes)
-    assert degrees[0] == pytest.approx(pads - 1, rel=0.03) and own[1] == pytest.approx(pads - 1, rel=0.03)
+    assert degrees[0] == pytest.approx(pads - 1, rel=0.03) and own[2] == pytest.approx(pads - 1, rel=0.03)
     means = values.reshape(pads, -1).mean(axis=1)
-    variance = made.variances(np.array([sizes.noise.position_mm, *sizes.law]))[0]
+    variance = made.variances(sizes.fitted)[0]
     assert variance == pytest.approx(means.var(ddof=1) / pads, rel=0.02)
 
 
@@ -49,7 +49,7 @@ def test_intervals_of_students_t_cover_the_mean_of_all_pads_and_normal_ones_do_n
     for _ in range(draws):
         made, values = pressed(rng.normal(0.0, 0.007, 3), rng)
         sizes, _ = made.estimate(start())
-        spread = np.sqrt(made.variances(np.array([sizes.noise.position_mm, *sizes.law]))[0])
+        spread = np.sqrt(made.variances(sizes.fitted)[0])
         wider = student_over_normal(made.degrees(sizes)[0])[0]
         inside += abs(values.mean()) < NORMAL_95 * spread * np.array([1.0, wider])
     # three standard deviations of a count; the normal interval covers P(|t| < 1.96) with two degrees, 0.81

@@ -14,7 +14,6 @@ from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.effects.registry import EFFECTS, effect_named
 from dummydesign.loop.fitting.fit import fit_base
-from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model import campaign_force_law as solved_curve
 from dummydesign.loop.model.base_law import SlabLaw
 from dummydesign.loop.model.campaign_force_law import ROUGHNESS, CampaignForceLaw, error_priors
@@ -174,18 +173,18 @@ def test_a_remainder_as_large_as_a_solve_is_rough_follows_nothing_and_a_larger_o
     """The residual is the force times a wave in depth, on the crowned pads alone."""
     crowned = replace(shaped, trials=tuple(t for t in shaped.trials if not t.geometry.plain))
     law, presses = law_of(crowned), make_presses(crowned)
-    assert {law.roughness(pad) for pad in presses.pads} == {ROUGHNESS}
+    usual = SlabLaw.error_priors[3][0]
+    assert law.error_priors[3][0] == pytest.approx(np.hypot(usual, ROUGHNESS))
     fit = fit_base(presses, law, 0.03)
     depth = presses.measure(np.maximum(presses.displacement_mm, 0.0))
 
     def follows(size, rough):
         wave = np.where(presses.used, size * fit.forces * np.sin(2.0 * np.pi * depth / 1.2), 0.0)
-        pads = {pad: replace(curve, roughness=rough) for pad, curve in law.pads.items()}
-        problem = CampaignProblem(presses, replace(law, pads=pads))
-        found = dependences(replace(fit, problem=problem, residual=wave))
+        sizes = replace(fit.sizes, wave=rough)
+        found = dependences(replace(fit, sizes=sizes, residual=wave))
         return next(one.excess for one in found if one.factor == "depth")
 
-    assert follows(ROUGHNESS, ROUGHNESS) < 0.5 * follows(ROUGHNESS, 0.0)
+    assert follows(ROUGHNESS, ROUGHNESS) < 0.5 * follows(ROUGHNESS, 1e-6)
     assert follows(10.0 * ROUGHNESS, ROUGHNESS) > 60.0
     assert law_of(replace(shaped, trials=tuple(t for t in shaped.trials if t.geometry.plain))).shape == "slab"
 

@@ -45,6 +45,15 @@ def test_a_modulus_five_standard_deviations_off_is_contradicted_with_both_number
     assert one.declared == pytest.approx(1e3 * pucks.YOUNG_MPA * np.exp(0.1 * away), rel=1e-6)
     assert one.refitted == pytest.approx(1e3 * pucks.YOUNG_MPA, rel=0.05)
     assert one.distance == pytest.approx(5.0, rel=0.2) and found.rmse_N > 5.0 * pucks.NOISE_N
+    # what the presses say of it then stands, and the rest of the declaration with it
+    prior = fit.problem.prior.released([one.name])
+    assert (
+        prior.spread[0] > 10.0 * fit.problem.prior.spread[0]
+        and (prior.spread[1:] == fit.problem.prior.spread[1:]).all()
+    )
+    again = fit_base(fit.problem.presses, pucks.LAW, pucks.YOUNG_MPA, prior=prior)
+    pulled, free = (abs(np.log(1e-3 * kPa / pucks.YOUNG_MPA)) for kPa in (one.refitted, 1e3 * again.base.young_MPa))
+    assert free < max(pulled, 0.01)
 
 
 def test_three_declared_arms_are_found_where_three_made_the_presses():

@@ -11,7 +11,7 @@ from scipy.stats import chi2
 
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit, fit_with_noise, prior_precision
-from dummydesign.loop.fitting.noise import contrasts, make_whitener
+from dummydesign.loop.fitting.noise import contrasts, repeat_scatter
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.material import UNDECLARED
 from dummydesign.loop.selection import cross_validation, verdict
@@ -26,7 +26,6 @@ from dummydesign.loop.selection.cross_validation import (
     jackknife,
     lack_of_fit,
     leave_out,
-    repeat_scatter_mm,
     widened,
 )
 from tests.support import puck_presses as pucks
@@ -82,7 +81,7 @@ def test_left_out_errors_are_those_of_the_changed_vector_where_the_model_is_line
 @pytest.mark.parametrize("by", ["cell", "pad"])
 def test_leaving_presses_out_is_least_squares_without_them(offset_fit, by):
     presses, problem = offset_fit.problem.presses, offset_fit.problem
-    whiten = make_whitener(presses, offset_fit.sizes.noise, offset_fit.slope)
+    whiten = offset_fit.whitener
     jacobian, residual = whiten(offset_fit.jacobian), whiten(offset_fit.residual)
     root = np.sqrt(prior_precision(problem, offset_fit.sizes))
     labels = getattr(presses, by)
@@ -122,10 +121,17 @@ def test_an_effect_that_the_rest_hardly_shows_leaves_its_presses_out_of_the_coun
         assert 5 in leave_out(made, np.arange(16))
 
 
+def scatter_of(fit):
+    """Scatter of the contact that the repeats of a fit show."""
+    shown = repeat_scatter(fit.problem.presses, fit.residual, fit.slope, fit.forces, fit.sizes.noise)
+    return shown[0] if shown else None
+
+
 def test_what_is_expected_on_left_out_conditions_adds_up():
     found = clean_fit()
     presses, floor = found.problem.presses, found.sizes.floor_N
-    nothing = replace(found, covariance=0.0 * found.covariance, slope=0.0 * found.slope)
+    own = replace(found.sizes, gain=0.0)
+    nothing = replace(found, covariance=0.0 * found.covariance, slope=0.0 * found.slope, sizes=own)
     assert expected_heldout_N(nothing) == pytest.approx(floor)
     weight = presses.samples * presses.used
     one = np.zeros_like(found.covariance)
@@ -134,9 +140,9 @@ def test_what_is_expected_on_left_out_conditions_adds_up():
     # the first entry is the logarithm of the modulus: 3 % of the force
     assert gain == pytest.approx(np.average((0.03 * found.forces) ** 2, weights=weight), rel=0.01)
     for position in (0.002, 0.006, 0.03):
-        sizes = replace(found.sizes, noise=replace(found.sizes.noise, position_mm=position))
+        sizes = replace(found.sizes, gain=0.0, noise=replace(found.sizes.noise, position_mm=position))
         moved = replace(found, covariance=0.0 * found.covariance, sizes=sizes)
-        seen = min(position, repeat_scatter_mm(moved), cross_validation.LARGEST_POSITION_MM)
+        seen = min(position, scatter_of(moved), cross_validation.LARGEST[0])
         gain = expected_heldout_N(moved) ** 2 - floor**2
         assert gain == pytest.approx(np.average((seen * found.slope) ** 2, weights=weight))
 
@@ -145,14 +151,14 @@ def test_contact_scatter_is_read_off_the_shifts_between_repeats():
     """The second repeat of each condition lies deeper by d: their difference over sqrt 2 is shifted by d / sqrt 2."""
     found = clean_fit()
     second = (found.problem.presses.history.repeat == 2)[:, None]
-    assert repeat_scatter_mm(found) == pytest.approx(0.004, rel=0.02)
+    assert scatter_of(found) == pytest.approx(0.004, rel=0.02)
     for shift in (0.3, 0.6):
         moved = replace(found, residual=shift * found.slope * second)
         wanted = shift / np.sqrt(2.0) / np.sqrt(chi2.ppf(0.5, 1))
-        assert repeat_scatter_mm(moved) == pytest.approx(wanted, rel=0.05)
+        assert scatter_of(moved) == pytest.approx(wanted, rel=0.05)
     # the repeats differ in scale alone: that is no shift
     scaled = replace(found, residual=0.05 * found.forces * second)
-    assert repeat_scatter_mm(scaled) < 0.02
+    assert scatter_of(scaled) < 0.02
 
 
 def test_two_pairs_of_repeats_do_not_tell_the_scatter():
@@ -160,7 +166,7 @@ def test_two_pairs_of_repeats_do_not_tell_the_scatter():
     few = replace(found.problem.presses, cell=np.r_[0, 1, np.arange(2, 8), 0, 1, np.arange(12, 18)])
     made = replace(found, problem=replace(found.problem, presses=few), residual=0.3 * found.slope)
     assert len(contrasts(few, made.residual)[0]) == 2
-    assert repeat_scatter_mm(made) == 0.008 and lack_of_fit(made).ratio is None and lack_of_fit(made).pairs == 2
+    assert scatter_of(made) is None and lack_of_fit(made).ratio is None and lack_of_fit(made).pairs == 2
 
 
 def test_lack_of_fit_of_residuals_in_one_of_two_repeats_is_that_of_nothing():

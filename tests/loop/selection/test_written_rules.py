@@ -51,13 +51,17 @@ def stage(over=1.0, ratio=None, p=None, score=0.0, floor=0.03):
 
 
 def test_the_error_of_the_force_law_starts_at_what_is_written():
-    wanted = [0.01 * written("fit the base", text) for text in ("level # %", "slope # %", "curvature # % at")]
+    wanted = [
+        0.01 * written("fit the base", text)
+        for text in ("level # %", "slope # %", "curvature # % at", "waves over depth # %")
+    ]
     presses = SimpleNamespace(presses=[SimpleNamespace(white_N=one) for one in (0.03, 0.04)])
     for law in (SlabLaw, PuckLaw):
         sizes = NoiseSizes.first(presses, law.error_priors)
         assert sizes.law == pytest.approx(wanted)
         # a factor of two is the end of the 95 % interval of the logarithm: 1.2 to 2.5 to be called so
-        assert all(1.8 < np.exp(1.96 * spread) < 2.3 for _, spread in law.error_priors)
+        *smooth, waves = (np.exp(1.96 * spread) for _, spread in law.error_priors)
+        assert all(1.8 < factor < 2.3 for factor in smooth) and waves == pytest.approx(4.0, rel=0.05)
     assert sizes.noise.white_N == pytest.approx(np.sqrt(0.5 * (0.03**2 + 0.04**2)))
 
 
@@ -305,7 +309,7 @@ def test_at_most_the_written_number_of_effects_and_from_the_fourth_on_only_what_
 
 
 def test_the_search_and_repeated_presses_end_where_it_is_written():
-    assert run.SEARCH_BUDGET_S == written("stop the search (search_stopped)", "after # s of processor time")
+    assert run.SEARCH_ITERATIONS == written("stop the search (search_stopped)", "after # iterations")
     assert 100.0 * SAME_DEPTH == written("next measurement", "within # % of the depth")
     assert 100.0 * SAME_SPEED == written("next measurement", "within # % of the speed")
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values, usual_arms
+from dummydesign.loop.model.effect import Effect, Parameter, Values, usual_starts
 
 
 class SensorClipping(Effect):
@@ -25,7 +25,7 @@ class SensorClipping(Effect):
 
     def base_starts(self, logs: NDArray) -> list[NDArray]:
         # the base imitates a top that is cut off by arms far from their own
-        return [logs, usual_arms(logs)]
+        return usual_starts(logs)
 
     def untestable(self, presses: Presses) -> str:
         return "" if presses.flat_top_N is not None else "needs readings that stay at one largest value"

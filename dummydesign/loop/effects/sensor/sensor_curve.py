@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values, usual_arms
+from dummydesign.loop.model.effect import Effect, Parameter, Values, usual_starts
 
 AT_N = 10.0
 
@@ -29,7 +29,7 @@ class SensorCurve(Effect):
 
     def base_starts(self, logs: NDArray) -> list[NDArray]:
         # the base imitates a strong curve by arms far from their own
-        return [logs, usual_arms(logs)]
+        return usual_starts(logs)
 
     def reading(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
         return force_N * (1.0 + values["relative_change"] * (np.abs(force_N) / AT_N) ** values["exponent"])

@@ -155,10 +155,9 @@ class CampaignProblem:
             )
         else:
             by_pad = change[..., len(steps) :] / STEP
-        model = self.base_of(vector), self.active_of(vector)
-        by_pad = np.concatenate(
-            [by_pad, wave_columns(self.presses, self.law, *model, 0.0 if near is None else near)], axis=-1
-        )
+        model = self.base_of(vector), self.active_of(vector), self.law_error_of(vector)
+        waves = wave_columns(self.presses, self.law, *model, 0.0 if near is None else near)
+        by_pad = np.concatenate([by_pad, waves], axis=-1)
         rows = np.arange(len(self.presses.pad))
         for term in range(LAW_TERMS):
             out[rows, :, self.law_entries(term).start + self.presses.pad] = by_pad[..., term]

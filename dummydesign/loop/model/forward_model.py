@@ -120,15 +120,17 @@ class LawError:
     """Depth over thickness to which the error was seen; deeper it is held."""
 
     def factor(self, share: NDArray) -> NDArray:
-        """1 + level + slope s + curve s^2 + waves, s = (d/h) / 0.4, of relative depths (T, N)."""
-        share = np.minimum(share, self.reach)
-        s, (level, slope, curve) = share / REFERENCE_DEPTH, self.terms[:SMOOTH_TERMS, :, None]
-        smooth = 1.0 + level + s * (slope + s * curve)
-        waves = self.terms[SMOOTH_TERMS:].T
+        """(1 + level + slope s + curve s^2) times :meth:`waved`, s = (d/h) / 0.4, of relative depths (T, N)."""
+        s, (level, slope, curve) = np.minimum(share, self.reach) / REFERENCE_DEPTH, self.terms[:SMOOTH_TERMS, :, None]
+        return (1.0 + level + s * (slope + s * curve)) * self.waved(share)
+
+    def waved(self, share: NDArray) -> NDArray:
+        """1 + waves of relative depths (T, N): a factor of its own, so that no level makes waves cheaper."""
+        waves, knots = self.terms[SMOOTH_TERMS:].T, np.arange(WAVES + 1.0)
         if not waves.any():
-            return smooth
-        knots, at = np.arange(WAVES + 1.0), wave_number(share)
-        return smooth + np.stack([np.interp(x, knots, np.r_[0.0, own]) for x, own in zip(at, waves)])
+            return np.ones_like(share)
+        at = wave_number(np.minimum(share, self.reach))
+        return 1.0 + np.stack([np.interp(x, knots, np.r_[0.0, own]) for x, own in zip(at, waves)])
 
 
 def wave_number(share: NDArray) -> NDArray:
@@ -262,8 +264,8 @@ def base_and_law_columns(
     base = BaseParameters.from_logs(logs)
     arms = arms_of(presses, base, acting, depth)
     plain = base.young_MPa * unit
-    elastic = plain * error.factor(share)
-    each = np.stack([elastic, *(plain * (share / REFERENCE_DEPTH) ** power for power in range(SMOOTH_TERMS))])
+    elastic, waved = plain * error.factor(share), plain * error.waved(share)
+    each = np.stack([elastic, *(waved * (share / REFERENCE_DEPTH) ** power for power in range(SMOOTH_TERMS))])
     held = arm_forces(presses.time_s, each, arms)
     force, *shapes = (loaded(one, arms, held[:, k]) for k, one in enumerate(each))
     moved = [force, force * np.exp(step), *(force + step * one for one in shapes)]
@@ -280,17 +282,23 @@ def base_and_law_columns(
 
 
 def wave_columns(
-    presses: Presses, law: SetupLaw, base: BaseParameters, active: Sequence[Active], yielded_mm: NDArray | float
+    presses: Presses,
+    law: SetupLaw,
+    base: BaseParameters,
+    active: Sequence[Active],
+    error: LawError,
+    yielded_mm: NDArray | float,
 ) -> NDArray:
     """Change of the bins with each wave of the law of a trial's pad (T, B, waves), relaxation stepped from bin to bin.
     [N]"""
     acting = [one for one in active if not one.absent]
     unit, start = before_the_pad(presses, law, acting)
     depth, thickness = start - yielded_mm, presses.thickness_mm[:, None]
-    elastic = base.young_MPa * unit(depth, thickness)
+    share = np.maximum(depth, 0.0) / thickness
+    elastic = base.young_MPa * unit(depth, thickness) * error.factor(share)
     for one in acting:
         elastic = elastic * one.effect.scale(presses, depth, one.values)
-    at = wave_number(np.maximum(depth, 0.0) / thickness)
+    at = wave_number(share)
     hats = [np.maximum(1.0 - np.abs(at - k), 0.0) for k in range(1, min(int(at.max()) + 2, WAVES + 1))]
     none = sensor_signal(presses, np.zeros_like(elastic), acting)
     seen = [sensor_signal(presses, elastic * hat, acting) - none for hat in (1.0, *hats)]

@@ -55,7 +55,7 @@ def test_waves_are_none_at_no_depth_add_up_to_a_level_and_end_where_they_are_hel
     heights = np.random.default_rng(0).normal(size=(LAW_TERMS, 1))
     level, slope, curve = heights[:SMOOTH_TERMS, 0]
     s = share[0] / 0.4
-    wanted = 1.0 + level + slope * s + curve * s**2 + heights[SMOOTH_TERMS:, 0] @ waves
+    wanted = (1.0 + level + slope * s + curve * s**2) * (1.0 + heights[SMOOTH_TERMS:, 0] @ waves)
     np.testing.assert_allclose(LawError(heights).factor(share)[0], wanted)
 
 

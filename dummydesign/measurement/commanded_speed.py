@@ -45,7 +45,7 @@ class CommandedSpeed:
 
     @property
     def sure(self) -> bool:
-        """Whether the interval is within 5 % of the value."""
+        """Whether the interval is within :data:`SURE` of the value."""
         return max(self.high_mm_s / self.value_mm_s, self.value_mm_s / self.low_mm_s) <= 1.0 + SURE
 
     @property

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from dummydesign.resin import load_resin
-from dummydesign.resin.puck_test.loading_fit import PuckFit
 from studies.resins.ecoflex import (
     FAMILIES,
+    BatchFit,
     Mixture,
     fit_family,
     fit_mixtures,
@@ -57,7 +57,7 @@ def made_mixture(thinner, young, spread=0.03, open_friction=False):
     return Mixture(
         "EF10",
         thinner,
-        PuckFit(
+        BatchFit(
             young,
             young * np.exp(-1.96 * spread),
             young * np.exp(1.96 * spread),
@@ -65,16 +65,13 @@ def made_mixture(thinner, young, spread=0.03, open_friction=False):
             np.inf,
             0.0,
             np.inf,
-            {},
+            np.zeros(0),
             1.4 * young,
             young,
             0.01,
             0.02,
             0.01,
             profile,
-            rmse_open=0.01,
-            levels=(),
-            known=None,
         ),
     )
 

@@ -13,6 +13,7 @@ from dummydesign.project.folder import make_project
 from dummydesign.project.status import ProjectFile
 from dummydesign.studio.jobs import changed_inputs
 from dummydesign.studio.pages import learn
+from dummydesign.studio.pages.design import Bar
 from dummydesign.studio.pages.pucks import PuckPage, pucks
 from dummydesign.studio.state import State
 from tests.support.refusal import raises_code
@@ -81,3 +82,10 @@ def test_a_campaign_that_is_not_pressed_is_not_learned_from_first(tmp_path, clie
     assert not page.work.main
     (said,) = [one.content for one in page.lacking.descendants() if "missing" in getattr(one, "content", "")]
     assert "3 presses of this campaign are missing" in said
+
+
+def test_a_slider_is_not_answered_by_the_server():
+    """NiceGUI reads this of a class: under another name keys that follow each other would be taken back."""
+    from nicegui import ui
+
+    assert ui.slider.LOOPBACK is not False and Bar.LOOPBACK is False

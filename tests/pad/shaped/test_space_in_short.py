@@ -216,7 +216,7 @@ def test_a_round_pad_is_corrected_by_what_like_cells_do_in_the_plane_and_states_
     """Half of the force is left out on the cells in space: the force doubles, and more along a square's longer edge."""
     depths = np.array([0.1, 0.3])
     twin = SimpleNamespace(depths=depths, stop=None, case=SimpleNamespace(radius=1.58, extent=6.0, scale=1.0))
-    twin.change_on = lambda lines, cells, rim: np.full(2, np.log(2.0))
+    twin.change_on = lambda lines, cells, rim, step: np.full(2, np.log(2.0))
     monkeypatch.setattr(shaped_pad, "_round_twin", lambda load, depths: twin)
     monkeypatch.setattr(shaped_pad, "solve_path", lambda load, wanted, grid: made(wanted, wanted))
     pad = Pad(5.0, 0.03, 7.9, geometry=CROWN)

@@ -18,7 +18,7 @@ ROLES = ("time", "displacement", "force")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     add = parser.add_argument
-    add("files", nargs="*", metavar="FILE|FOLDER", help="text in any usual form, or .xlsx (extra xlsx)")
+    add("files", nargs="*", metavar="FILE|FOLDER", help="text in any usual form, or a workbook (extra xlsx)")
     add("--profile", metavar="NAME|FILE", help="saved settings of a machine; other options override it")
     add("--save-profile", metavar="NAME", help="save the settings under this name")
     add("--list", action="store_true", help="show the profiles")

@@ -223,7 +223,7 @@ def _find_contact(
     return contact
 
 
-ENDINGS = (".csv", ".txt", ".dat", ".tsv", ".asc", ".tra", ".log", ".lst", ".prn", ".lvm", ".xlsx", ".xls")
+ENDINGS = (".csv", ".txt", ".dat", ".tsv", ".asc", ".tra", ".log", ".lst", ".prn", ".lvm", ".xlsx", ".xls", ".ods")
 _ROWS = 50_000
 Planned = tuple[Imported, ImportedPress, str]
 """A press, the file it comes from, and the name of its trace."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,10 @@ LEAST_STAMPS = 20
 """Different times that a recording of coarse time must have."""
 COARSE, EVEN = 0.2, 1.5
 """Share of equal times from which on a time is coarse, and steps by which times are off an even grid at most."""
+PRESSED = 0.1
+"""Share of the largest force at which a recording that begins is one that goes on."""
+LATE = 3.0
+"""Steps by which one quantity may begin after the other without a warning."""
 Ranges = tuple[tuple[int, int], ...]
 
 
@@ -152,7 +157,7 @@ def align(
 
 
 def fill(time: NDArray, x: NDArray, force: NDArray, log: ImportLog) -> tuple[NDArray, NDArray]:
-    """Interpolate the displacement to the rows of the force, where each is written in rows of its own."""
+    """Interpolate the displacement to the rows of the force, where each has rows of its own or begins later."""
     own, rows = np.isfinite(time + x), np.isfinite(time + force)
     if min(own.sum(), rows.sum()) < LEAST_STAMPS or np.any(np.diff(time[own]) <= 0):
         message = "cells of displacement or force are empty, too many to read it; export each row with both"
@@ -160,7 +165,63 @@ def fill(time: NDArray, x: NDArray, force: NDArray, log: ImportLog) -> tuple[NDA
     inside = rows & (time >= time[own][0]) & (time <= time[own][-1])
     share = f"displacement is in {own.sum()} and force in {rows.sum()} of {len(time)} rows"
     log.decide("two times", "rows of their own", f"{share}: displacement interpolated to the force")
+    late = float(time[own][0] - time[rows][0])
+    if abs(late) > LATE * float(max(np.median(np.diff(time[own])), np.median(np.diff(time[rows])))):
+        first, other = ("displacement", "force") if late > 0 else ("force", "displacement")
+        log.warn(
+            "begins_later",
+            f"{first} begins {abs(late):.4g} s after {other}; the rows before were left out: "
+            "check that it begins before contact",
+        )
     return inside, np.interp(time, time[own], x[own])
+
+
+def unwrap(time: NDArray, scale: float, log: ImportLog) -> NDArray:
+    """Undo the runs over of a clock: every fall is one period, to within the steps beside. [s]
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        As it is written. [s]
+    scale : float
+        Seconds in one count. [s]
+    """
+    steps = np.diff(time)
+    back, longest = steps < 0, float(steps.max(initial=0.0))
+    counters = (2.0**bits * size for size in (scale, 1e-3, 1e-6) for bits in (16, 32))
+    for period in (3600.0, 43200.0, *counters) if back.any() else ():
+        over = steps[back] + period
+        if period > 50.0 * longest and np.all((over >= 0.0) & (over <= 1.5 * longest)):
+            log.decide("clock", f"runs over {back.sum()} times", f"it falls by {period:.9g} s, less one step")
+            return time + period * np.r_[0, np.cumsum(back)]
+    return time
+
+
+def join_steps(time: NDArray, x: NDArray, force: NDArray, recordings: Ranges, log: ImportLog) -> tuple[NDArray, Ranges]:
+    """Join parts of one test whose time begins again with each step of its method: pressed, and without a jump.
+
+    Parameters
+    ----------
+    time, x, force : ndarray, shape (n,)
+        As they are written. [s, mm, N]
+    recordings : ranges
+        Samples between which the time begins again.
+    """
+    starts = np.array([first for first, _ in recordings[1:]], int)
+    away = np.abs(force - np.median(force[:5]))
+    if not np.any(away[starts] > PRESSED * away.max()):
+        return time, recordings
+    goes_on = np.ones(len(starts), bool)
+    for values in (x, force):
+        jumps = np.abs(np.diff(values))
+        goes_on &= jumps[starts - 1] <= 1.5 * np.delete(jumps, starts - 1).max() + 1e-9
+    time = time.copy()
+    for start in starts[goes_on].tolist():
+        usual = float(np.median(np.diff(time[start : start + 10])))
+        time[start:] += time[start - 1] - time[start] + (time[start] if 0 < time[start] < 2.0 * usual else usual)
+    edges = [0, *starts[~goes_on].tolist(), len(time)]
+    log.decide("steps", f"{goes_on.sum() + 1} joined", "the time begins again while pressed, and nothing jumps there")
+    return time, tuple(pairwise(edges))
 
 
 def rows_in_order(
@@ -198,7 +259,7 @@ def rows_in_order(
         back = reached - float(kept[row])
         if reached > begin and (row in interrupted or back > 0.9 * (reached - begin)) and row - starts[-1] >= 10:
             starts.append(row)
-    ranges = tuple(zip(starts, [*starts[1:], len(kept)]))
+    ranges = tuple(pairwise([*starts, len(kept)]))
     if len(starts) > 1:
         log.decide("recordings", str(len(starts)), f"the time begins again at line {int(lines[order[starts[1]]])}")
     for first, stop in ranges:

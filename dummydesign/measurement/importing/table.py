@@ -35,11 +35,11 @@ from dummydesign.measurement.importing.times import (
     align,
     check_rate,
     compose_time,
-    fill,
     find_bases,
     join_steps,
     rows_in_order,
     seconds_per_count,
+    shift,
     time_by_rate,
     timelike,
     unwrap,
@@ -110,6 +110,9 @@ def columns_of(text: str, log: ImportLog) -> Columns:
     order, time, recordings = rows_in_order(time, layout.repeats, breaks, lines, log)
     x, force = x[order], force[order]
     time, recordings = join_steps(time, x, force, recordings, log)
+    if (delay := log.settings.delay) is not None:
+        time, x, force, recordings = shift(time, x, force, recordings, delay)
+        log.decide("delay", f"{delay:g} s", "given by --delay: the displacement is taken from so much earlier")
     found = {role: chosen.get(role, _NAMELESS) for role in ROLES}
     return Columns(time, x, force, recordings, layout, found)
 
@@ -157,7 +160,7 @@ def _quantities(
         else:
             _check_time(chosen["time"], seconds, columns, values, log)
     if second is None and not inside.all():
-        inside, x = fill(seconds, x, force, log)
+        inside, x = align(seconds, seconds, x, force, log)
     return seconds[inside], x[inside], force[inside], inside
 
 

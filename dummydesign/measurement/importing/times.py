@@ -115,65 +115,61 @@ def align(
 ) -> tuple[NDArray, NDArray]:
     """Bring the displacement to the times of the force: which rows both cover, and the displacement there.
 
-    Two clocks whose times do not meet only begin elsewhere: then the rows are taken as they stand. A channel may be
-    shorter than the other: NaN follows its end.
+    Each may have a time of its own, rows of its own, or begin or end before the other. Two clocks whose times do not
+    meet only begin elsewhere: then the rows are taken as they stand.
     """
-    inside, own = np.isfinite(force_s + force), np.isfinite(displacement_s + x)
-    for time in (force_s[inside], displacement_s[own]):
-        if np.any(np.diff(time) <= 0):
-            at = int(np.argmax(np.diff(time) <= 0)) + 1
-            raise log.fault(
-                "displacement and force have their own times, and one of them does not rise "
-                f"({time[at]:.6g} s after {time[at - 1]:.6g} s); name the one time that is right for both "
-                "by --columns time=NAME",
-                "malformed",
-                "time_s",
-                float(time[at]),
-            )
-    both = inside & own
+    rows, own = np.isfinite(force_s + force), np.isfinite(displacement_s + x)
+    one_time = displacement_s is force_s
+    empty = "cells of displacement or force are empty, too many to read it; export each row with both"
+    if min(own.sum(), rows.sum()) < LEAST_STAMPS:
+        raise log.fault(empty, "missing", "cell")
+    for time in (displacement_s[own],) if one_time else (force_s[rows], displacement_s[own]):
+        for at in np.flatnonzero(np.diff(time) <= 0)[:1] + 1:
+            back = f"displacement and force have their own times, and one of them does not rise ({time[at]:.6g} s "
+            message = empty if one_time else f"{back}after {time[at - 1]:.6g} s); {ONE_TIME}"
+            raise log.fault(message, "missing" if one_time else "malformed", "cell" if one_time else "time_s")
+    both = rows & own
     first, last = displacement_s[own][[0, -1]]
-    lag = float(first - force_s[inside][0])
-    same = np.max(np.abs((displacement_s - force_s)[both])) <= 1e-3 * float(np.median(np.diff(force_s[inside])))
-    if same or first > force_s[inside][-1] or last < force_s[inside][0]:
+    begin, end = force_s[rows][[0, -1]]
+    lag, step = float(first - begin), float(np.median(np.diff(force_s[rows])))
+    shared = rows & (force_s >= first) & (force_s <= last)
+    # as they stand, where no reading of the force is lost by it
+    same = both.sum() >= max(shared.sum(), 1) and np.max(np.abs((displacement_s - force_s)[both])) <= 1e-3 * step
+    if same or first > end or last < begin:
         why = "the same" if same else "they never meet: each row is taken as one moment"
-        log.decide("two times", f"begin {lag:+.6g} s apart", why)
-        return both, x
-    shared = inside & (force_s >= first) & (force_s <= last)
-    if shared.sum() < 0.5 * inside.sum():
-        raise log.fault(
-            f"displacement and force have their own times, {lag:+.4g} s apart: less than half of the "
-            "recording is covered by both; name the one time that is right for both by --columns time=NAME",
-            "inconsistent",
-            "time_s",
-            lag,
-        )
-    log.decide("two times", f"begin {lag:+.6g} s apart", "displacement interpolated to the force")
-    log.warn(
-        "two_time_bases",
-        f"displacement and force have their own times, which begin {lag:+.4g} s apart; the "
-        "displacement was interpolated to the times of the force: check that both share a zero",
-    )
-    return shared, np.interp(force_s, displacement_s[own], x[own])
+        shared, moved = both, x
+    elif shared.sum() < 0.5 * rows.sum():
+        message = f"displacement and force have their own times, {lag:+.4g} s apart: less than half of the recording "
+        raise log.fault(f"{message}is covered by both; {ONE_TIME}", "inconsistent", "time_s", lag)
+    else:
+        why, moved = "displacement interpolated to the force", np.interp(force_s, displacement_s[own], x[own])
+        if not one_time:
+            log.warn(
+                "two_time_bases",
+                f"displacement and force have their own times, which begin {lag:+.4g} s apart; the "
+                "displacement was interpolated to the times of the force: check that both share a zero",
+            )
+    log.decide("two times", f"begin {lag:+.6g} s apart", why)
+    if one_time and abs(lag) > LATE * max(step, float(np.median(np.diff(displacement_s[own])))):
+        later, other = ("displacement", "force") if lag > 0 else ("force", "displacement")
+        words = f"{later} begins {abs(lag):.4g} s after {other}; the rows before were left out"
+        log.warn("begins_later", f"{words}: check that it begins before contact")
+    return shared, moved
 
 
-def fill(time: NDArray, x: NDArray, force: NDArray, log: ImportLog) -> tuple[NDArray, NDArray]:
-    """Interpolate the displacement to the rows of the force, where each has rows of its own or begins later."""
-    own, rows = np.isfinite(time + x), np.isfinite(time + force)
-    if min(own.sum(), rows.sum()) < LEAST_STAMPS or np.any(np.diff(time[own]) <= 0):
-        message = "cells of displacement or force are empty, too many to read it; export each row with both"
-        raise log.fault(message, "missing", "cell")
-    inside = rows & (time >= time[own][0]) & (time <= time[own][-1])
-    share = f"displacement is in {own.sum()} and force in {rows.sum()} of {len(time)} rows"
-    log.decide("two times", "rows of their own", f"{share}: displacement interpolated to the force")
-    late = float(time[own][0] - time[rows][0])
-    if abs(late) > LATE * float(max(np.median(np.diff(time[own])), np.median(np.diff(time[rows])))):
-        first, other = ("displacement", "force") if late > 0 else ("force", "displacement")
-        log.warn(
-            "begins_later",
-            f"{first} begins {abs(late):.4g} s after {other}; the rows before were left out: "
-            "check that it begins before contact",
-        )
-    return inside, np.interp(time, time[own], x[own])
+ONE_TIME = "name the one time that is right for both by --columns time=NAME"
+
+
+def shift(
+    time: NDArray, x: NDArray, force: NDArray, recordings: Ranges, delay_s: float
+) -> tuple[NDArray, NDArray, NDArray, Ranges]:
+    """Take the displacement by which a later force was caused; samples without one at the ends are left out."""
+    parts = [(time[a:b], x[a:b], force[a:b]) for a, b in recordings]
+    kept = [(t - delay_s >= t[0]) & (t - delay_s <= t[-1]) for t, *_ in parts]
+    moved = [(t[k], np.interp(t[k] - delay_s, t, way), f[k]) for k, (t, way, f) in zip(kept, parts)]
+    edges = np.cumsum([0, *(k.sum() for k in kept)]).tolist()
+    time, x, force = (np.concatenate(column) for column in zip(*moved))
+    return time, x, force, tuple(pairwise(edges))
 
 
 def unwrap(time: NDArray, scale: float, log: ImportLog) -> NDArray:

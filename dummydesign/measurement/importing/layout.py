@@ -105,7 +105,7 @@ def find_layout(text: str, log: ImportLog) -> TableLayout:
     first, last = _bounds(lines, separator, kinds)
     if last - first < LEAST_ROWS:
         raise log.no_table(_why_no_table(lines))
-    rows = [cell_text.split(line, separator) for line in lines[first:last][:: (last - first) // 300 | 1]]
+    rows = [cell_text.split(line, separator) for line in _thinned(lines[first:last], (last - first) // 300)]
     cells = [cell for row in rows for cell, kind in zip(row, kinds) if kind == "number" and is_number(cell)]
     full = list(zip(*(row for row in rows if len(row) == len(kinds))))
     inside = [_units_inside(column, kind, cells) for column, kind in zip(full, kinds)]
@@ -120,7 +120,8 @@ def find_layout(text: str, log: ImportLog) -> TableLayout:
     names, units, header = find_header(lines, first, separator, len(kinds))
     beside = [unit if kind == "text" else "" for unit, kind in zip([*inside[1:], ""], [*kinds[1:], ""])]
     if kinds.count("measure") + sum(map(bool, beside)) < 2:  # a single letter may be a status
-        inside, beside = [""] * len(kinds), [""] * len(kinds)
+        inside = [unit if kind == "measure" else "" for unit, kind in zip(inside, kinds)]
+        beside = [""] * len(kinds)
     if any(inside):
         log.decide("units", ", ".join(filter(None, inside)), "stand behind the numbers, in the cells")
         units = tuple(
@@ -169,12 +170,17 @@ def _short(line: str) -> str:
 
 def _spread(lines: Sequence[str]) -> list[str]:
     """Some lines of the whole text, neither blank nor comments."""
-    for step in (len(lines) // (4 * _SAMPLE) | 1, 1):
-        used = [line for line in lines[::step] if line.strip() and not is_comment(line)]
+    for step in (len(lines) // (4 * _SAMPLE), 1):
+        used = [line for line in _thinned(lines, step) if line.strip() and not is_comment(line)]
         if len(used) >= min(_SAMPLE, len(lines)):
             break
-    # an odd step sees all rows where quantities take turns
-    return used[:: len(used) // _SAMPLE | 1]
+    return _thinned(used, len(used) // _SAMPLE)
+
+
+def _thinned(lines: Sequence[str], step: int) -> list[str]:
+    """One of so many lines, each at another place among them: all rows are seen where quantities take turns."""
+    step = max(step, 1)
+    return [lines[turn * step + turn % step] for turn in range(len(lines) // step)]
 
 
 def _why_no_table(lines: Sequence[str]) -> str:

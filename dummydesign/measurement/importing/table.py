@@ -151,6 +151,8 @@ def _quantities(
     scale = find_factors(chosen, raw, log)
     x, force = (raw[role] * scale[role] for role in ("displacement", "force"))
     inside = np.isfinite(x) & np.isfinite(force)
+    if second is None and "time" in raw and not np.isfinite(raw["time"]).all():
+        raise log.fault("the time is missing in some rows; export it for each row", "missing", "cell")
     if seconds is None:
         begin = float(raw["time"][0]) if abs(raw["time"][0]) > 1e6 else 0.0
         seconds = unwrap((raw["time"] - begin) * scale["time"], scale["time"], log)

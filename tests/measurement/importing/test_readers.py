@@ -91,6 +91,13 @@ def test_a_reading_that_is_lost_within_the_recording_is_refused(tmp_path, empty)
         read(tmp_path, table(HEAD, one.time, one.x, force))
 
 
+def test_rows_without_a_time_are_refused(tmp_path):
+    one = drawn(1)
+    time = [f"{t:.6f}" if at > 20 else "" for at, t in enumerate(one.time)]
+    with raises_code("missing", "cell"):
+        read(tmp_path, table(HEAD, time, one.x, one.force))
+
+
 def pandas_form(second):
     days, rest = divmod(round(second * 1e6), 86_400_000_000)
     clock = f"{rest // 3_600_000_000:02d}:{rest // 60_000_000 % 60:02d}:{rest % 60_000_000 / 1e6:09.6f}"

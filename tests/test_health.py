@@ -24,9 +24,9 @@ def test_a_machine_that_runs_these_tests_is_ready(tmp_path, monkeypatch):
 
 def test_a_missing_part_is_told_with_the_command_that_brings_it(monkeypatch):
     version = health._version
-    monkeypatch.setattr(health, "_version", lambda name: None if name == "openpyxl" else version(name))
+    monkeypatch.setattr(health, "_version", lambda name: None if name == "python-calamine" else version(name))
     part = by_name(health.Health(tuple(health._parts()), True))["xlsx"]
-    assert part.status == "missing" and "openpyxl" in part.value and "xlsx" in part.advice
+    assert part.status == "missing" and "python-calamine" in part.value and "xlsx" in part.advice
 
 
 @pytest.mark.slow

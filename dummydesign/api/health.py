@@ -25,7 +25,7 @@ PARTS = (
     ("fields", ("pyvista",), "", "pictures of moulds, fields for ParaView, bones of many triangles"),
     ("studio", ("nicegui",), "dummydesign[studio]", "the pages in the browser"),
     ("tables", ("pandas", "xarray"), "dummydesign[tables]", "data frames in Python"),
-    ("xlsx", ("openpyxl",), "dummydesign[xlsx]", "Excel files of test machines"),
+    ("xlsx", ("python-calamine",), "dummydesign[xlsx]", "workbooks of test machines"),
     ("cluster", ("distributed",), "dummydesign[cluster]", "large sweeps on several machines"),
 )
 """A part, its packages, the extra that brings them (else they are installed by name), and what it is for."""

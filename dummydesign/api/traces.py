@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from dummydesign.api.answers import Fitted, Result, answer_folder, question
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import FilePath
-from dummydesign.core.parsing import RATE, RATES_HZ, read_allowed
+from dummydesign.core.parsing import DELAY, DELAYS_S, RATE, RATES_HZ, read_allowed
 from dummydesign.core.quantity import NAGOYA_CITATION
 
 if TYPE_CHECKING:
@@ -284,6 +284,7 @@ def import_traces(
     split: str | None = None,
     sheets: str | None = None,
     rate: float | str | None = None,
+    delay: float | str | None = None,
     out: FilePath | None = None,
     replace: bool = False,
 ) -> Result:
@@ -318,6 +319,8 @@ def import_traces(
         others.
     rate : float, optional
         Sampling rate of a recording whose samples are evenly spaced and have no time of their own. [Hz]
+    delay : float, optional
+        Time by which the force is later than the displacement, by a filter or another clock. [s]
     out : path, optional
         Folder of the traces and of the preview, which are not written without it; the next free number when it
         holds another answer.
@@ -350,6 +353,7 @@ def import_traces(
         "split": split,
         "sheets": sheets,
         "rate": None if rate is None else read_allowed(rate, RATE, *RATES_HZ),
+        "delay": None if delay is None else read_allowed(delay, DELAY, *DELAYS_S),
         "flip": None if flip is None else frozenset(flip),
     }
     settings = _settings(profile, {key: value for key, value in given.items() if value is not None})
@@ -367,7 +371,7 @@ def import_traces(
     of_files = [warning for one in described for warning in one["warnings"]]
     result: dict[str, Any] = {"inputs": inputs, "files": described, "preview": None, "warnings": [*of_files, *warnings]}
     profiles: dict[str, str] = {}
-    asked = {key: value for key, value in inputs.items() if key not in ("sheets", "rate") or value is not None}
+    asked = {key: value for key, value in inputs.items() if key not in ("sheets", "rate", "delay") or value is not None}
     with answer_folder(out, question("import", asked, files=[one.source for one in imported]), replace) as output:
         if save_profile:
             # first: a name that is taken must not leave traces behind

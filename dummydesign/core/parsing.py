@@ -66,6 +66,8 @@ LENGTH = QuantitySpec("length in mm", "mm", (0.0, math.inf))
 WIDTH = QuantitySpec("width in mm", "mm", (0.0, math.inf))
 RATE = QuantitySpec("rate in Hz", "Hz", (0.0, 1e6))
 RATES_HZ = (1.0, 100_000.0)
+DELAY = QuantitySpec("delay in s", "s", (-1e6, 1e6))
+DELAYS_S = (-1.0, 1.0)
 EDGE = QuantitySpec("edge radius in mm", "mm", (0.0, 50.0))
 
 

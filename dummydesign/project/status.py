@@ -21,7 +21,7 @@ from dummydesign.mold.puck.protocol import BATCH, command, trace_names
 from dummydesign.project.folder import FOLDERS, Project
 
 STANDARD_RESIN = "polyurethane-nagoya"
-TEXTS = (".csv", ".txt", ".dat", ".tsv", ".asc", ".xlsx")
+TEXTS = (".csv", ".txt", ".dat", ".tsv", ".asc", ".xlsx", ".xls", ".ods")
 """Endings of files of test machines, for what counts as measured."""
 
 

@@ -39,7 +39,7 @@ PAGES: dict[str, tuple[str, str, Body]] = {
     "/": ("Overview", "", overview.show_status),
     "/measured": (
         "Measured files",
-        "Presses that your test machine wrote: text with columns of time, displacement and force, or .xlsx.",
+        "Presses that your test machine wrote: text with columns of time, displacement and force, or a workbook.",
         measured.MeasuredPage,
     ),
     "/tissue": ("Tissue", "What the pad imitates: how deep people give way under a force.", tissue.TissuePage),

@@ -18,13 +18,14 @@ ROLES = ("time", "displacement", "force")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     add = parser.add_argument
-    add("files", nargs="*", metavar="FILE|FOLDER", help="text in any usual form, or .xlsx (extra xlsx)")
+    add("files", nargs="*", metavar="FILE|FOLDER", help="text in any usual form, or a workbook (extra xlsx)")
     add("--profile", metavar="NAME|FILE", help="saved settings of a machine; other options override it")
     add("--save-profile", metavar="NAME", help="save the settings under this name")
     add("--list", action="store_true", help="show the profiles")
     add("--columns", metavar="time=NAME,...", help="column of time, displacement or force: its name or number")
     add("--units", metavar="time=s,...", help="unit of time, displacement or force; 0.5N: one count is 0.5 N")
     add("--rate", metavar="HZ", help="sampling rate of evenly spaced samples, where the file has no time")
+    add("--delay", metavar="S", help="the force is so much later than the displacement")
     add("--separator", metavar="C", help="between columns: tab, semicolon, comma, bar or spaces")
     add("--decimal", metavar="C", help="decimal sign: . or ,")
     add("--encoding", metavar="E", help="such as utf-8, utf-16, cp1252, cp932")

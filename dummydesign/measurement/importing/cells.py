@@ -64,7 +64,8 @@ _FORM = r"[+-]?(?=[.,]?\d)(?:[1-9]\d{0,2}(?:([%s])\d{3})(?:\1\d{3})*|\d+)?(?:%s\
 _NUMBER = {sign: re.compile(_FORM % (groups, re.escape(sign)), re.ASCII) for sign, groups in _GROUPS.items()}
 _PLAIN = {".": re.compile(r"-?\d+(?:\.\d+)?", re.ASCII), ",": re.compile(r"-?\d+(?:,\d+)?", re.ASCII)}
 """Numbers of the usual form, which most are; the patterns above also take groups, exponents and other signs."""
-_NOT_FINITE = {"nan", "inf", "-inf", "+inf", "#nv", "#n/a", "n/a", "na", "null", "none", "---", "--", "-", "overflow"}
+_ABSENT = {"", "nan", "#nv", "#n/a", "n/a", "na", "null", "none", "---", "--", "-"}
+_NOT_FINITE = {"inf", "-inf", "+inf", "overflow"}
 _MONTH = r"\d{1,2}[-/. ]+[A-Za-z]{3}[a-z]*[-/., ]+\d{4}"
 _DAY = rf"\d{{4}}[-/.]\d{{1,2}}[-/.]\d{{1,2}}|\d{{1,2}}[-/.]\d{{1,2}}[-/.]\d{{2,4}}|{_MONTH}"
 _STAMP = re.compile(
@@ -73,6 +74,12 @@ _STAMP = re.compile(
     re.ASCII,
 )
 _COMPACT = re.compile(r"(\d{4})(\d{2})(\d{2})T(\d{2})(\d{2})(\d{2})(?=\D|$)(.*)", re.ASCII)
+_DURATIONS = (
+    r"(?:(?P<day>[+-]?\d+) days?,? )?(?P<sign>[+-])?(?P<hour>\d+):(?P<minute>\d{2}):(?P<second>\d{2}(?:[.,]\d+)?)",
+    r"(?P<sign>[+-])?P(?=.*\d)(?:(?P<day>\d+)D)?"
+    r"(?:T(?:(?P<hour>\d+)H)?(?:(?P<minute>\d+)M)?(?:(?P<second>\d+(?:[.,]\d+)?)S)?)?",
+)
+"""Forms of a duration: ``0 days 00:00:01.25``, ``-1 days +23:59:59.5``, ``-00:00:00.5``; ISO 8601's ``PT1.25S``."""
 _MINUTES = re.compile(r"(\d{1,3}):(\d{2})[.,](\d+)", re.ASCII)
 _MEASURE = re.compile(r"(.*\d[.,]?)\s*(\D+)", re.ASCII)
 
@@ -107,8 +114,18 @@ def is_measure(cell: str) -> bool:
 
 
 def is_missing(cell: str) -> bool:
-    """Whether a cell stands for a number that is not there."""
-    return not cell or cell.lower() in _NOT_FINITE
+    """Whether a cell stands for a number that is not there, or not used."""
+    return is_absent(cell) or cell.lower() in _NOT_FINITE or is_excluded(cell)
+
+
+def is_absent(cell: str) -> bool:
+    """Whether a cell says that nothing was read; a number out of range was read."""
+    return cell.lower() in _ABSENT
+
+
+def is_excluded(cell: str) -> bool:
+    """Whether a star behind a number says that the value is not to be used, as GraphPad writes it."""
+    return cell.endswith("*") and is_number(cell[:-1])
 
 
 def has_thousands(cell: str, decimal: str) -> bool:
@@ -143,14 +160,34 @@ def decimal_evidence(cells: Iterable[str]) -> dict[str, int]:
 
 
 def is_stamp(cell: str) -> bool:
-    """Whether a cell is a time of day, with or without a date, or minutes and seconds."""
+    """Whether a cell is a time of day, with or without a date, minutes and seconds, or a duration."""
+    if _duration(cell) is not None:
+        return True
     if ":" not in cell[:-3]:
         return "T" in cell and _COMPACT.fullmatch(cell) is not None
     return _STAMP.fullmatch(cell) is not None or _MINUTES.fullmatch(cell) is not None
 
 
+def _duration(cell: str) -> float | None:
+    """Seconds of a duration; None of a time of day, which has a date or no sign."""
+    written = cell[:1] in ("+", "-", "P") or " day" in cell
+    parts = (
+        next((found for form in _DURATIONS if (found := re.fullmatch(form, cell, re.ASCII))), None) if written else None
+    )
+    if parts is None:
+        return None
+    day, hour, minute, second = (float((parts[name] or "0").replace(",", ".")) for name in _PARTS)
+    sign = -1.0 if parts["sign"] == "-" else 1.0
+    return DAY_S * day * (sign if "P" in cell else 1.0) + sign * (3600.0 * hour + 60.0 * minute + second)
+
+
+_PARTS = ("day", "hour", "minute", "second")
+
+
 def seconds_of_stamp(cell: str) -> tuple[float, str]:
     """Seconds since midnight (or the start) and the date as written (empty without one)."""
+    if (duration := _duration(cell)) is not None:
+        return duration, ""
     short = _MINUTES.fullmatch(cell)
     if short is not None:
         return int(short[1]) * 60.0 + float(f"{int(short[2])}.{short[3]}"), ""

@@ -36,6 +36,8 @@ class Settings:
     """Sheets of a workbook to read, comma-separated; ``not:`` before them reads all others."""
     rate: float | None = None
     """Sampling rate of evenly spaced samples. [Hz]"""
+    delay: float | None = None
+    """Time by which the force is later than the displacement. [s]"""
 
     def __post_init__(self) -> None:
         wrong = min((self.flip or frozenset()) - {"displacement", "force"}, default=None)

@@ -1,4 +1,4 @@
-"""From the bytes of a file, or an Excel workbook, to text."""
+"""From the bytes of a file, or a workbook, to text."""
 
 from __future__ import annotations
 
@@ -31,7 +31,6 @@ _CONTAINERS = {
     b"\x89PNG": "a picture",
     b"\xff\xd8\xff": "a picture",
     b"GIF8": "a picture",
-    b"\xd0\xcf\x11\xe0": "an old Excel workbook (.xls): save it as .xlsx or CSV",
     b"\x89HDF": "an HDF5 file: export with h5py and numpy.savetxt, or HDFView, as CSV",
     b"\x0e\x03\x13\x01": "an HDF4 file: export the test as CSV",
     b"HDF": "an HDF file: export the test as CSV",
@@ -51,10 +50,6 @@ _CONTAINERS = {
     b"<!DOCTYPE": "a web page: open it in a spreadsheet and save it as .xlsx or CSV",
 }
 """First bytes of files that are no text table: what each is, and how to export it."""
-_ZIPPED = {
-    "content.xml": "an OpenDocument spreadsheet (.ods): save it as .xlsx or CSV",
-    ".npy": "NumPy arrays (.npz): export with numpy.savetxt as CSV",
-}
 
 
 def decode(data: bytes, log: ImportLog) -> str:
@@ -69,10 +64,11 @@ def decode(data: bytes, log: ImportLog) -> str:
 
 def _container(data: bytes) -> str:
     """What a file is that is no text; empty where it may be text."""
+    if is_workbook(data):
+        return "a workbook (.xlsx, .xls or .ods): save the table as CSV"
     if data.startswith(b"PK\x03\x04"):
-        names = _names_in(data)
-        inside = (what for end, what in _ZIPPED.items() if any(name.endswith(end) for name in names))
-        return next(inside, "a ZIP archive: unpack it first")
+        arrays = any(name.endswith(".npy") for name in _names_in(data))
+        return "NumPy arrays (.npz): export with numpy.savetxt as CSV" if arrays else "a ZIP archive: unpack it first"
     if data[:2000].lstrip(b"\xef\xbb\xbf \r\n\t")[:1] in (b"{", b"["):
         try:
             json.loads(data)
@@ -182,8 +178,9 @@ MOST_BYTES = 1_000_000_000
 
 
 def is_workbook(data: bytes) -> bool:
-    """Whether bytes are an .xlsx workbook."""
-    return data.startswith(b"PK\x03\x04") and "xl/workbook.xml" in _names_in(data)
+    """Whether bytes are a workbook: .xlsx, .xls or .ods."""
+    parts = _names_in(data) if data.startswith(b"PK\x03\x04") else []
+    return data.startswith(b"\xd0\xcf\x11\xe0") or bool({"xl/workbook.xml", "content.xml"} & set(parts))
 
 
 def _names_in(data: bytes) -> list[str]:
@@ -201,24 +198,27 @@ def workbook_texts(data: bytes, log: ImportLog) -> dict[str, str]:
     By the sheet's title where several sheets are tests of their own; else one sheet after the other, without a title.
     """
     try:
-        import openpyxl
+        from python_calamine import CalamineWorkbook
     except ImportError:
-        message = "is an Excel workbook; save it as CSV, or install the reader: pip install 'dummydesign[xlsx]'"
-        raise log.fault(message, "program_missing", "openpyxl") from None
-    with zipfile.ZipFile(io.BytesIO(data)) as packed:
-        if sum(part.file_size for part in packed.infolist()) > MOST_BYTES:
-            message = f"unpacks to more than {MOST_BYTES // 10**6} MB; save the sheet as CSV"
-            raise log.fault(message, "too_large", "workbook")
-    sheets: dict[str, list[list[str]]] = {}
+        message = "is a workbook; save it as CSV, or install the reader: pip install 'dummydesign[xlsx]'"
+        raise log.fault(message, "program_missing", "python-calamine") from None
+    if data.startswith(b"PK"):
+        with zipfile.ZipFile(io.BytesIO(data)) as packed:
+            if sum(part.file_size for part in packed.infolist()) > MOST_BYTES:
+                message = f"unpacks to more than {MOST_BYTES // 10**6} MB; save the sheet as CSV"
+                raise log.fault(message, "too_large", "workbook")
     try:
-        book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
-        for sheet in book.worksheets:
-            rows = [[_cell(value) for value in row] for row in sheet.iter_rows(values_only=True)]
-            if sum(map(_numeric, rows)) >= 3:
-                sheets[sheet.title] = rows
-    except Exception as problem:  # openpyxl raises whatever the XML made of it
-        message = f"cannot be read as an Excel workbook ({type(problem).__name__}); save it again, or as CSV"
+        book = CalamineWorkbook.from_filelike(io.BytesIO(data))
+        read = {
+            title: [list(map(_cell, row)) for row in book.get_sheet_by_name(title).to_python()]
+            for title in book.sheet_names
+        }
+    except Exception as problem:  # of calamine's own kinds, by what is wrong with the file
+        message = (
+            f"cannot be read as a workbook ({type(problem).__name__}); save it again without a password, or as CSV"
+        )
         raise log.fault(message, "file_unreadable", "workbook") from None
+    sheets = {title: rows for title, rows in read.items() if sum(map(_numeric, rows)) >= 3}
     if not sheets:
         message = "no sheet holds a table of numbers; export time, displacement and force as columns"
         raise log.fault(message, "nothing_found", "table")

@@ -10,7 +10,16 @@ from itertools import islice
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing import cells as cell_text
 from dummydesign.measurement.importing import vocabulary
-from dummydesign.measurement.importing.cells import COMMENTS, SEPARATORS, is_comment, is_missing, is_number, is_stamp
+from dummydesign.measurement.importing.cells import (
+    COMMENTS,
+    SEPARATORS,
+    is_absent,
+    is_comment,
+    is_excluded,
+    is_missing,
+    is_number,
+    is_stamp,
+)
 from dummydesign.measurement.importing.decisions import ImportLog
 from dummydesign.measurement.importing.forms import plain_lines
 
@@ -96,16 +105,23 @@ def find_layout(text: str, log: ImportLog) -> TableLayout:
     first, last = _bounds(lines, separator, kinds)
     if last - first < LEAST_ROWS:
         raise log.no_table(_why_no_table(lines))
-    rows = [cell_text.split(line, separator) for line in lines[first:last][:: (last - first) // 300 | 1]]
+    rows = [cell_text.split(line, separator) for line in _thinned(lines[first:last], (last - first) // 300)]
     cells = [cell for row in rows for cell, kind in zip(row, kinds) if kind == "number" and is_number(cell)]
     full = list(zip(*(row for row in rows if len(row) == len(kinds))))
     inside = [_units_inside(column, kind, cells) for column, kind in zip(full, kinds)]
+    words = (map(vocabulary.roles_of_name, set(column)) for column, kind in zip(full, kinds) if kind == "text")
+    if any(frozenset[str]().union(*roles) >= {"displacement", "force"} for roles in words):
+        message = "one row a reading: the quantity is named in the row; pivot it to a column for each quantity"
+        raise log.fault(
+            message + ", in pandas by pivot(index, columns, values)", "malformed", "table", line=first + skipped + 1
+        )
     sparse = any(kind == "number" and _gaps(column) >= LEAST_GAPS for column, kind in zip(full, kinds))
     decimal = _decimal(cells, separator, log)
     names, units, header = find_header(lines, first, separator, len(kinds))
     beside = [unit if kind == "text" else "" for unit, kind in zip([*inside[1:], ""], [*kinds[1:], ""])]
     if kinds.count("measure") + sum(map(bool, beside)) < 2:  # a single letter may be a status
-        inside, beside = [""] * len(kinds), [""] * len(kinds)
+        inside = [unit if kind == "measure" else "" for unit, kind in zip(inside, kinds)]
+        beside = [""] * len(kinds)
     if any(inside):
         log.decide("units", ", ".join(filter(None, inside)), "stand behind the numbers, in the cells")
         units = tuple(
@@ -129,9 +145,10 @@ def find_layout(text: str, log: ImportLog) -> TableLayout:
 
 
 def _gaps(column: Sequence[str]) -> float:
-    """Share of empty cells above the last one that is filled."""
-    last = max((at for at, cell in enumerate(column) if cell), default=0)
-    return column[:last].count("") / max(last, 1)
+    """Share of cells without a reading between the first and the last one that has one."""
+    empty = list(map(is_absent, column))
+    first, last = (empty.index(False), len(empty) - empty[::-1].index(False)) if False in empty else (0, 0)
+    return sum(empty[first:last]) / max(last - first, 1)
 
 
 def _units_inside(column: Sequence[str], kind: str, numbers: list[str]) -> str:
@@ -153,12 +170,17 @@ def _short(line: str) -> str:
 
 def _spread(lines: Sequence[str]) -> list[str]:
     """Some lines of the whole text, neither blank nor comments."""
-    for step in (len(lines) // (4 * _SAMPLE) | 1, 1):
-        used = [line for line in lines[::step] if line.strip() and not is_comment(line)]
+    for step in (len(lines) // (4 * _SAMPLE), 1):
+        used = [line for line in _thinned(lines, step) if line.strip() and not is_comment(line)]
         if len(used) >= min(_SAMPLE, len(lines)):
             break
-    # an odd step sees all rows where quantities take turns
-    return used[:: len(used) // _SAMPLE | 1]
+    return _thinned(used, len(used) // _SAMPLE)
+
+
+def _thinned(lines: Sequence[str], step: int) -> list[str]:
+    """One of so many lines, each at another place among them: all rows are seen where quantities take turns."""
+    step = max(step, 1)
+    return [lines[turn * step + turn % step] for turn in range(len(lines) // step)]
 
 
 def _why_no_table(lines: Sequence[str]) -> str:
@@ -365,7 +387,7 @@ def _refuse_unfinished(lines: Sequence[str], last: int, separator: str, kinds: S
         rows = [cell_text.split(line, separator) for line in lines[max(index - 40, 0) : index]]
         digits = [_decimals(row[final]) for row in rows if len(row) == len(kinds)]
         fewer = len(digits) > 5 and len(set(digits)) == 1 and _decimals(cells[final]) < digits[0]
-        broken = is_missing(cells[final]) or fewer
+        broken = (is_missing(cells[final]) and not is_excluded(cells[final])) or fewer
     if broken:
         raise log.fault(
             f"the last line breaks off ('{lines[-1].strip()[-40:]}'): the file is still being written, or "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 from collections.abc import Iterable, Sequence, Set
 from dataclasses import dataclass, replace
@@ -20,13 +21,13 @@ from dummydesign.core.user_library import DEVICE, Entry, entries, find, read_tom
 from dummydesign.measurement.importing import contact as contact_zero
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, Settings
 from dummydesign.measurement.importing.decoding import LEFT_OUT
-from dummydesign.measurement.importing.press_checks import Warn, check_press, fingerprint
+from dummydesign.measurement.importing.press_checks import Warn, check_press, copies_among
 from dummydesign.measurement.importing.sign_convention import HIGH, Span, find_presses, find_signs
 from dummydesign.measurement.importing.table import Columns, Ranges, columns_of, read_texts
 from dummydesign.measurement.importing.vocabulary import BASE, KIND_OF_ROLE, ROLES, USUAL_UNITS, find_unit, scaled_unit
 from dummydesign.measurement.plausible import ROLE, impossible, press_quantities, ranges, units_that_fit
 from dummydesign.measurement.ramp_detection import SHALLOWEST_MM, Summary, summarise
-from dummydesign.measurement.trace import COLUMNS, SECONDS, magnitude_fault
+from dummydesign.measurement.trace import COLUMNS, SECONDS, Trace, magnitude_fault
 
 Warnings = list[dict[str, Any]]
 
@@ -180,6 +181,11 @@ def _check_magnitudes(
     """Refuse what no such machine does: a unit is proposed only where the file read with it is plausible."""
     for span in spans:
         part = slice(span.start, span.stop)
+        way, before = x[span.onset : span.stop], x[span.start : span.onset + 1]
+        if way.max() - way[0] < SHALLOWEST_MM < np.ptp(before):
+            late = time[span.onset] - time[span.start + int(np.argmax(before >= before.max() - SHALLOWEST_MM))]
+            doubt = f"the force rises {late:.3g} s after the punch has stopped: by a filter, or another clock"
+            raise log.question(doubt, "--delay S with the time by which the force is later than the displacement")
         press = time[part], x[part] - x[span.onset], load[part]
         fault = impossible(press_quantities(*press))
         if fault is None:
@@ -223,8 +229,7 @@ def _find_contact(
     return contact
 
 
-ENDINGS = (".csv", ".txt", ".dat", ".tsv", ".asc", ".tra", ".log", ".lst", ".prn", ".lvm", ".xlsx", ".xls")
-_ROWS = 50_000
+ENDINGS = (".csv", ".txt", ".dat", ".tsv", ".asc", ".tra", ".log", ".lst", ".prn", ".lvm", ".xlsx", ".xls", ".ods")
 Planned = tuple[Imported, ImportedPress, str]
 """A press, the file it comes from, and the name of its trace."""
 
@@ -280,38 +285,36 @@ def import_files(paths: Sequence[str | Path], settings: Settings | None = None) 
     if problems:
         first = problems[0][0]
         if len(listed) > 1:
-            others = _other_files({path for _, path, _ in problems}, {one.source for one in imported})
+            others = _other_files(problems, {one.source for one in imported})
         else:
             others = _others([sheet for *_, sheet in problems if sheet], imported, settings)
         raise type(first)(f"{first}{others}", first.code, first.quantity, first.value, first.allowed)
     if not imported:
         raise InputError(f"none of the {len(listed)} files holds a table of numbers", "nothing_found", "table")
-    seen: dict[str, tuple[Imported, int]] = {}
-    for one in imported:
-        for press in one.presses:
-            key = fingerprint(press.displacement_mm, press.force_N)
-            other, number = seen.setdefault(key, (one, press.number))
-            if other is not one:
-                message = (
-                    f"{one.name} press {press.number} is the same recording as {other.name} press {number}: one "
-                    "subject under two names, or a copy? take one of them out"
-                )
-                warnings.append({"code": "same_press", "message": message})
-    return imported, warnings
+    presses = [(one, press) for one in imported for press in one.presses]
+    traces = [Trace(f"{one.name} press {p.number}", p.time_s, p.displacement_mm, p.force_N) for one, p in presses]
+    return imported, [*warnings, *copies_among(traces)]
 
 
-def _other_files(doubtful: Set[Path], read: Set[Path]) -> str:
-    """Which files are in doubt where there are several, and how many are not."""
-    names, certain = sorted(path.name for path in doubtful), len(read - doubtful)
-    shown = ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
-    text = f"; {len(names)} files are in doubt: {shown}" if len(names) > 1 else ""
-    without = "them" if len(names) > 1 else "it"
+def _other_files(problems: Sequence[tuple[InputError, Path, str]], read: Set[Path]) -> str:
+    """Which files are in doubt where there are several, each with its reason, and how many are not."""
+    reasons: dict[str, dict[str, None]] = {}
+    for problem, path, _ in problems:
+        reasons.setdefault(str(problem).removeprefix(f"{path.name}: "), {})[path.name] = None
+    doubtful = {path for _, path, _ in problems}
+    certain, text = len(read - doubtful), ""
+    if len(doubtful) > 1:
+        shown = [
+            ", ".join([*names][:NAMED]) + f" ({reason})" * (at > 0)
+            for at, (reason, names) in enumerate(reasons.items())
+        ]
+        text = f"; {len(doubtful)} files are in doubt: {'; '.join(shown[:NAMED])}"
     rest = f"the other {certain} files" if certain > 1 else "the other file"
-    return f"{text}; without {without} {rest} can be read" if certain else text
+    return f"{text}; without {'them' if len(doubtful) > 1 else 'it'} {rest} can be read" if certain else text
 
 
 NAMED = 12
-"""Files that a message names at most."""
+"""Files and reasons that a message names at most."""
 
 
 def _others(doubtful: list[str], imported: Sequence[Imported], settings: Settings | None) -> str:
@@ -394,29 +397,10 @@ def trace_bytes(time_s: NDArray, displacement_mm: NDArray, force_N: NDArray, set
         Whether a column is added that says that time is in seconds, however slow the press.
     """
     rows = np.stack([time_s, displacement_mm, force_N, *([np.ones_like(time_s)] if settled else [])], axis=1)
-    header = ",".join((*COLUMNS, SECONDS) if settled else COLUMNS) + "\n"
-    return header.encode() + b"".join(_digits(rows[start : start + _ROWS]) for start in range(0, len(rows), _ROWS))
-
-
-def _digits(rows: NDArray) -> bytes:
-    """Numbers with six decimals, separated by commas and line ends; in arrays, four times faster than ``%``."""
-    counts = np.rint(rows * 1e6).astype(np.int64)
-    size = np.abs(counts)
-    places = max(len(str(int(size.max()))), 7)
-    text = np.zeros((*rows.shape, places + 3), np.uint8)
-    text[..., 0] = np.where(counts < 0, ord("-"), 0)
-    at = places + 1
-    for position in range(places):
-        if position == 6:
-            text[..., at] = ord(".")
-            at -= 1
-        # A zero before the first digit stays a zero byte, which is taken out below.
-        text[..., at] = np.where((size > 0) | (position <= 6), size % 10 + ord("0"), 0)
-        size = size // 10
-        at -= 1
-    text[..., -1] = ord(",")
-    text[:, -1, -1] = ord("\n")
-    return text[text > 0].tobytes()
+    header = ",".join((*COLUMNS, SECONDS) if settled else COLUMNS)
+    text = io.BytesIO()
+    np.savetxt(text, np.rint(rows * 1e6) / 1e6 + 0.0, "%.6f", ",", header=header, comments="")
+    return text.getvalue()
 
 
 PROFILES = "profiles"
@@ -451,8 +435,9 @@ def _read_profile(path: Path) -> Settings:
         elif key == "flip":
             valid = isinstance(value, list) and not set(map(str, value)) - {"displacement", "force"}
             form = "a list of 'displacement' and 'force', which may be empty"
-        elif key == "rate":
-            valid, form = type(value) in (int, float) and value > 0, "a number above 0, in Hz"
+        elif key in ("rate", "delay"):
+            valid = type(value) in (int, float) and (value > 0 or key == "delay")
+            form = "a number above 0, in Hz" if key == "rate" else "a number, in s"
         else:
             valid, form = isinstance(value, str), "a text in quotes"
         if not valid:

@@ -58,7 +58,7 @@ def find_signs(x: NDArray, force: NDArray, tare_N: float | None, log: ImportLog)
     if flip is not None:
         way, push = (-1.0 if name in flip else 1.0 for name in ("displacement", "force"))
         load = push * (smooth - rest)
-        wrong = "force" if load.max() < -load.min() else "displacement" if _way(x, load, log) * way < 0 else ""
+        wrong = "force" if load.max() < -load.min() else "displacement" if _way(x, load, log, way) * way < 0 else ""
         if wrong:
             raise log.fault(
                 f"with --flip as given, pressing lowers the {wrong}: reverse --flip {wrong}", "inconsistent", "flip"
@@ -93,8 +93,8 @@ def _at_rest(x: NDArray, force: NDArray) -> float:
     return float(np.polyval(np.polyfit(x[:few] - x[0], force[:few], 1), 0.0))
 
 
-def _way(x: NDArray, load: NDArray, log: ImportLog) -> float:
-    """Sign of the position: its change while the load goes from a twentieth to half of its largest."""
+def _way(x: NDArray, load: NDArray, log: ImportLog, given: float | None = None) -> float:
+    """Sign of the position: its change while the load goes from a twentieth to half of its largest; or as given."""
     peak = int(np.argmax(load))
     half = int(np.argmax(load >= 0.5 * load[peak]))
     low = np.nonzero(load[: half + 1] <= 0.05 * load[peak])[0]
@@ -106,6 +106,9 @@ def _way(x: NDArray, load: NDArray, log: ImportLog) -> float:
         raise log.fault(message, "nothing_found", "displacement_mm")
     overall = overall if abs(overall) > 0.05 * float(np.ptp(x)) else rise
     if rise == 0 or rise * overall < 0 or abs(rise) < 1e-3 * float(np.ptp(x)):
+        if given is not None:
+            # a position that stands while the force rises has shown its sign before
+            return given if rise or not overall else float(np.sign(overall))
         doubt = f"while the force rises the position moves by {rise:+.3g} mm, over the whole press by {overall:+.3g} mm"
         raise log.question(doubt, "--flip displacement where it falls while pressing, --flip none where it rises")
     return 1.0 if rise > 0 else -1.0

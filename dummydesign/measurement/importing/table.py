@@ -35,12 +35,14 @@ from dummydesign.measurement.importing.times import (
     align,
     check_rate,
     compose_time,
-    fill,
     find_bases,
+    join_steps,
     rows_in_order,
     seconds_per_count,
+    shift,
     time_by_rate,
     timelike,
+    unwrap,
 )
 from dummydesign.measurement.importing.vocabulary import ROLES
 
@@ -73,7 +75,7 @@ def read_texts(path: Path, log: ImportLog) -> dict[str, str]:
     texts = specimens(decode(data, log), log)
     if (sheets := log.settings.sheets) is not None:
         if len(texts) == 1:
-            message = "--sheets is for .xlsx workbooks and for specimens side by side; leave it out"
+            message = "--sheets is for workbooks and for specimens side by side; leave it out"
             raise log.fault(message, "not_applicable", "sheets", sheets)
         texts = {title: texts[title] for title in chosen_sheets(sheets, list(texts), log.file)}
     return texts
@@ -106,8 +108,13 @@ def columns_of(text: str, log: ImportLog) -> Columns:
     lines = body.lines[inside]
     breaks = np.flatnonzero(np.isin(np.flatnonzero(inside), body.breaks)).tolist()
     order, time, recordings = rows_in_order(time, layout.repeats, breaks, lines, log)
+    x, force = x[order], force[order]
+    time, recordings = join_steps(time, x, force, recordings, log)
+    if (delay := log.settings.delay) is not None:
+        time, x, force, recordings = shift(time, x, force, recordings, delay)
+        log.decide("delay", f"{delay:g} s", "given by --delay: the displacement is taken from so much earlier")
     found = {role: chosen.get(role, _NAMELESS) for role in ROLES}
-    return Columns(time, x[order], force[order], recordings, layout, found)
+    return Columns(time, x, force, recordings, layout, found)
 
 
 def _quantities(
@@ -144,16 +151,18 @@ def _quantities(
     scale = find_factors(chosen, raw, log)
     x, force = (raw[role] * scale[role] for role in ("displacement", "force"))
     inside = np.isfinite(x) & np.isfinite(force)
+    if second is None and "time" in raw and not np.isfinite(raw["time"]).all():
+        raise log.fault("the time is missing in some rows; export it for each row", "missing", "cell")
     if seconds is None:
         begin = float(raw["time"][0]) if abs(raw["time"][0]) > 1e6 else 0.0
-        seconds = (raw["time"] - begin) * scale["time"]
+        seconds = unwrap((raw["time"] - begin) * scale["time"], scale["time"], log)
         if second is not None:
             own = second.unit.factor if second.unit and "time" not in settings.units else scale["time"]
             inside, x = align(seconds, values[second.index] * own - begin * scale["time"], x, force, log)
         else:
             _check_time(chosen["time"], seconds, columns, values, log)
     if second is None and not inside.all():
-        inside, x = fill(seconds, x, force, log)
+        inside, x = align(seconds, seconds, x, force, log)
     return seconds[inside], x[inside], force[inside], inside
 
 
@@ -199,7 +208,7 @@ class TableBody:
 
 
 def read_body(layout: TableLayout, columns: Sequence[int], log: ImportLog, gaps: str = "") -> TableBody:
-    """Read the numbers of some columns; NaN for empty cells below a column's ``end``, or for ``any``."""
+    """Read the numbers of some columns; NaN above a column's begin, below its ``end``, or for ``any`` without one."""
     values = _read_at_once(layout, columns)
     lines = np.arange(layout.last - layout.first) + layout.line(layout.first)
     return _read_by_line(layout, columns, log, gaps) if values is None else TableBody(values, lines, ())
@@ -233,6 +242,8 @@ def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, g
     numbers: list[int] = []
     breaks: list[int] = []
     between: list[int] = []
+    left_out: list[int] = []
+    begun = [False] * len(columns)
     for index in range(layout.first, layout.last):
         line = layout.lines[index]
         if not line.strip() or cell_text.is_comment(line):
@@ -242,19 +253,25 @@ def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, g
             cells = cells[:-1]
         wanted = [cells[column] if column < len(cells) else "" for column in columns]
         row = [_read_cell(cell, column, layout) for cell, column in zip(wanted, columns)]
-        if all(number is None for number in row):
+        short = len(cells) != width and sum(number is not None for number in row) <= 1
+        if short or all(number is None for number in row):
             # A line of text, of units or a header again: what follows may be another test.
             if any(cells):
                 between.append(index)
                 breaks.append(len(rows))
+            continue
+        if any(map(cell_text.is_excluded, wanted)):
+            left_out.append(layout.line(index))
             continue
         if len(cells) != width:
             message = f"has {len(cells)} cells, the table has {width}; fix or remove this line of the file"
             raise log.fault(message, "malformed", "table", len(cells), width, line=layout.line(index))
         ended = [gaps == "end" and bool(rows) and rows[-1][at] is _EMPTY for at in range(len(row))]
         for at, cell in enumerate(wanted):
-            # a channel that was recorded for a shorter time ends, and does not go on
-            if not cell and layout.kinds[columns[at]] == "number" and (gaps == "any" or (gaps and len(rows) > 9)):
+            if not cell_text.is_absent(cell):
+                begun[at] = True
+            # a channel that was recorded for a shorter time begins or ends, and does not go on
+            elif layout.kinds[columns[at]] == "number" and (not begun[at] or gaps == "any" or (gaps and len(rows) > 9)):
                 row[at], ended[at] = _EMPTY, False
         if None in row or any(ended):
             at = row.index(None) if None in row else ended.index(True)
@@ -269,6 +286,9 @@ def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, g
             raise log.fault(message, "malformed", "table", len(between), line=first)
         why = f"text between the rows, left out; the first is line {first}: '{line}'"
         log.decide("lines between", f"{len(between)} lines", why)
+        stray = [layout.line(index) for index in between if cell_text.is_number(layout.lines[index].strip(" ,;|\t"))]
+        _warn_left_out(stray, "stray_row", "a single number", log)
+    _warn_left_out(left_out, "excluded_values", "a value marked with *", log)
     # the same date in every row is that of the test, not of the row
     dates = dates if len(set(dates)) > 1 else [""] * len(rows)
     for at, column in enumerate(columns):
@@ -281,6 +301,15 @@ def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, g
     if not finite.all():
         raise log.fault("a number is too large", "out_of_range", "cell", line=numbers[int(np.argmin(finite))])
     return TableBody(values, np.array(numbers, int), tuple(dict.fromkeys(at for at in breaks if 0 < at < len(rows))))
+
+
+def _warn_left_out(lines: Sequence[int], code: str, what: str, log: ImportLog) -> None:
+    """Warn of rows that are no part of the recording, by their lines."""
+    if lines:
+        shown = ", ".join(map(str, lines[:5])) + (", ..." if len(lines) > 5 else "")
+        log.warn(
+            code, f"rows with {what} were left out ({len(lines)}, line {shown}): check that they are none of the test's"
+        )
 
 
 _EMPTY = float("nan")

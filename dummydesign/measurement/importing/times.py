@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,10 @@ LEAST_STAMPS = 20
 """Different times that a recording of coarse time must have."""
 COARSE, EVEN = 0.2, 1.5
 """Share of equal times from which on a time is coarse, and steps by which times are off an even grid at most."""
+PRESSED = 0.1
+"""Share of the largest force at which a recording that begins is one that goes on."""
+LATE = 3.0
+"""Steps by which one quantity may begin after the other without a warning."""
 Ranges = tuple[tuple[int, int], ...]
 
 
@@ -110,57 +115,109 @@ def align(
 ) -> tuple[NDArray, NDArray]:
     """Bring the displacement to the times of the force: which rows both cover, and the displacement there.
 
-    Two clocks whose times do not meet only begin elsewhere: then the rows are taken as they stand. A channel may be
-    shorter than the other: NaN follows its end.
+    Each may have a time of its own, rows of its own, or begin or end before the other. Two clocks whose times do not
+    meet only begin elsewhere: then the rows are taken as they stand.
     """
-    inside, own = np.isfinite(force_s + force), np.isfinite(displacement_s + x)
-    for time in (force_s[inside], displacement_s[own]):
-        if np.any(np.diff(time) <= 0):
-            at = int(np.argmax(np.diff(time) <= 0)) + 1
-            raise log.fault(
-                "displacement and force have their own times, and one of them does not rise "
-                f"({time[at]:.6g} s after {time[at - 1]:.6g} s); name the one time that is right for both "
-                "by --columns time=NAME",
-                "malformed",
-                "time_s",
-                float(time[at]),
-            )
-    both = inside & own
+    rows, own = np.isfinite(force_s + force), np.isfinite(displacement_s + x)
+    one_time = displacement_s is force_s
+    empty = "cells of displacement or force are empty, too many to read it; export each row with both"
+    if min(own.sum(), rows.sum()) < LEAST_STAMPS:
+        raise log.fault(empty, "missing", "cell")
+    for time in (displacement_s[own],) if one_time else (force_s[rows], displacement_s[own]):
+        for at in np.flatnonzero(np.diff(time) <= 0)[:1] + 1:
+            back = f"displacement and force have their own times, and one of them does not rise ({time[at]:.6g} s "
+            message = empty if one_time else f"{back}after {time[at - 1]:.6g} s); {ONE_TIME}"
+            raise log.fault(message, "missing" if one_time else "malformed", "cell" if one_time else "time_s")
+    both = rows & own
     first, last = displacement_s[own][[0, -1]]
-    lag = float(first - force_s[inside][0])
-    same = np.max(np.abs((displacement_s - force_s)[both])) <= 1e-3 * float(np.median(np.diff(force_s[inside])))
-    if same or first > force_s[inside][-1] or last < force_s[inside][0]:
+    begin, end = force_s[rows][[0, -1]]
+    lag, step = float(first - begin), float(np.median(np.diff(force_s[rows])))
+    shared = rows & (force_s >= first) & (force_s <= last)
+    # as they stand, where no reading of the force is lost by it
+    same = both.sum() >= max(shared.sum(), 1) and np.max(np.abs((displacement_s - force_s)[both])) <= 1e-3 * step
+    if same or first > end or last < begin:
         why = "the same" if same else "they never meet: each row is taken as one moment"
-        log.decide("two times", f"begin {lag:+.6g} s apart", why)
-        return both, x
-    shared = inside & (force_s >= first) & (force_s <= last)
-    if shared.sum() < 0.5 * inside.sum():
-        raise log.fault(
-            f"displacement and force have their own times, {lag:+.4g} s apart: less than half of the "
-            "recording is covered by both; name the one time that is right for both by --columns time=NAME",
-            "inconsistent",
-            "time_s",
-            lag,
-        )
-    log.decide("two times", f"begin {lag:+.6g} s apart", "displacement interpolated to the force")
-    log.warn(
-        "two_time_bases",
-        f"displacement and force have their own times, which begin {lag:+.4g} s apart; the "
-        "displacement was interpolated to the times of the force: check that both share a zero",
-    )
-    return shared, np.interp(force_s, displacement_s[own], x[own])
+        shared, moved = both, x
+    elif shared.sum() < 0.5 * rows.sum():
+        message = f"displacement and force have their own times, {lag:+.4g} s apart: less than half of the recording "
+        raise log.fault(f"{message}is covered by both; {ONE_TIME}", "inconsistent", "time_s", lag)
+    else:
+        why, moved = "displacement interpolated to the force", np.interp(force_s, displacement_s[own], x[own])
+        if not one_time:
+            log.warn(
+                "two_time_bases",
+                f"displacement and force have their own times, which begin {lag:+.4g} s apart; the "
+                "displacement was interpolated to the times of the force: check that both share a zero",
+            )
+    log.decide("two times", f"begin {lag:+.6g} s apart", why)
+    if one_time and abs(lag) > LATE * max(step, float(np.median(np.diff(displacement_s[own])))):
+        later, other = ("displacement", "force") if lag > 0 else ("force", "displacement")
+        words = f"{later} begins {abs(lag):.4g} s after {other}; the rows before were left out"
+        log.warn("begins_later", f"{words}: check that it begins before contact")
+    return shared, moved
 
 
-def fill(time: NDArray, x: NDArray, force: NDArray, log: ImportLog) -> tuple[NDArray, NDArray]:
-    """Interpolate the displacement to the rows of the force, where each is written in rows of its own."""
-    own, rows = np.isfinite(time + x), np.isfinite(time + force)
-    if min(own.sum(), rows.sum()) < LEAST_STAMPS or np.any(np.diff(time[own]) <= 0):
-        message = "cells of displacement or force are empty, too many to read it; export each row with both"
-        raise log.fault(message, "missing", "cell")
-    inside = rows & (time >= time[own][0]) & (time <= time[own][-1])
-    share = f"displacement is in {own.sum()} and force in {rows.sum()} of {len(time)} rows"
-    log.decide("two times", "rows of their own", f"{share}: displacement interpolated to the force")
-    return inside, np.interp(time, time[own], x[own])
+ONE_TIME = "name the one time that is right for both by --columns time=NAME"
+
+
+def shift(
+    time: NDArray, x: NDArray, force: NDArray, recordings: Ranges, delay_s: float
+) -> tuple[NDArray, NDArray, NDArray, Ranges]:
+    """Take the displacement by which a later force was caused; samples without one at the ends are left out."""
+    parts = [(time[a:b], x[a:b], force[a:b]) for a, b in recordings]
+    kept = [(t - delay_s >= t[0]) & (t - delay_s <= t[-1]) for t, *_ in parts]
+    moved = [(t[k], np.interp(t[k] - delay_s, t, way), f[k]) for k, (t, way, f) in zip(kept, parts)]
+    edges = np.cumsum([0, *(k.sum() for k in kept)]).tolist()
+    time, x, force = (np.concatenate(column) for column in zip(*moved))
+    return time, x, force, tuple(pairwise(edges))
+
+
+def unwrap(time: NDArray, scale: float, log: ImportLog) -> NDArray:
+    """Undo the runs over of a clock: every fall is one period, to within the steps beside. [s]
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        As it is written. [s]
+    scale : float
+        Seconds in one count. [s]
+    """
+    steps = np.diff(time)
+    back, longest = steps < 0, float(steps.max(initial=0.0))
+    counters = (2.0**bits * size for size in (scale, 1e-3, 1e-6) for bits in (16, 32))
+    for period in (3600.0, 43200.0, *counters) if back.any() else ():
+        over = steps[back] + period
+        if period > 50.0 * longest and np.all((over >= 0.0) & (over <= 1.5 * longest)):
+            log.decide("clock", f"runs over {back.sum()} times", f"it falls by {period:.9g} s, less one step")
+            return time + period * np.r_[0, np.cumsum(back)]
+    return time
+
+
+def join_steps(time: NDArray, x: NDArray, force: NDArray, recordings: Ranges, log: ImportLog) -> tuple[NDArray, Ranges]:
+    """Join parts of one test whose time begins again with each step of its method: pressed, and without a jump.
+
+    Parameters
+    ----------
+    time, x, force : ndarray, shape (n,)
+        As they are written. [s, mm, N]
+    recordings : ranges
+        Samples between which the time begins again.
+    """
+    starts = np.array([first for first, _ in recordings[1:]], int)
+    away = np.abs(force - np.median(force[:5]))
+    if not np.any(away[starts] > PRESSED * away.max()):
+        return time, recordings
+    goes_on = np.ones(len(starts), bool)
+    for values in (x, force):
+        jumps = np.abs(np.diff(values))
+        goes_on &= jumps[starts - 1] <= 1.5 * np.delete(jumps, starts - 1).max() + 1e-9
+    time = time.copy()
+    for start in starts[goes_on].tolist():
+        usual = float(np.median(np.diff(time[start : start + 10])))
+        time[start:] += time[start - 1] - time[start] + (time[start] if 0 < time[start] < 2.0 * usual else usual)
+    edges = [0, *starts[~goes_on].tolist(), len(time)]
+    log.decide("steps", f"{goes_on.sum() + 1} joined", "the time begins again while pressed, and nothing jumps there")
+    return time, tuple(pairwise(edges))
 
 
 def rows_in_order(
@@ -198,7 +255,7 @@ def rows_in_order(
         back = reached - float(kept[row])
         if reached > begin and (row in interrupted or back > 0.9 * (reached - begin)) and row - starts[-1] >= 10:
             starts.append(row)
-    ranges = tuple(zip(starts, [*starts[1:], len(kept)]))
+    ranges = tuple(pairwise([*starts, len(kept)]))
     if len(starts) > 1:
         log.decide("recordings", str(len(starts)), f"the time begins again at line {int(lines[order[starts[1]]])}")
     for first, stop in ranges:

@@ -56,6 +56,9 @@ def meanings_of(name: str) -> frozenset[str]:
         part = next((role for one, role in _PARTS if word.startswith(one) or word.endswith(one)), None)
         # the z of "force.z" is an axis
         found |= (exact or ({part} if part else set())) if len(word) > 1 or not found else set()
+    # libfranka's O_T_EE_d, and pose_d: the letter is that of "desired"
+    if "d" in words and {"ee", "pose"} & set(words):
+        found.add("other")
     if len(words) == 1 and words[0] in _LETTERS:
         found.add(_LETTERS[words[0]])
     return frozenset(found)
@@ -105,7 +108,9 @@ OTHER = "other"
 _ELSEWHERE = _DATA["elsewhere"]["units"].split()
 _ALIKE = str.maketrans("µμ［］（）〔〕／", "uu[]()()/")
 _BRACKETS = re.compile(r"\[([^\[\]]*)\]|\(([^()]*)\)|<([^<>]*)>|\{([^{}]*)\}")
-_TAIL = re.compile(r"^(.*?)(?:_|\s*/\s*|\s+in\s+|\s+en\s+|\s*:\s*|\s*,\s*|\s+|(\.))((?:[^\W\d_]|[%\"°])+)\.?$")
+_TAIL = re.compile(r"^(.*?)(?:_|\s*/\s*|\s+in\s+|\s+en\s+|\s*:\s*|\s*,\s*|\s+|(\.))((?:[^\W\d_]|[%\"°*·⋅])+)\.?$")
+_PRODUCT = re.compile(r"[kmuM]?N ?[*·⋅.]? ?(?:s|mm|cm|m)")
+"""Of a force with a time or a length: an impulse or a moment, which in other letters is a unit of its own."""
 _RATIO = re.compile(r"[_\s:,]([^\s_:,/]+/[^\s_:,/]+)$")
 
 
@@ -141,7 +146,7 @@ def find_unit(text: str) -> Unit | None:
         word = word[1:-1].strip()
     if word in _UNITS:
         return _UNITS[word]
-    if word.lower() in _ELSEWHERE:
+    if word.lower() in _ELSEWHERE or _PRODUCT.fullmatch(word):
         return Unit(OTHER, 1.0, word)
     # MN and MS are mega-units or sloppy capitals: a factor of a thousand million is nothing to guess at.
     if word in ("MN", "Mn", "mn", "M", "MS", "Ms", "G", "MIN"):

@@ -326,12 +326,12 @@ def test_rows_of_their_own_need_twenty_of_each_quantity(kept, enough):
     x = np.full(len(TIME), np.nan)
     x[rows] = WAY[rows]
     if enough:
-        inside, filled = module.fill(TIME, x, FORCE, ImportLog("a.csv"))
+        inside, filled = module.align(TIME, TIME, x, FORCE, ImportLog("a.csv"))
         assert inside.all()
         np.testing.assert_allclose(filled, np.interp(TIME, TIME[rows], WAY[rows]))
     else:
         with raises_code("missing", "cell"):
-            module.fill(TIME, x, FORCE, ImportLog("a.csv"))
+            module.align(TIME, TIME, x, FORCE, ImportLog("a.csv"))
 
 
 def in_order(time, repeats=(), breaks=()):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import zipfile
 
 import numpy as np
 import pytest
@@ -130,3 +131,64 @@ def test_sheets_that_are_not_there_are_refused(tmp_path):
     ):
         with raises_code(code, "sheets"):
             import_files([tmp_path / name], Settings(sheets=sheets))
+
+
+def rows_of(data):
+    return [["Zeit [s]", "Weg [mm]", "Kraft [N]"], *([t, x, f] for t, f, x in zip(*(one.tolist() for one in data)))]
+
+
+def write_ods(path, rows):
+    """The least OpenDocument spreadsheet: a mimetype, a manifest and one table."""
+    cells = (
+        "".join(
+            f'<table:table-cell office:value-type="string"><text:p>{cell}</text:p></table:table-cell>'
+            if isinstance(cell, str)
+            else f'<table:table-cell office:value-type="float" office:value="{cell!r}"/>'
+            for cell in row
+        )
+        for row in rows
+    )
+    table = "".join(f"<table:table-row>{one}</table:table-row>" for one in cells)
+    names = " ".join(
+        f'xmlns:{name}="urn:oasis:names:tc:opendocument:xmlns:{name}:1.0"' for name in ("office", "table", "text")
+    )
+    content = f"<office:document-content {names}><office:body><office:spreadsheet>"
+    content += f'<table:table table:name="Test">{table}</table:table></office:spreadsheet></office:body>'
+    kind = "application/vnd.oasis.opendocument.spreadsheet"
+    manifest = "urn:oasis:names:tc:opendocument:xmlns:manifest:1.0"
+    with zipfile.ZipFile(path, "w") as packed:
+        packed.writestr("mimetype", kind)
+        packed.writestr("content.xml", f"{content}</office:document-content>")
+        entry = f'<manifest:file-entry manifest:full-path="/" manifest:media-type="{kind}"/>'
+        packed.writestr(
+            "META-INF/manifest.xml", f'<manifest:manifest xmlns:manifest="{manifest}">{entry}</manifest:manifest>'
+        )
+
+
+def write_xls(path, rows):
+    xlwt = pytest.importorskip("xlwt")
+    book = xlwt.Workbook()
+    sheet = book.add_sheet("Test")
+    for at, row in enumerate(rows):
+        for column, cell in enumerate(row):
+            sheet.write(at, column, cell)
+    book.save(str(path))
+
+
+@pytest.mark.parametrize(("ending", "write"), [("ods", write_ods), ("xls", write_xls)])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_other_workbooks_read_as_the_text_of_the_same_rows(tmp_path, ending, write, seed):
+    draw = np.random.default_rng([seed, 7])
+    rows = rows_of(press(float(draw.uniform(0, 1)), float(draw.uniform(0.3, 1)), rest_s=float(draw.uniform(1, 3))))
+    write(tmp_path / f"a.{ending}", rows)
+    text = "\n".join(";".join(cell if isinstance(cell, str) else repr(cell) for cell in row) for row in rows)
+    (tmp_path / "a.csv").write_text(text + "\n", encoding="utf-8")
+    ((book, text_file), _) = import_files([tmp_path / f"a.{ending}", tmp_path / "a.csv"])
+    for name in ("time_s", "displacement_mm", "force_N"):
+        assert np.array_equal(getattr(book.presses[0], name), getattr(text_file.presses[0], name))
+
+
+def test_a_damaged_workbook_is_refused_by_its_name(tmp_path):
+    (tmp_path / "a.xls").write_bytes(b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600))
+    with raises_code("file_unreadable", "workbook"):
+        import_files([tmp_path / "a.xls"])

@@ -134,7 +134,9 @@ def add_compression(
         raise InputError(message, "inconsistent", "file")
     before = known_puck(resin, puck.sha256)
     scatter = np.zeros((len(traces), len(traces)))
-    relaxation, unseen = None, []
+    relaxation: dict[str, Any] | None = None
+    unseen: list[dict[str, str]] = []
+    fit: PuckFit
     if all(held):
         fit = relaxed = _fit_holds(traces, held, table, window, puck, plates)
         puck, (relaxation, unseen) = _with_arms(puck, relaxed), _of_holds(relaxed, held)

@@ -120,10 +120,12 @@ def odd_press(names: Sequence[str], young_kPa: float, levels: Array, covariance:
     away = less @ levels
     spreads = np.sqrt(np.diag(less @ covariance @ less.T))
     at = int(np.argmax(np.abs(away) / spreads))
-    both = young_kPa * np.exp(away[at] * np.array([1.0 - 1.0 / count, -1.0 / count]))
+    one, mean = young_kPa * np.exp(away[at] * np.array([1.0 - 1.0 / count, -1.0 / count]))
     rest = " and ".join(name for name in names if name != names[at])
     check = "the files are of two pucks, or the puck slipped; add each puck by itself"
-    return [Pair(f"young_kPa by {names[at]} and by {rest}", *both.tolist(), float(spreads[at]), check, ODD_PRESS)]
+    return [
+        Pair(f"young_kPa by {names[at]} and by {rest}", float(one), float(mean), float(spreads[at]), check, ODD_PRESS)
+    ]
 
 
 def check_slips(pair: Pair) -> None:

@@ -233,7 +233,8 @@ def record_pad(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ..
         thicknesses_mm=measured.thicknesses_mm,
         points=measured.points,
         thickness_mm=thickness,
-        thickness_sd_mm=thickness_error(evened, measured.gauge_mm),
+        # one reading shows no scatter
+        thickness_sd_mm=thickness_error(evened, measured.gauge_mm) if len(evened) > 1 else measured.gauge_mm,
         mass_g=measured.mass_g,
         design_young_kPa=spec.pour.young_kPa,
         young_kPa=young,

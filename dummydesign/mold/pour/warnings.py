@@ -6,6 +6,7 @@ import re
 
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.acceptance import gauge_places
 from dummydesign.mold.pour.plan import CARRIER_VENTS, RATIO_ERROR_LIMIT_PERCENT, PourPlan, batch_of, pours_of
 from dummydesign.mold.pour.printing import layer_words, release_words, tip_words
 from dummydesign.mold.pour.steps import assumed_words
@@ -65,6 +66,10 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
     if 0.0 < pad.edge_radius_mm == pad.edge_room_mm:
         rounded = f"the edge of the tested face is rounded by {pad.edge_radius_mm:g} mm"
         notes["edge_radius"] = f"{rounded}, all that the pad's rim has room for"
+    if crowded := [name for name, point in gauge_places(spec).items() if point is None]:
+        notes["gauge_points_left_out"] = (
+            f"no flat has room to gauge at {', '.join(crowded)}: 4 mm to every slope are needed. A larger pad has room"
+        )
     notes |= {**_relief(spec), **_bone(spec), **_layers(spec)}
     listed = [*notes.items(), *pad.shape.casting_notes(pad)]
     return [{"code": code, "message": message} for code, message in listed]

@@ -86,6 +86,9 @@ def add_hardness(
         },
         *shadowed,
     ]
+    if scale == SHORE_A and shore < hardness_law().sure_from_a:
+        message = f"{stated} is at the end of its scale: give --shore-00 where the supplier states it, or press a puck"
+        warnings.insert(0, {"code": "end_of_scale", "message": message})
     return FromHardness(
         name,
         {"scale": scale, "value": shore},

@@ -182,7 +182,9 @@ def _check_unit(table: TomlTable, key: str, quantity: Quantity) -> None:
     low, high, unit = known["low"], known["high"], known["unit"]
     if low <= value <= high:
         return
-    fits = [f"{value * size:.4g} {unit} from {name}" for name, size in known["units"].items() if low <= value * size <= high]
+    fits = [
+        f"{value * size:.4g} {unit} from {name}" for name, size in known["units"].items() if low <= value * size <= high
+    ]
     if key != DENSITY and (not fits or f"{value:g} {unit}" in quantity.source):
         return
     likely = f"; give {' or '.join(fits)}" if fits else ""

@@ -241,7 +241,9 @@ def gauged_on_flats(spec):
     for one in gauge_points(spec):
         if one.name.startswith("tip"):
             continue
-        away = [abs(one.y_mm - b) if shape.runs_out else np.hypot(one.x_mm - a, one.y_mm - b) for a, b in shape.places_mm]
+        away = [
+            abs(one.y_mm - b) if shape.runs_out else np.hypot(one.x_mm - a, one.y_mm - b) for a, b in shape.places_mm
+        ]
         assert min(away) - max(shape.lines_mm()) > 3.98
         assert one.nominal_mm == pytest.approx(pad.thickness_mm - shape.relief_mm)
         for at, side in ((one.x_mm, pad.length_mm), (one.y_mm, pad.width_mm)):

@@ -49,8 +49,7 @@ def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float],
     if cylinder != plate:
         message = f"pad '{size_text}' and punch '{punch}': plates press cylinders only"
         raise InputError(message, "conflict", "punch", punch)
-    law = own_law or read_law(inputs["law"], young["value"] * 1e-3)
-    geometry = read_shape(inputs["shape"])
+    law, geometry = own_law or read_law(inputs["law"], young["value"] * 1e-3), read_shape(inputs["shape"])
     if cylinder:
         if geometry != SLAB:
             message = f"shape {geometry} is pressed by a flat punch, not by a profile or plates"

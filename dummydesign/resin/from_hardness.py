@@ -14,7 +14,7 @@ from dummydesign.resin.model.hardness import SHORE_00, SHORE_A, hardness_law
 from dummydesign.resin.model.modulus_laws import LAWS
 from dummydesign.resin.model.resin import Liquid, Resin, ResinArm, save_resin
 from dummydesign.resin.model.resin_file import DEFAULT, KIND, load_resin
-from dummydesign.resin.update.modulus import base_numbers, base_title
+from dummydesign.resin.update.modulus import without_points
 
 RELAXES_LITTLE = "ecoflex-00-30"
 """Of the built-in resins the one that relaxes least; the polyurethane relaxes most."""
@@ -105,44 +105,26 @@ def reference_ratio(resin: Resin) -> float:
     return resin.central.get("ratio_ref", 0.0)
 
 
-def _moved(base: Resin, young: Quantity) -> Resin:
+def _moved(measured: Resin, young: Quantity) -> Resin:
     """The base with its law's modulus replaced; what its own points and pucks said is left out."""
-    numbers = base_numbers(base)
-    scale = base.law.parameters[0]
-    arms, ratio_ref = base.prior_relaxation or (base.arms, base.relaxation_ratio_ref)
+    base = without_points(measured)
     taken = f"taken from resin {base.name}, not of this product"
-    kept = tuple(
-        ResinArm(
-            arm.tau_s,
-            Quantity(
-                arm.beta.value,
-                arm.beta.low / DOUBT,
-                arm.beta.high * DOUBT,
-                "assumed",
-                f"{taken}, a factor of {DOUBT:g} wider: {arm.beta.source}",
-            ),
-        )
-        for arm in arms
-    )
-    at = reference_ratio(base)
+
+    def doubted(beta: Quantity) -> Quantity:
+        source = f"{taken}, a factor of {DOUBT:g} wider: {beta.source}"
+        return Quantity(beta.value, beta.low / DOUBT, beta.high * DOUBT, "assumed", source)
+
     return replace(
         base,
-        title=base_title(base),
-        numbers={**numbers, scale: young},
-        arms=kept,
-        relaxation_ratio_ref=ratio_ref,
+        numbers={**base.numbers, base.law.parameters[0]: young},
+        arms=tuple(ResinArm(arm.tau_s, doubted(arm.beta)) for arm in base.arms),
         properties={
             key: replace(one, kind="assumed", source=f"{taken}: {one.source}") for key, one in base.properties.items()
         },
         notes=(
-            f"Made from a Shore value: the modulus is put to ratio {at:g}, the law of the ratio, relaxation and "
-            f"liquid properties are those of {base.name}.",
+            f"Made from a Shore value: the modulus is put to ratio {reference_ratio(base):g}, the law of the ratio, "
+            f"relaxation and liquid properties are those of {base.name}.",
         ),
-        points=(),
-        posterior=None,
-        prior_numbers=None,
-        prior_relaxation=None,
-        contradictions=(),
         joint_relaxation=None,
     )
 

@@ -149,11 +149,10 @@ def _ask_for_size(absent: Sequence[str], columns: Sequence[Column], log: ImportL
     doubt, sizes, rules = [], [], []
     for role, label, count in named:
         what, of, of_unit, size, unit = _SIZED[role]
-        doubt.append(f"'{label}' is {what}")
+        true = ", and a true one needs the section at that strain: export the force, as no size holds for all of it"
+        doubt.append(f"'{label}' is {what}{true if 'true' in label.lower() else ''}")
         sizes.append(f"{role}={count * size:g}{unit}")
         rules.append(f"for {of} of {size} {of_unit}: one count is {count:g} x the {of.split()[-1]} in {of_unit}")
-    if any("true" in label.lower() for _, label, _ in named):
-        rules.append("of a true stress or strain this is wrong: export the engineering one, or the force")
     option = "--columns " + shlex.quote(",".join(f"{role}={label}" for role, label, _ in named))
     raise log.question(" and ".join(doubt), f"{option} --units {','.join(sizes)} ({'; '.join(rules)})")
 
@@ -267,9 +266,7 @@ def choose_by_behaviour(
     # Without the units the answer would be a guess; with them the user has said what kinds of numbers these are.
     units = log.settings.units
     if not certain or any(role not in units for role in missing):
-        if any("true" in label.lower() for _, label, _ in named):
-        rules.append("of a true stress or strain this is wrong: export the engineering one, or the force")
-    option = "--columns " + shlex.quote(",".join(f"{role}={guess[role].label}" for role in missing))
+        option = "--columns " + shlex.quote(",".join(f"{role}={guess[role].label}" for role in missing))
         option += " --units " + ",".join(f"{role}={units.get(role, BASE[KIND_OF_ROLE[role]])}" for role in missing)
         listed = ", ".join(f"{role} may be column {guess[role].label}" for role in missing)
         doubt = f"neither names nor units say which column is {' or '.join(missing)}; by what they do {listed}"

@@ -125,21 +125,14 @@ def points_rows(points: Sequence[GaugePoint], blank: str, first_pad: int = 1, pa
     bone = any(one.gel_mm < one.nominal_mm - 1e-9 for one in points)
     free = ["measured, mm"] if first_pad == pads == 1 else [f"pad {first_pad + i}, mm" for i in range(pads)]
     part = ["of it gel, mm"] if bone else []
-    rows = [("gauge point", "x, mm", "y, mm", "nominal, mm", *part, "allowed, mm", *free)]
-    for one in points:
-        gel = [f"{one.gel_mm:.2f}"] if bone else []
-        rows.append(
-            (
-                one.name,
-                f"{one.x_mm:g}",
-                f"{one.y_mm:g}",
-                f"{one.nominal_mm:.2f}",
-                *gel,
-                f"{one.low_mm:.2f} to {one.high_mm:.2f}",
-                *[blank] * pads,
-            )
-        )
-    return rows
+    head = ("gauge point", "x, mm", "y, mm", "nominal, mm", *part, "allowed, mm", *free)
+
+    def row(one: GaugePoint) -> tuple[str, ...]:
+        gel = (f"{one.gel_mm:.2f}",) if bone else ()
+        allowed = f"{one.low_mm:.2f} to {one.high_mm:.2f}"
+        return one.name, f"{one.x_mm:g}", f"{one.y_mm:g}", f"{one.nominal_mm:.2f}", *gel, allowed, *[blank] * pads
+
+    return [head, *map(row, points)]
 
 
 def force_at_thickness(spec: MouldSpec, shares: tuple[float, ...]) -> tuple[float, ...] | None:
@@ -271,21 +264,35 @@ def when_it_fails(spec: MouldSpec) -> tuple[str, ...]:
     lidded, boned = spec.body.style == "lidded", bool(spec.pad.shape.bone_height_mm)
     mix = "mix the missing mass within the pot life"
     if lidded:
-        little = f"Too little poured, a vent stays empty: raise its end, tap the mould, {mix} and pour on."
-        much = "Too much poured: wipe what comes out of the vents off the backer before it gels."
-        air = "Air under the lid: prop the vent end up again and wait until it has come out; never open the lid."
+        little, much, air = (
+            f"Too little poured, a vent stays empty: raise its end, tap the mould, {mix} and pour on.",
+            "Too much poured: wipe what comes out of the vents off the backer before it gels.",
+            "Air under the lid: prop the vent end up again and wait until it has come out; never open the lid.",
+        )
     elif boned:
-        little = f"Too little poured: {mix} and top up through a vent."
-        much = "Too much poured: wipe what comes out of the vents off the plate before it gels."
-        air = "Air under the plate of the bone: lift one edge, let it out, lower again until all vents show resin."
+        little, much, air = (
+            f"Too little poured: {mix} and top up through a vent.",
+            "Too much poured: wipe what comes out of the vents off the plate before it gels.",
+            "Air under the plate of the bone: lift one edge, let it out, lower again until all vents show resin.",
+        )
     else:
-        little = f"Too little poured: {mix}, or strike off lower and enter the mass."
-        much = "Too much poured: take it off with a syringe from a corner before it gels."
-        air = "Air under the plate: lift one edge, let it out, lower again."
-    torn = "A torn corner of the mould: outside the land it may be glued with silicone; in the cavity cast a new mould."
-    if spec.is_printed:
-        torn = "A joint that leaks: seal it with wax from outside. A chipped wall of the cavity: print the part anew."
-    cast = "silicone" if not spec.is_printed else "release agent"
+        little, much, air = (
+            f"Too little poured: {mix}, or strike off lower and enter the mass.",
+            "Too much poured: take it off with a syringe from a corner before it gels.",
+            "Air under the plate: lift one edge, let it out, lower again.",
+        )
+    torn, cast = (
+        (
+            "A joint that leaks: seal it with wax from outside. A chipped wall of the cavity: print the part anew.",
+            "release agent",
+        )
+        if spec.is_printed
+        else (
+            "A torn corner of the mould: outside the land it may be glued with silicone; in the cavity cast a new "
+            "mould.",
+            "silicone",
+        )
+    )
     return (
         "Foam does not fall within the time: the pump is too weak or the resin is moist. Throw the batch away.",
         f"{little} Never stretch a batch after it thickens.",

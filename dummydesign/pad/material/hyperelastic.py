@@ -90,18 +90,17 @@ def read_law(text: str, young_MPa: float | None = None) -> HyperelasticLaw:
 
     Terms in another convention than the named one are asked about where they make ``young_MPa`` there alone.
     """
-    forms = {"neo-hookean": "neo-hookean", "yeoh": "yeoh:C2_OVER_MU", "ogden": "ogden:MU,ALPHA;MU,ALPHA"}
-    forms |= {ABAQUS: f"{ABAQUS}:MU,ALPHA;MU,ALPHA"}
+    counts = {"neo-hookean": 0, "yeoh": 1, "ogden": 2, ABAQUS: 2}
     name, _, rest = text.partition(":")
-    if name not in forms:
-        raise unknown_name("law", name, forms)
+    if name not in counts:
+        raise unknown_name("law", name, counts)
     try:
         rows = [[float(number) for number in part.split(",")] for part in rest.split(";")] if ":" in text else []
     except ValueError:
         rows = [[]]
-    wanted = forms[name].split(";")[0].count(",") + 1 if ":" in forms[name] else 0
+    wanted, form = counts[name], name + ("", ":C2_OVER_MU", ":MU,ALPHA;MU,ALPHA")[counts[name]]
     if bool(wanted) != bool(rows) or any(len(row) != wanted for row in rows) or (name == "yeoh" and len(rows) > 1):
-        raise InputError(f"law '{text}' is not of the form {forms[name]}", "malformed", "law", text, forms[name])
+        raise InputError(f"law '{text}' is not of the form {form}", "malformed", "law", text, form)
     if wanted < 2:
         return Yeoh(1.0, rows[0][0] if rows else 0.0)
     if name == ABAQUS:

@@ -178,19 +178,17 @@ def _check_units(table: TomlTable, given: bool) -> None:
 
 
 def _check_unit(table: TomlTable, key: str, quantity: Quantity) -> None:
-    known, value = _plausible()[key], quantity.value
-    low, high, unit = known["low"], known["high"], known["unit"]
-    if low <= value <= high:
-        return
-    fits = [
-        f"{value * size:.4g} {unit} from {name}" for name, size in known["units"].items() if low <= value * size <= high
-    ]
-    if key != DENSITY and (not fits or f"{value:g} {unit}" in quantity.source):
-        return
-    likely = f"; give {' or '.join(fits)}" if fits else ""
-    words = "" if key == DENSITY else f". Where {value:g} {unit} is meant, name it in the source with its unit"
-    message = f"{table.where(key)}: '{key}' = {value:g} is not from {low:g} to {high:g} {unit}{likely}{words}"
-    raise InputError(message, "implausible_unit", key, value, (low, high))
+    value, (low, high, unit, sizes) = (
+        quantity.value,
+        (_plausible()[key][one] for one in ("low", "high", "unit", "units")),
+    )
+    fits = [f"{value * size:.4g} {unit} from {name}" for name, size in sizes.items() if low <= value * size <= high]
+    settled = key != DENSITY and (not fits or f"{value:g} {unit}" in quantity.source)
+    if not (settled or low <= value <= high):
+        likely = f"; give {' or '.join(fits)}" if fits else ""
+        words = "" if key == DENSITY else f". Where {value:g} {unit} is meant, name it in the source with its unit"
+        message = f"{table.where(key)}: '{key}' = {value:g} is not from {low:g} to {high:g} {unit}{likely}{words}"
+        raise InputError(message, "implausible_unit", key, value, (low, high))
 
 
 def _positive(table: TomlTable, key: str, zero: bool = False) -> Quantity:

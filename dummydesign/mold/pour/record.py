@@ -411,9 +411,7 @@ def _advice(thickness_mm: float, spec: MouldSpec) -> str:
 def _mass(measured: Measured, spec: MouldSpec, mean: float) -> LimitCheck:
     """The mass; its cost is the thickness's, and what thickness does not explain is air or resin outside."""
     wanted, h = pour_plan(spec).cast_mass_g, spec.pad.thickness_mm
-    grown = mean / h
-    if not spec.pad.shape.flat_top:
-        grown = 1 + pour_plan(spec).gram_per_mm_g * (mean - h) / wanted
+    grown = mean / h if spec.pad.shape.flat_top else 1 + pour_plan(spec).gram_per_mm_g * (mean - h) / wanted
     left = 100 * (measured.mass_g / wanted / grown - 1)
     why = f"{abs(left):.1f} % {'lighter' if left < 0 else 'heavier'} than its thickness explains: "
     if abs(left) <= spec.acceptance.mass_percent:

@@ -49,7 +49,7 @@ def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float],
     if cylinder != plate:
         message = f"pad '{size_text}' and punch '{punch}': plates press cylinders only"
         raise InputError(message, "conflict", "punch", punch)
-    law, geometry = own_law or read_law(inputs["law"]), read_shape(inputs["shape"])
+    law, geometry = own_law or read_law(inputs["law"], young["value"] * 1e-3), read_shape(inputs["shape"])
     if cylinder:
         if geometry != SLAB:
             message = f"shape {geometry} is pressed by a flat punch, not by a profile or plates"
@@ -234,7 +234,7 @@ def predict(
     poisson : float
         Poisson's ratio; other than 0.5 (incompressible) only by finite elements.
     law : str
-        ``neo-hookean``, ``yeoh:C2_OVER_MU`` or ``ogden:MU,ALPHA;...``.
+        ``neo-hookean``, ``yeoh:C2_OVER_MU``, ``ogden:MU,ALPHA;...`` or ``ogden-abaqus:MU,ALPHA;...``.
     edge_radius_mm : float
         Fillet of the punch's edge, 0 (sharp, sides never touch) to 0.3 of its smaller half-width; on a shaped pad with
         ``fidelity="axisymmetric"``. [mm]

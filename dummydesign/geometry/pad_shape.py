@@ -17,7 +17,7 @@ from typing import ClassVar, Protocol, Self
 
 import numpy as np
 
-from dummydesign.geometry.dimensions import GAUGE_FOOT_MM, PAD_LENGTH_MM, PAD_WIDTH_MM, RIM_FREE_MM
+from dummydesign.geometry.dimensions import GAUGE_FOOT_MM, PAD_LENGTH_MM, PAD_WIDTH_MM
 
 
 class PadBlock(Protocol):
@@ -222,15 +222,17 @@ class PadShape:
 
     # The cast pad.
 
-    def gauge_places(self, block: PadBlock) -> dict[str, tuple[float, float]]:
-        """Places by name where the thickness is gauged besides tips (or middle) and corners, from the middle. [mm]"""
+    def gauge_places(self) -> dict[str, tuple[tuple[float, float], ...]]:
+        """Places by name where the thickness is gauged besides tips (or middle) and corners, from the middle. [mm]
+
+        Of each the first is taken that has room on a flat.
+        """
         if not (self.relief_mm and self.lines_mm()):
             return {}
         reach = max(self.lines_mm()) + GAUGE_FOOT_MM
         x, y = max(self.places_mm)
-        if self.runs_out:
-            return {"shoulder": (0.0, min(y + reach, block.width_mm / 2 - RIM_FREE_MM))}
-        return {"shoulder": (min(x + reach, block.length_mm / 2 - RIM_FREE_MM), y)}
+        turns = (np.pi / 2,) if self.runs_out else (0.0, np.pi / 2, np.pi / 4)
+        return {"shoulder": tuple((x + reach * float(np.cos(one)), y + reach * float(np.sin(one))) for one in turns)}
 
     # Limits.
 

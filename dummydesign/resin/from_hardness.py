@@ -73,6 +73,9 @@ def add_hardness(
         },
         *shadowed,
     ]
+    if scale == SHORE_A and shore < hardness_law().sure_from_a:
+        message = f"{stated} is at the end of its scale: give --shore-00 where the supplier states it, or press a puck"
+        warnings.insert(0, {"code": "end_of_scale", "message": message})
     return {
         "name": name,
         "shore": {"scale": scale, "value": shore},
@@ -84,29 +87,21 @@ def add_hardness(
     }
 
 
-def _moved(base: Resin, young: Quantity) -> Resin:
+def _moved(measured: Resin, young: Quantity) -> Resin:
     """The base with its law's modulus replaced; what its own points and pucks said is left out."""
-    origin = without_points(base)
+    base = without_points(measured)
+    taken = f"taken from resin {base.name}, not of this product"
     # the law's first number is its modulus at its reference, or at 0 where it has none
     at = base.central.get("ratio_ref", 0.0)
-    taken = f"taken from resin {base.name}, not of this product"
-    kept = tuple(
-        ResinArm(
-            arm.tau_s,
-            Quantity(
-                arm.beta.value,
-                arm.beta.low / DOUBT,
-                arm.beta.high * DOUBT,
-                "assumed",
-                f"{taken}, a factor of {DOUBT:g} wider: {arm.beta.source}",
-            ),
-        )
-        for arm in origin.arms
-    )
+
+    def doubted(beta: Quantity) -> Quantity:
+        source = f"{taken}, a factor of {DOUBT:g} wider: {beta.source}"
+        return Quantity(beta.value, beta.low / DOUBT, beta.high * DOUBT, "assumed", source)
+
     return replace(
-        origin,
-        numbers={**origin.numbers, base.law.parameters[0]: young},
-        arms=kept,
+        base,
+        numbers={**base.numbers, base.law.parameters[0]: young},
+        arms=tuple(ResinArm(arm.tau_s, doubted(arm.beta)) for arm in base.arms),
         properties={
             key: replace(one, kind="assumed", source=f"{taken}: {one.source}") for key, one in base.properties.items()
         },

@@ -2,14 +2,14 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from dummydesign.cli.entry import run
 from dummydesign.core.quantity import Quantity
-from dummydesign.core.toml_schema import read_table
-from dummydesign.core.user_library import data_folder, user_folder
+from dummydesign.core.user_library import user_folder
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.mold.model.preset import mould_spec
@@ -19,12 +19,6 @@ from dummydesign.resin.from_hardness import add_hardness
 from dummydesign.resin.model.hardness import CHANGE_00, expected_hardness, hardness_law
 from dummydesign.resin.model.resin_file import KIND
 from tests.support.refusal import raises_code
-
-
-def known_products():
-    """Shore 00 and modulus of the products that the law is fitted to."""
-    table = read_table(data_folder() / "materials" / "hardness.toml").table("shore_00")
-    return [(one.number("shore"), one.quantity("young_kPa")) for one in table.tables("point")]
 
 
 @pytest.fixture(autouse=True)
@@ -54,27 +48,54 @@ def test_the_laws_of_shore_a_are_as_published():
     np.testing.assert_allclose(qi, 1e3 * 10 ** (0.0235 * shore - 0.6403), rtol=1e-3)
 
 
-def test_the_factor_of_the_ball_and_its_scatter_follow_from_the_points():
+def without(law, scale, left_out=None):
+    """Mean and 95 % prediction of ln (E / law) for one more product, without one of the points."""
     from scipy.stats import t
 
-    law = hardness_law()
-    logs = np.log([young.value / float(law.hertz_kPa(shore)) for shore, young in known_products()])
+    plain = {"00": law.hertz_kPa, "A": lambda shore: law.young_kPa(shore, "A") / law.factor["A"].value}[scale]
+    logs = np.array([np.log(young.value / float(plain(shore))) for shore, young in law.known[scale]])
+    logs = logs if left_out is None else np.delete(logs, left_out)
     half = t.ppf(0.975, len(logs) - 1) * logs.std(ddof=1) * math.sqrt(1 + 1 / len(logs))
-    assert law.factor.value == pytest.approx(math.exp(logs.mean()), rel=2e-3)
-    assert law.factor.low == pytest.approx(math.exp(logs.mean() - half), rel=2e-3)
-    assert law.factor.high == pytest.approx(math.exp(logs.mean() + half), rel=2e-3)
+    return np.exp(logs.mean() + half * np.array([0.0, -1.0, 1.0])).tolist()
+
+
+@pytest.mark.parametrize("scale", ["00", "A"])
+def test_the_factor_of_a_scale_and_its_scatter_follow_from_the_points(scale):
+    law = hardness_law()
+    factor = law.factor[scale]
+    assert [factor.value, factor.low, factor.high] == pytest.approx(without(law, scale), rel=2e-3)
 
 
 def test_every_known_product_is_inside_the_interval_of_its_hardness():
     law = hardness_law()
-    for shore, young in known_products():
-        stated = law.modulus(shore, "00")
-        assert stated.low < young.value < stated.high
+    for scale, known in law.known.items():
+        for shore, young in known:
+            stated = law.modulus(shore, scale)
+            assert stated.low < young.value < stated.high
     # Vulkollan of Shore A 65: about 5 MPa (a supplier's page)
     assert law.modulus(65.0, "A").low < 5000.0 < law.modulus(65.0, "A").high
 
 
-@pytest.mark.parametrize(("scale", "shores"), [("00", (8.0, 25.0, 50.0, 70.0)), ("A", (15.0, 40.0, 85.0))])
+def test_soft_products_left_out_one_at_a_time_are_inside_the_interval_of_the_others():
+    """All tests and data sheets of a product leave together; more than the laws' own scatter covers would fail."""
+    law, inside = hardness_law(), []
+    names = [young.source.split(":")[0].replace(" Medium", "") for _, young in law.known["A"]]
+    for name in dict.fromkeys(names):
+        own = [at for at, one in enumerate(names) if one == name]
+        value, low, high = without(law, "A", own)
+        moved = replace(law, factor={**law.factor, "A": Quantity(value, low, high, "fitted", "others")})
+        for shore, young in (law.known["A"][at] for at in own):
+            inside.append(moved.modulus(shore, "A").low < young.value < moved.modulus(shore, "A").high)
+    assert len(inside) == 13 and sum(inside) >= 12
+
+
+def test_a_soft_shore_a_is_kept_with_a_warning_that_the_scale_is_at_its_end():
+    soft, firm = (add_hardness(name, shore_a=shore) for name, shore in (("soft", 20.0), ("firm", 40.0)))
+    assert [one["code"] for one in soft.warnings] == ["end_of_scale", "hardness_only"]
+    assert [one["code"] for one in firm.warnings] == ["hardness_only"]
+
+
+@pytest.mark.parametrize(("scale", "shores"), [("00", (8.0, 25.0, 50.0, 70.0)), ("A", (30.0, 40.0, 85.0))])
 def test_a_hardness_comes_back_and_a_harder_material_is_stiffer(scale, shores):
     law = hardness_law()
     assert np.all(np.diff(law.young_kPa(np.linspace(0.0, 95.0, 50), scale)) > 0)

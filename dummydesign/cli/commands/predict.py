@@ -50,7 +50,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--pad", default="slab:150x120", metavar="slab:LxW", help="slab (default 150x120 mm) or cylinder:DIAMETER")
     add("--shape", default="slab", metavar="NAME[:P,..]", help=shape_help() + "; as crowned:RADIUS,HEIGHT")
     add("--poisson", type=number("poisson"), default=0.5, metavar="NU", help="Poisson's ratio (default 0.5)")
-    laws = "neo-hookean (default), yeoh:C2_OVER_MU or ogden:MU,ALPHA;MU,ALPHA (scaled to the modulus)"
+    laws = (
+        "neo-hookean (default), yeoh:C2_OVER_MU ogden:MU,ALPHA;.. or ogden-abaqus:MU,ALPHA;.. (scaled to the modulus)"
+    )
     add("--law", default="neo-hookean", metavar="NAME", help=laws)
     add("--prony", metavar="TAU:BETA,...", help="relaxation, beta relative to the long-term modulus")
     add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric, 3d or viscoelastic")

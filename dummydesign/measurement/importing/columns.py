@@ -149,7 +149,8 @@ def _ask_for_size(absent: Sequence[str], columns: Sequence[Column], log: ImportL
     doubt, sizes, rules = [], [], []
     for role, label, count in named:
         what, of, of_unit, size, unit = _SIZED[role]
-        doubt.append(f"'{label}' is {what}")
+        true = ", and a true one needs the section at that strain: export the force, as no size holds for all of it"
+        doubt.append(f"'{label}' is {what}{true if 'true' in label.lower() else ''}")
         sizes.append(f"{role}={count * size:g}{unit}")
         rules.append(f"for {of} of {size} {of_unit}: one count is {count:g} x the {of.split()[-1]} in {of_unit}")
     option = "--columns " + shlex.quote(",".join(f"{role}={label}" for role, label, _ in named))

@@ -321,10 +321,11 @@ def notes_beside(notes: Sequence[str], wide_mm: float) -> tuple[list[str], float
 
 
 def wrapped(notes: Sequence[str], room_mm: float) -> list[str]:
-    """Notes broken into lines that fit a width."""
+    """Notes broken into lines that fit a width; a longer word is cut."""
     from reportlab.lib.utils import simpleSplit
 
-    return [line for note in notes for line in simpleSplit(note, "Helvetica", TEXT_MM / CAP_SHARE, room_mm)]
+    lines = [line for note in notes for line in simpleSplit(note, "Helvetica", TEXT_MM / CAP_SHARE, room_mm)]
+    return [shortened(line, room_mm) for line in lines]
 
 
 def shortened(words: str, room_mm: float) -> str:

@@ -95,8 +95,10 @@ def pour_sheet(
 
 def _gauge_blocks(spec: MouldSpec) -> list[SheetBlock]:
     """Where to gauge the thickness: a table with a free column for each pad."""
-    words = "Gauge the thickness at these points, seen on the tested face; x runs along the length from the middle."
-    words += f" Zero the gauge on {'the plate of the bone' if spec.pad.shape.bone_height_mm else 'a flat base'}."
+    words = (
+        "Gauge the thickness at these points, seen on the tested face; x runs along the length from the middle. "
+        f"Zero the gauge on {'the plate of the bone' if spec.pad.shape.bone_height_mm else 'a flat base'}."
+    )
     points = gauge_points(spec)
     tables = [
         SheetBlock("table", rows=tuple(points_rows(points, BLANK, first, min(PADS_A_TABLE, spec.count - first + 1))))

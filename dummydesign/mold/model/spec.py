@@ -176,7 +176,7 @@ class PadGeometry:
     @property
     def title(self) -> str:
         """Shape and size in words."""
-        return f"{self.name} pad {self.length_mm:g} x {self.width_mm:g} x {self.thickness_mm:g} mm"
+        return f"{self.kind} pad {self.length_mm:g} x {self.width_mm:g} x {self.thickness_mm:g} mm"
 
     @property
     def name(self) -> str:

@@ -10,14 +10,14 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.serialise import Serialised
-from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM, RIM_FREE_MM
-from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.geometry.dimensions import GAUGE_FOOT_MM, PUNCH_RADIUS_MM, RIM_FREE_MM
+from dummydesign.mold.model.spec import MouldSpec, PadGeometry
 from dummydesign.mold.pour.crown import COMPARED_DEPTH, MOST_PERCENT, SHOULDER, crown_limits
 from dummydesign.mold.pour.plan import PourPlan
 from dummydesign.mold.pour.steps import BLANK
 
-# A gauge point keeps this distance from the rounded edge of the tested face. [mm]
-EDGE_CLEAR_MM = 1.0
+# Gauge points are stated in hundredths of a millimetre.
+ROUNDING_MM = 0.005
 CORNERS = ((1, 1), (-1, 1), (-1, -1), (1, -1))
 
 
@@ -44,19 +44,11 @@ def gauge_points(spec: MouldSpec) -> tuple[GaugePoint, ...]:
 
     Nominal values come from the shape's own heights. Each limit is the preset's share of the pad's full thickness on
     either side: a plate that lies too high adds as much at every point. At a crown's tip and beside it, it is also that
-    of the force (:func:`dummydesign.mold.pour.crown.crown_limits`).
+    of the force (:func:`dummydesign.mold.pour.crown.crown_limits`). Points without room on a flat are left out.
     """
-    pad, shape = spec.pad, spec.pad.shape
-    first = "middle" if shape.flat_top else "tip"
-    stands = shape.places_mm
-    places = {first if len(stands) == 1 else f"{first}{i}": point for i, point in enumerate(stands, 1)}
-    places |= {} if pad.is_puck else shape.gauge_places(pad)
-    corner = _corner(spec)
-    places |= {
-        f"{'edge' if pad.is_puck else 'corner'}{i}": (a * corner[0], b * corner[1])
-        for i, (a, b) in enumerate(CORNERS, 1)
-    }
-    points = tuple(_point(spec, name, point, stands) for name, point in places.items())
+    pad, stands = spec.pad, spec.pad.shape.places_mm
+    places = gauge_places(spec)
+    points = tuple(_point(spec, name, point, stands) for name, point in places.items() if point is not None)
     limits = crown_limits(pad, spec.acceptance.thickness_percent)
     if limits is None:
         return points
@@ -69,20 +61,50 @@ def gauge_points(spec: MouldSpec) -> tuple[GaugePoint, ...]:
     )
 
 
-def _corner(spec: MouldSpec) -> tuple[float, float]:
-    """Distances of a corner's gauge point from the pad's middle. [mm]"""
-    pad, radius = spec.pad, spec.pad.corner_radius_mm
+def gauge_places(spec: MouldSpec) -> dict[str, tuple[float, float] | None]:
+    """Where each gauge point lies; None where no flat has room for the gauge's foot. [mm]"""
+    pad, shape = spec.pad, spec.pad.shape
+    first, stands = "middle" if shape.flat_top else "tip", shape.places_mm
+    places: dict[str, tuple[float, float] | None] = {
+        first if len(stands) == 1 else f"{first}{i}": point for i, point in enumerate(stands, 1)
+    }
+    clear = pad.edge_radius_mm + GAUGE_FOOT_MM
     most = min(RIM_FREE_MM, min(pad.length_mm, pad.width_mm) / 4)
-    inset = max(most, pad.edge_radius_mm + EDGE_CLEAR_MM)
+    corners = [_corner(pad, inset) for inset in (max(most, clear), clear)]
+    tries = {} if pad.is_puck else dict(shape.gauge_places())
+    for i, (a, b) in enumerate(CORNERS, 1):
+        tries[f"{'edge' if pad.is_puck else 'corner'}{i}"] = tuple((a * x, b * y) for x, y in corners)
+    return places | {name: next((one for one in tried if _on_flat(pad, one)), None) for name, tried in tries.items()}
+
+
+def _corner(pad: PadGeometry, inset: float) -> tuple[float, float]:
+    """Distances of a corner's gauge point from the pad's middle. [mm]"""
+    radius = pad.corner_radius_mm
     # Inside the rounded corner the same distance from the edge, along the corner's diagonal.
     back = inset if radius <= inset else radius - (radius - inset) / math.sqrt(2.0)
     return pad.length_mm / 2 - back, pad.width_mm / 2 - back
 
 
+def _on_flat(pad: PadGeometry, at: tuple[float, float]) -> bool:
+    """Whether the gauge's foot lies whole on a flat of the tested face, off slopes and the rounded edge."""
+    clear = pad.edge_radius_mm + GAUGE_FOOT_MM
+    radius = max(pad.corner_radius_mm - clear, 0.0)
+    beyond = (max(abs(x) + clear + radius - side / 2, 0.0) for x, side in zip(at, (pad.length_mm, pad.width_mm)))
+    angle, share = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, 145), (0.0, 0.25, 0.5, 0.75, 1.0))
+    foot = (GAUGE_FOOT_MM - ROUNDING_MM) * share
+    x, y = at[0] + foot * np.cos(angle), at[1] + foot * np.sin(angle)
+    return math.hypot(*beyond) <= radius + ROUNDING_MM and float(np.ptp(_drop_mm(pad, x, y))) < 1e-9
+
+
+def _drop_mm(pad: PadGeometry, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """How far the tested face lies below its tips, of all of which the nearest counts. [mm]"""
+    return np.min([pad.shape.drop_mm(x - a, y - b) for a, b in pad.shape.places_mm], axis=0)
+
+
 def _point(spec: MouldSpec, name: str, at: tuple[float, float], stands: Sequence[tuple[float, float]]) -> GaugePoint:
     pad, shape = spec.pad, spec.pad.shape
     x, y = np.array([at[0] - x for x, _ in stands]), np.array([at[1] - y for _, y in stands])
-    nominal = pad.thickness_mm - float(np.min(shape.drop_mm(x, y)))
+    nominal = pad.thickness_mm - float(_drop_mm(pad, np.array(at[0]), np.array(at[1])))
     gel = nominal - float(np.max(shape.bone_mm(x, y)))
     middle = pad.thickness_mm - shape.bone_height_mm
     allowed = pad.thickness_mm * spec.acceptance.thickness_percent / 100
@@ -103,21 +125,14 @@ def points_rows(points: Sequence[GaugePoint], blank: str, first_pad: int = 1, pa
     bone = any(one.gel_mm < one.nominal_mm - 1e-9 for one in points)
     free = ["measured, mm"] if first_pad == pads == 1 else [f"pad {first_pad + i}, mm" for i in range(pads)]
     part = ["of it gel, mm"] if bone else []
-    rows = [("gauge point", "x, mm", "y, mm", "nominal, mm", *part, "allowed, mm", *free)]
-    for one in points:
-        gel = [f"{one.gel_mm:.2f}"] if bone else []
-        rows.append(
-            (
-                one.name,
-                f"{one.x_mm:g}",
-                f"{one.y_mm:g}",
-                f"{one.nominal_mm:.2f}",
-                *gel,
-                f"{one.low_mm:.2f} to {one.high_mm:.2f}",
-                *[blank] * pads,
-            )
-        )
-    return rows
+    head = ("gauge point", "x, mm", "y, mm", "nominal, mm", *part, "allowed, mm", *free)
+
+    def row(one: GaugePoint) -> tuple[str, ...]:
+        gel = (f"{one.gel_mm:.2f}",) if bone else ()
+        allowed = f"{one.low_mm:.2f} to {one.high_mm:.2f}"
+        return one.name, f"{one.x_mm:g}", f"{one.y_mm:g}", f"{one.nominal_mm:.2f}", *gel, allowed, *[blank] * pads
+
+    return [head, *map(row, points)]
 
 
 def force_at_thickness(spec: MouldSpec, shares: tuple[float, ...]) -> tuple[float, ...] | None:
@@ -186,22 +201,17 @@ def acceptance_rows(spec: MouldSpec, plan: PourPlan) -> list[tuple[str, ...]]:
         " to ".join(f"{one:.3g}" for one in pair) for pair in (spec.pour.usable_kPa, spec.pour.expected_kPa)
     )
     crown = crown_limits(spec.pad, limits.thickness_percent)
+    gauged = crown is not None and gauge_places(spec).get(SHOULDER) is not None
     within, at_limit = f"within {h * limits.thickness_percent / 100:.2f} mm", costs(limits.thickness_percent)
     spread, heights = "deviation from nominal, largest minus smallest", list[tuple[str, ...]]()
     if crown is not None:
         spread += ", without the crown's height"
         at_limit = f"{MOST_PERCENT:g} % of force at a given depth at most"
         within = "table above"
-        heights = [
-            (
-                "height over the flat: tip less shoulder",
-                f"{spec.pad.shape.relief_mm:.2f} mm",
-                "{:.2f} to {:.2f} mm".format(*crown.height_mm),
-                at_limit,
-                BLANK,
-                "enter the readings in the record (below); cast again when the plug is off, too",
-            )
-        ]
+        height = "{:.2f} to {:.2f} mm".format(*crown.height_mm)
+        again = "enter the readings in the record (below); cast again when the plug is off, too"
+        row = ("height over the flat: tip less shoulder", f"{spec.pad.shape.relief_mm:.2f} mm", height)
+        heights = [(*row, at_limit, BLANK, again)] if gauged else []
     light, heavy = (mass * (1 + sign * limits.mass_percent / 100) for sign in (-1, 1))
     return [
         ("measured", "wanted", "allowed", "effect at the limit", "measured value", "if outside"),
@@ -254,21 +264,35 @@ def when_it_fails(spec: MouldSpec) -> tuple[str, ...]:
     lidded, boned = spec.body.style == "lidded", bool(spec.pad.shape.bone_height_mm)
     mix = "mix the missing mass within the pot life"
     if lidded:
-        little = f"Too little poured, a vent stays empty: raise its end, tap the mould, {mix} and pour on."
-        much = "Too much poured: wipe what comes out of the vents off the backer before it gels."
-        air = "Air under the lid: prop the vent end up again and wait until it has come out; never open the lid."
+        little, much, air = (
+            f"Too little poured, a vent stays empty: raise its end, tap the mould, {mix} and pour on.",
+            "Too much poured: wipe what comes out of the vents off the backer before it gels.",
+            "Air under the lid: prop the vent end up again and wait until it has come out; never open the lid.",
+        )
     elif boned:
-        little = f"Too little poured: {mix} and top up through a vent."
-        much = "Too much poured: wipe what comes out of the vents off the plate before it gels."
-        air = "Air under the plate of the bone: lift one edge, let it out, lower again until all vents show resin."
+        little, much, air = (
+            f"Too little poured: {mix} and top up through a vent.",
+            "Too much poured: wipe what comes out of the vents off the plate before it gels.",
+            "Air under the plate of the bone: lift one edge, let it out, lower again until all vents show resin.",
+        )
     else:
-        little = f"Too little poured: {mix}, or strike off lower and enter the mass."
-        much = "Too much poured: take it off with a syringe from a corner before it gels."
-        air = "Air under the plate: lift one edge, let it out, lower again."
-    torn = "A torn corner of the mould: outside the land it may be glued with silicone; in the cavity cast a new mould."
-    if spec.is_printed:
-        torn = "A joint that leaks: seal it with wax from outside. A chipped wall of the cavity: print the part anew."
-    cast = "silicone" if not spec.is_printed else "release agent"
+        little, much, air = (
+            f"Too little poured: {mix}, or strike off lower and enter the mass.",
+            "Too much poured: take it off with a syringe from a corner before it gels.",
+            "Air under the plate: lift one edge, let it out, lower again.",
+        )
+    torn, cast = (
+        (
+            "A joint that leaks: seal it with wax from outside. A chipped wall of the cavity: print the part anew.",
+            "release agent",
+        )
+        if spec.is_printed
+        else (
+            "A torn corner of the mould: outside the land it may be glued with silicone; in the cavity cast a new "
+            "mould.",
+            "silicone",
+        )
+    )
     return (
         "Foam does not fall within the time: the pump is too weak or the resin is moist. Throw the batch away.",
         f"{little} Never stretch a batch after it thickens.",

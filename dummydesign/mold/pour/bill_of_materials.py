@@ -83,21 +83,23 @@ def materials(spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] 
         for what, mass in mix.components
     ]
     foam = max(CUP_FACTOR * mix.total_g / pour.density_g_per_cm3 * 1e3 for _, pour, mix in mixes)
-    cup = f"cups of {sold(CUPS_LITRE, foam * 1e-6):g} l"
-    needs.append(MaterialItem(cup, 2 * len(mixes), "{:.0f}", "mixing and pouring over"))
-    if spec.body.style != "lidded" and not spec.pad.shape.bone_height_mm:
-        film = f"release film, {arrangement.openings.length_mm + 40:.0f} x {arrangement.openings.width_mm + 40:.0f} mm"
-        needs.append(MaterialItem(film, len(mixes), "{:.0f}", "plate"))
-    else:
-        needs.append(MaterialItem("release agent", 1, "a little", "parting faces; never the tested face"))
-    needs.append(MaterialItem("spirit level or inclinometer", plan.level_deg, "to {:.2f} deg", "level"))
-    if spec.pour.cures_warm:
-        hot = spec.pour.cure_temperature_C
-        needs.append(MaterialItem("vented oven", hot, "to {:.0f} C", "cure and drying"))
-    if spec.pour.cures_cold:
-        needs.append(MaterialItem("refrigerator", spec.pour.cure_temperature_C, "at {:.0f} C", "cure"))
-    against = "resin" if spec.is_printed else "resin and silicone"
-    needs.append(MaterialItem("gloves, goggles, extraction", 1, "{:.0f} set", against))
+    struck_off = spec.body.style != "lidded" and not spec.pad.shape.bone_height_mm
+    film = f"release film, {arrangement.openings.length_mm + 40:.0f} x {arrangement.openings.width_mm + 40:.0f} mm"
+    cure_C = spec.pour.cure_temperature_C
+    needs += [
+        MaterialItem(
+            f"cups of {sold(CUPS_LITRE, foam * 1e-6):g} l", 2 * len(mixes), "{:.0f}", "mixing and pouring over"
+        ),
+        MaterialItem(film, len(mixes), "{:.0f}", "plate")
+        if struck_off
+        else MaterialItem("release agent", 1, "a little", "parting faces; never the tested face"),
+        MaterialItem("spirit level or inclinometer", plan.level_deg, "to {:.2f} deg", "level"),
+        *([MaterialItem("vented oven", cure_C, "to {:.0f} C", "cure and drying")] if spec.pour.cures_warm else []),
+        *([MaterialItem("refrigerator", cure_C, "at {:.0f} C", "cure")] if spec.pour.cures_cold else []),
+        MaterialItem(
+            "gloves, goggles, extraction", 1, "{:.0f} set", "resin" if spec.is_printed else "resin and silicone"
+        ),
+    ]
     filament = spec.plastic.name.upper() if spec.plastic else "filament"
     gram = 1e-3 * FILLED_SHARE * (spec.plastic.density_g_per_cm3 if spec.plastic else 1.24)
     return needs + [

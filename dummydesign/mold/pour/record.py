@@ -233,7 +233,8 @@ def record_pad(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ..
         thicknesses_mm=measured.thicknesses_mm,
         points=measured.points,
         thickness_mm=thickness,
-        thickness_sd_mm=thickness_error(evened, measured.gauge_mm),
+        # one reading shows no scatter
+        thickness_sd_mm=thickness_error(evened, measured.gauge_mm) if len(evened) > 1 else measured.gauge_mm,
         mass_g=measured.mass_g,
         design_young_kPa=spec.pour.young_kPa,
         young_kPa=young,
@@ -410,9 +411,7 @@ def _advice(thickness_mm: float, spec: MouldSpec) -> str:
 def _mass(measured: Measured, spec: MouldSpec, mean: float) -> LimitCheck:
     """The mass; its cost is the thickness's, and what thickness does not explain is air or resin outside."""
     wanted, h = pour_plan(spec).cast_mass_g, spec.pad.thickness_mm
-    grown = mean / h
-    if not spec.pad.shape.flat_top:
-        grown = 1 + pour_plan(spec).gram_per_mm_g * (mean - h) / wanted
+    grown = mean / h if spec.pad.shape.flat_top else 1 + pour_plan(spec).gram_per_mm_g * (mean - h) / wanted
     left = 100 * (measured.mass_g / wanted / grown - 1)
     why = f"{abs(left):.1f} % {'lighter' if left < 0 else 'heavier'} than its thickness explains: "
     if abs(left) <= spec.acceptance.mass_percent:

@@ -6,6 +6,7 @@ import re
 
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.acceptance import gauge_places
 from dummydesign.mold.pour.plan import CARRIER_VENTS, RATIO_ERROR_LIMIT_PERCENT, PourPlan, batch_of, pours_of
 from dummydesign.mold.pour.printing import layer_words, release_words, tip_words
 from dummydesign.mold.pour.steps import assumed_words
@@ -46,8 +47,9 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
             "finer balance saves resin"
         )
     if plan.wall_deflection_mm > 0.2:
-        bulge = f"the walls may bulge by {plan.wall_deflection_mm:.2f} mm under the liquid"
-        notes["wall_deflection"] = f"{bulge}: support them in the tray"
+        notes["wall_deflection"] = (
+            f"the walls may bulge by {plan.wall_deflection_mm:.2f} mm under the liquid: support them in the tray"
+        )
     slowest_s = max(one.pour_time_s for _, one in pours)
     if slowest_s > 60 * spec.pour.pot_life_min / 4:
         notes["slow_levelling"] = (
@@ -63,8 +65,13 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
     if words := layer_words(spec):
         notes["print_layers"] = words
     if 0.0 < pad.edge_radius_mm == pad.edge_room_mm:
-        rounded = f"the edge of the tested face is rounded by {pad.edge_radius_mm:g} mm"
-        notes["edge_radius"] = f"{rounded}, all that the pad's rim has room for"
+        notes["edge_radius"] = (
+            f"the edge of the tested face is rounded by {pad.edge_radius_mm:g} mm, all that the pad's rim has room for"
+        )
+    if crowded := [name for name, point in gauge_places(spec).items() if point is None]:
+        notes["gauge_points_left_out"] = (
+            f"no flat has room to gauge at {', '.join(crowded)}: 4 mm to every slope are needed. A larger pad has room"
+        )
     notes |= {**_relief(spec), **_bone(spec), **_layers(spec)}
     listed = [*notes.items(), *pad.shape.casting_notes(pad)]
     return [{"code": code, "message": message} for code, message in listed]
@@ -72,24 +79,18 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
 
 def _against_silicone(spec: MouldSpec) -> dict[str, str]:
     """What the pad's resin and the mould's silicone do to each other."""
-    pour, mould = spec.pour, spec.tool.name
-    notes = {}
-    if pour.chemistry in ("", "other") and not spec.pour.has_isocyanate:
-        notes["bonding"] = (
-            f"if {pour.resin} is a silicone it bonds to a silicone mould: use a release agent "
-            "and try it on a scrap first"
+    pour, mould, notes = spec.pour, spec.tool.name, dict[str, str]()
+    silicone = "silicone" in pour.chemistry
+    if silicone or (pour.chemistry in ("", "other") and not pour.has_isocyanate):
+        is_one = f"{pour.resin} is a silicone and" if silicone else f"if {pour.resin} is a silicone it"
+        notes["bonding"] = f"{is_one} bonds to a silicone mould: use a release agent and try it on a scrap first"
+    if silicone and is_tin(mould) and pour.chemistry != "tin silicone":
+        notes["cure_inhibition"] = (
+            f"the mould silicone {mould} cures with tin, which "
+            f"{'inhibits' if pour.chemistry == 'platinum silicone' else 'may inhibit'} the cure of "
+            f"{pour.resin}: the pad stays tacky. Name a platinum-cured silicone in the "
+            "preset, or cast in a printed mould (--preset printed)"
         )
-    if "silicone" in pour.chemistry:
-        notes["bonding"] = (
-            f"{pour.resin} is a silicone and bonds to a silicone mould: use a release agent and try it on a scrap first"
-        )
-        if is_tin(mould) and pour.chemistry != "tin silicone":
-            sure = "inhibits" if pour.chemistry == "platinum silicone" else "may inhibit"
-            notes["cure_inhibition"] = (
-                f"the mould silicone {mould} cures with tin, which {sure} the cure of "
-                f"{pour.resin}: the pad stays tacky. Name a platinum-cured silicone in the "
-                "preset, or cast in a printed mould (--preset printed)"
-            )
     return notes
 
 

@@ -85,22 +85,45 @@ NEO_HOOKEAN = Yeoh(1.0)
 """The neo-Hookean solid with unit shear modulus."""
 
 
-def read_law(text: str) -> HyperelasticLaw:
-    """Make a law from its name on the command line; only its shape counts, moduli are scaled later."""
-    forms = {"neo-hookean": (0, "neo-hookean"), "yeoh": (1, "yeoh:C2_OVER_MU"), "ogden": (2, "ogden:MU,ALPHA;MU,ALPHA")}
-    name, colon, rest = text.partition(":")
-    if name not in forms:
-        raise unknown_name("law", name, forms)
+def read_law(text: str, young_MPa: float | None = None) -> HyperelasticLaw:
+    """Make a law from its name on the command line; only its shape counts, moduli are scaled later.
+
+    Terms in another convention than the named one are asked about where they make ``young_MPa`` there alone.
+    """
+    counts = {"neo-hookean": 0, "yeoh": 1, "ogden": 2, ABAQUS: 2}
+    name, _, rest = text.partition(":")
+    if name not in counts:
+        raise unknown_name("law", name, counts)
     try:
-        rows = [[float(number) for number in part.split(",")] for part in rest.split(";")] if colon else []
+        rows = [[float(number) for number in part.split(",")] for part in rest.split(";")] if ":" in text else []
     except ValueError:
         rows = [[]]
-    wanted, form = forms[name]
+    wanted, form = counts[name], name + ("", ":C2_OVER_MU", ":MU,ALPHA;MU,ALPHA")[counts[name]]
     if bool(wanted) != bool(rows) or any(len(row) != wanted for row in rows) or (name == "yeoh" and len(rows) > 1):
         raise InputError(f"law '{text}' is not of the form {form}", "malformed", "law", text, form)
-    if name == "ogden":
-        return Ogden([row[0] for row in rows], [row[1] for row in rows])
-    return Yeoh(1.0, rows[0][0] if rows else 0.0)
+    if wanted < 2:
+        return Yeoh(1.0, rows[0][0] if rows else 0.0)
+    if name == ABAQUS:
+        # W = sum 2 mu / alpha^2 (...); an alpha of 0 is refused below
+        return Ogden([2.0 * mu / alpha if alpha else mu for mu, alpha in rows], [alpha for _, alpha in rows])
+    law, other = Ogden(*map(list, zip(*rows))), sum(mu for mu, _ in rows)
+    if young_MPa is not None and _makes(other, young_MPa) and not _makes(law.shear_MPa, young_MPa):
+        raise InputError(
+            f"law '{text}': 3 sum(mu) is the modulus, as in Abaqus, and 1.5 sum(mu alpha) is not: give "
+            f"{ABAQUS}:{rest}, or multiply each mu by 10 if W = sum mu / alpha (...) is meant",
+            "inconsistent",
+            "law",
+            text,
+        )
+    return law
+
+
+ABAQUS = "ogden-abaqus"
+
+
+def _makes(shear: float, young_MPa: float) -> bool:
+    """Whether a shear modulus in MPa or kPa makes a Young's modulus, within 2 %."""
+    return any(abs(3.0 * shear * size / young_MPa - 1.0) < 0.02 for size in (1.0, 1e-3))
 
 
 MOST_TERMS = 3
@@ -131,7 +154,8 @@ class Ogden:
             if not (np.isfinite(mu) and np.isfinite(alpha_p) and mu * alpha_p > 0.0):
                 raise InputError(
                     f"Ogden term mu = {mu:g}, alpha = {alpha_p:g}: mu times alpha must be above 0, "
-                    "else the solid softens without bound",
+                    "else the solid softens without bound; mu of Abaqus, W = sum 2 mu / alpha^2 (...), "
+                    f"is typed as {ABAQUS}:MU,ALPHA",
                     "out_of_range",
                     "law",
                 )

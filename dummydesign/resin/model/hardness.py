@@ -79,10 +79,11 @@ class HardnessLaw:
     ball_radius_mm: float
     travel_mm: float
     force_N: tuple[float, float]
-    factor: Quantity
+    factor: dict[str, Quantity]
     laws_a: tuple[_ShoreA, ...]
-    between_products_a: float
+    sure_from_a: float
     points: float
+    known: dict[str, tuple[tuple[float, Quantity], ...]]
 
     def hertz_kPa(self, shore: ArrayLike) -> NDArray:
         """Modulus by Hertz contact of the Shore 00 ball: 9 F / (16 sqrt(R) d^1.5). [kPa]"""
@@ -106,16 +107,16 @@ class HardnessLaw:
         ndarray, of the shape of ``shore``
         """
         if scale == SHORE_00:
-            return self.factor.value * self.hertz_kPa(shore)
-        return np.exp(np.mean([np.log(law.young_kPa(shore)) for law in self.laws_a], axis=0))
+            return self.factor[scale].value * self.hertz_kPa(shore)
+        return self.factor[scale].value * np.exp(np.mean([np.log(law.young_kPa(shore)) for law in self.laws_a], axis=0))
 
     def log_scatter(self, shore: float, scale: str) -> float:
         """Half-width of the 95 % interval of ln modulus at a reading that is known exactly."""
+        half = 0.5 * math.log(self.factor[scale].high / self.factor[scale].low)
         if scale == SHORE_00:
-            return 0.5 * math.log(self.factor.high / self.factor.low)
-        centre = float(self.young_kPa(shore, scale))
-        apart = max(abs(math.log(float(law.young_kPa(shore)) / centre)) for law in self.laws_a)
-        return math.hypot(apart, math.log(self.between_products_a))
+            return half
+        laws = [math.log(float(law.young_kPa(shore))) for law in self.laws_a]
+        return math.hypot(half, max(abs(one - sum(laws) / len(laws)) for one in laws))
 
     def modulus(self, shore: float, scale: str) -> Quantity:
         """Modulus of a product of a stated hardness, with its 95 % interval. [kPa]
@@ -142,7 +143,7 @@ class HardnessLaw:
         laws = (
             "Hertz contact of the ball, fitted to six products"
             if scale == SHORE_00
-            else (f"mean of {', '.join(law.name for law in self.laws_a)}")
+            else f"mean of {', '.join(law.name for law in self.laws_a)}, fitted to ten silicones"
         )
         source = f"{STATED}{scale} {shore:g} as stated, within {self.points:g} points; {laws} (materials/hardness.toml)"
         return Quantity(value, value * math.exp(-low), value * math.exp(high), "inferred", source)
@@ -219,20 +220,22 @@ def _read(path: Path, changed_ns: int) -> HardnessLaw:
     ball, cone, scatter = (top.table(name) for name in ("shore_00", "shore_a", "scatter"))
     numbers = ("ball_radius_mm", "travel_mm", "force_0_N", "force_rise_N", "factor")
     ball.only(("lowest", "highest", *numbers, "point"))
-    cone.only(("lowest", "highest", "law"))
+    cone.only(("lowest", "highest", "sure_from", "factor", "point", "law"))
     radius, travel, first, rise = (ball.quantity(name).value for name in numbers[:-1])
-    ranges = {scale: (one.number("lowest", low=0.0, high=99.0), one.number("highest", low=0.0, high=99.0))
-              for scale, one in ((SHORE_00, ball), (SHORE_A, cone))}  # fmt: skip
+    scales = {SHORE_00: ball, SHORE_A: cone}
     return HardnessLaw(
-        ranges,
+        {key: (one.number("lowest", low=0.0, high=99.0), one.number("highest", low=0.0, high=99.0))
+         for key, one in scales.items()},
         radius,
         travel,
         (first, rise),
-        ball.quantity("factor"),
+        {key: one.quantity("factor") for key, one in scales.items()},
         tuple(map(_law, cone.tables("law"))),
-        scatter.quantity("between_products_a").value,
+        cone.number("sure_from"),
         scatter.quantity("points").value,
-    )
+        {key: tuple((row.number("shore"), row.quantity("young_kPa")) for row in one.tables("point"))
+         for key, one in scales.items()},
+    )  # fmt: skip
 
 
 def _law(table: TomlTable) -> _ShoreA:

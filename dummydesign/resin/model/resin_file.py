@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import hashlib
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.errors import InputError
 from dummydesign.core.files import output_folder, write_text
+from dummydesign.core.parsing import UNITS, YOUNG
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.toml_schema import REQUIRED, TomlTable, read_table
-from dummydesign.core.user_library import Entry, find, toml_table, user_folder
+from dummydesign.core.user_library import Entry, data_folder, find, read_toml, toml_table, user_folder
 from dummydesign.resin.model.modulus_laws import LAWS, ModulusLaw
 from dummydesign.resin.model.ratio_meaning import CHEMISTRIES, guessed_chemistry, read_ratio_meaning
 from dummydesign.resin.model.resin import Liquid, Point, PuckPoint, Resin, ResinArm
@@ -22,8 +25,9 @@ if TYPE_CHECKING:
 
 KIND = "materials/resins"
 DEFAULT = "polyurethane-nagoya"
+DENSITY = "density_g_per_cm3"
 PROPERTIES = (
-    "density_g_per_cm3",
+    DENSITY,
     "viscosity_Pa_s",
     "pot_life_min",
     "degas_pressure_kPa",
@@ -139,6 +143,7 @@ def read_resin(entry: Entry) -> Resin:
         ogden_alpha=_alpha(top.table("elastic", required=False).only(("ogden_alpha",)), "ogden_alpha"),
         prior_relaxation=_arms(before, low, high, ratio_ref) if "prior" in relaxation else None,
     )
+    _check_units(top, given=entry.origin == "file")
     _check_physics(resin, top.table("modulus"))
     return resin
 
@@ -150,7 +155,45 @@ def read_points(path: Path) -> tuple[str, str, list[Point]]:
     """
     top = read_table(path, ("schema", "base", "name", "point"), schema=None)
     points = list(map(_point, top.tables("point")))
+    _check_units(top, given=True)
     return top.string("base", DEFAULT), top.string("name", path.stem), points
+
+
+@cache
+def _plausible() -> dict[str, dict[str, Any]]:
+    """Range and likely units by key; moduli have the range of a typed one."""
+    modulus = {"low": YOUNG.usual[0], "high": YOUNG.usual[1], "unit": "kPa", "units": UNITS["kPa"]}
+    own = read_toml(data_folder() / "materials" / "plausible-resin.toml")[0]
+    return own | {key: modulus for law in LAWS.values() for key in ("young_kPa", *law.parameters) if "young" in key}
+
+
+def _check_units(table: TomlTable, given: bool) -> None:
+    """Ask where another unit explains a number of a file that is ``given``; about a density in any file.
+
+    A source that names the number with its unit settles it.
+    """
+    for key, one in table.data.items():
+        if isinstance(one, list) and one and isinstance(one[0], dict):
+            for item in table.tables(key):
+                _check_units(item, given)
+        elif isinstance(one, dict) and not (key in _plausible() and "value" in one):
+            _check_units(table.table(key), given)
+        elif isinstance(one, dict) and (given or key == DENSITY):
+            _check_unit(table, key, table.quantity(key))
+
+
+def _check_unit(table: TomlTable, key: str, quantity: Quantity) -> None:
+    value, (low, high, unit, sizes) = (
+        quantity.value,
+        (_plausible()[key][one] for one in ("low", "high", "unit", "units")),
+    )
+    fits = [f"{value * size:.4g} {unit} from {name}" for name, size in sizes.items() if low <= value * size <= high]
+    settled = key != DENSITY and (not fits or f"{value:g} {unit}" in quantity.source)
+    if not (settled or low <= value <= high):
+        likely = f"; give {' or '.join(fits)}" if fits else ""
+        words = "" if key == DENSITY else f". Where {value:g} {unit} is meant, name it in the source with its unit"
+        message = f"{table.where(key)}: '{key}' = {value:g} is not from {low:g} to {high:g} {unit}{likely}{words}"
+        raise InputError(message, "implausible_unit", key, value, (low, high))
 
 
 def _positive(table: TomlTable, key: str, zero: bool = False) -> Quantity:

@@ -279,7 +279,7 @@ def add_resin(file: str | Path, replace_own: bool = False) -> tuple[Resin, Path]
         )
     content, _ = read_toml(path)
     if "modulus" in content or "point" not in content:
-        resin = replace(read_resin(Entry(path.stem, path, "user")), origin="user")
+        resin = replace(read_resin(Entry(path.stem, path, "file")), origin="user")
     else:
         base, name, points = read_points(path)
         resin = update_resin(load_resin(base), points, name)

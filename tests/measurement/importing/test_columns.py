@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dummydesign.core.errors import InputError
 from dummydesign.core.user_library import data_folder, read_toml
 from dummydesign.measurement.importing import columns as module
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
@@ -362,3 +363,12 @@ def test_the_position_is_what_stands_near_its_end_and_a_short_stand_leaves_doubt
     else:
         with raises_code("missing", "displacement"):
             module.choose_by_behaviour(columns, {}, roles, values, log)
+
+
+@pytest.mark.parametrize(
+    ("name", "true"), [("true_stress_kPa", True), ("True stress [MPa]", True), ("stress_kPa", False)]
+)
+def test_the_advice_on_a_true_stress_is_to_export_the_force(name, true, tmp_path):
+    with pytest.raises(InputError) as caught:
+        read(tmp_path, f"time_s;displacement_mm;{name}")
+    assert ("section at that strain" in str(caught.value)) == true

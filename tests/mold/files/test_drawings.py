@@ -15,9 +15,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dummydesign.mold.files import part_drawings as projection
-from dummydesign.mold.files.drawing_layout import SCALES, Measure, Title, View, arrange, hatch, lay_out_view
+from dummydesign.mold.files.drawing_layout import SCALES, Measure, Title, View, arrange, hatch, lay_out_view, wrapped
 from dummydesign.mold.files.drawing_sheet import PAPERS, TEXT_MM, Drawing, Line, to_dxf, to_pdf, to_svg
 from dummydesign.mold.files.part_drawings import part_views, sheets
+from dummydesign.mold.model.preset import mould_spec
 from tests.support.mould_checks import shape_spec
 from tests.support.pdf_paths import contents, pages_mm, paths_mm
 
@@ -203,6 +204,20 @@ def test_long_names_are_cut_and_notes_wrapped_so_that_they_stay_in_their_cells()
     title = Title("a long project " * 20, "part " * 30, "plastic " * 30, "ISO 2768-m", "ABCD", "2026-01-01", "1 of 1")
     for paper in PAPERS:
         assert meeting(arrange([View("view", (square,))], title, ["note " * 60], paper)) == []
+        assert meeting(arrange([View("view", (square,))], title, ["crowned:radius=21.2," * 20], paper)) == []
+
+
+def test_only_a_word_that_is_longer_than_its_line_is_cut():
+    rng = np.random.default_rng(20261128)
+    for _ in range(20):
+        notes = [" ".join("abcdefghij"[: rng.integers(1, 10)] for _ in range(60)) for _ in range(3)]
+        assert " ".join(wrapped(notes, float(rng.uniform(60.0, 250.0)))) == " ".join(notes)
+
+
+def test_a_pad_of_several_crowns_has_no_raw_parameters_in_its_title():
+    sites = (("sites_along", 3.0), ("sites_across", 2.0), ("pitch_along", 25.0), ("pitch_across", 40.0))
+    sizes = (("radius", 21.2), ("height", 2.0), ("foot", 9.4), *sites)
+    assert mould_spec(4.5, 100.0, 80.0, kind="crowned", parameters=sizes).pad.title == "crowned pad 100 x 80 x 4.5 mm"
 
 
 @pytest.mark.slow

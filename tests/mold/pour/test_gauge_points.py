@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
 from dummydesign import cli
+from dummydesign.core.errors import InputError
 from dummydesign.core.manifest import Question
 from dummydesign.core.outputs import new_folder
 from dummydesign.geometry.pad_shape import PadShape
@@ -209,3 +210,68 @@ def test_the_sheet_lists_every_point_with_its_limits_and_a_column_for_each_pad()
         assert sum(cell == sheet.BLANK for rows in tables for cell in rows[1]) == spec.count
         text = sheet_text(blocks)
         assert "mean of five" not in text and all(f"{one.name}=MM" in text for one in gauge_points(spec))
+
+
+def drawn_spec(rng):
+    """A crown, several or a ridge on a pad that may be only just large enough."""
+    for _ in range(200):
+        height, foot = round(rng.uniform(0.6, 6.0), 1), round(rng.uniform(3.0, 25.0), 1)
+        ridge, sites = int(rng.random() < 0.25), rng.integers(1, 4, 2)
+        sites = (1, 1) if ridge else sites
+        pitch = np.round(2.0 * foot + rng.uniform(0.0, 12.0, 2), 1)
+        room = np.maximum(2.0 * (foot + 8.0) + (np.array(sites) - 1) * pitch + rng.uniform(0.0, 14.0, 2), 16.0)
+        names = {"radius": round(rng.uniform(0.1, 0.6) * foot**2 / height, 1), "height": height, "foot": foot}
+        names |= {"ridge": ridge} if ridge else {}
+        if max(sites) > 1:
+            names |= {"sites_along": sites[0], "sites_across": sites[1], "pitch_along": pitch[0]}
+            names |= {"pitch_across": pitch[1]}
+        listed = tuple((name, float(value)) for name, value in names.items())
+        thickness = round(height + rng.uniform(2.0, 10.0), 1)
+        try:
+            return mould_spec(thickness, float(room[0]), float(room[1]), kind="crowned", parameters=listed)
+        except InputError:
+            continue
+    raise AssertionError("no drawn mould can be made")
+
+
+def gauged_on_flats(spec):
+    """Points of a drawn mould, each but the tips checked on a fine grid of its foot against the closed forms."""
+    pad = spec.pad
+    shape, names = pad.shape, [one.name for one in gauge_points(spec)]
+    for one in gauge_points(spec):
+        if one.name.startswith("tip"):
+            continue
+        away = [
+            abs(one.y_mm - b) if shape.runs_out else np.hypot(one.x_mm - a, one.y_mm - b) for a, b in shape.places_mm
+        ]
+        assert min(away) - max(shape.lines_mm()) > 3.98
+        assert one.nominal_mm == pytest.approx(pad.thickness_mm - shape.relief_mm)
+        for at, side in ((one.x_mm, pad.length_mm), (one.y_mm, pad.width_mm)):
+            assert side / 2 - abs(at) - pad.edge_radius_mm > 3.98
+    left = [one for one in pour_warnings(spec, pour_plan(spec)) if one["code"] == "gauge_points_left_out"]
+    missing = {"shoulder", *CORNERS} - set(names)
+    assert bool(left) == bool(missing) and all(name in left[0]["message"] for name in missing)
+    return missing
+
+
+def test_no_gauge_point_is_within_the_foot_of_a_slope():
+    rng = np.random.default_rng(20261128)
+    missing = [gauged_on_flats(drawn_spec(rng)) for _ in range(40)]
+    assert sum(map(bool, missing)) < 20  # most pads have room everywhere
+
+
+def test_a_pad_without_room_beside_its_crown_says_so_and_its_record_needs_no_shoulder(tmp_path, capsys):
+    sizes = (("radius", 3.0), ("height", 1.0), ("foot", 4.0))
+    spec = mould_spec(8.0, 24.0, 24.0, kind="crowned", parameters=sizes)
+    spec = replace(spec, pad=replace(spec.pad, edge_radius_mm=4.0))
+    assert "shoulder" in gauged_on_flats(spec)
+    folder = keep(tmp_path / "m", spec)
+    assert record(folder, typed(spec), spec, "--json") == 0
+    assert json.loads(capsys.readouterr().out)["accepted"]
+
+
+@pytest.mark.slow
+def test_no_gauge_point_of_five_hundred_drawn_moulds_is_within_the_foot_of_a_slope():
+    rng = np.random.default_rng(20261129)
+    missing = [gauged_on_flats(drawn_spec(rng)) for _ in range(500)]
+    assert sum(map(bool, missing)) < 250

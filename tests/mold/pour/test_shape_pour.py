@@ -58,8 +58,9 @@ def test_pour_sheet_says_what_the_shape_needs(text):
     plan = pour_plan(spec)
     warnings = pour_warnings(spec, plan)
     written = sheet_text(sheet.pour_sheet(spec, plan, warnings))
-    for words in (*TOLD[text], str(spec.pad.shape), f"{plan.fill_mass_g:.1f} g"):
+    for words in (*TOLD[text], spec.pad.title, f"{plan.fill_mass_g:.1f} g"):
         assert words in written
+    assert f"{spec.pad.kind}:" not in written  # no raw parameters
     assert [c.id for c in check_process.check_process(spec, plan, warnings) if c.status == "fail"] == []
     told = {"curved_master", "layer_bond", "bone_air"} & {item["code"] for item in warnings}
     assert told

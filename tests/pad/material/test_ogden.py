@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dummydesign.core.errors import InputError
 from dummydesign.pad.axisymmetric.puck import UnitPuck, puck_problem
 from dummydesign.pad.material.hyperelastic import Axisymmetric, Ogden, Spatial, Yeoh, read_law
 from dummydesign.pad.solve.continuation import follow
@@ -140,3 +141,38 @@ def test_laws_are_read_from_the_words_of_the_command_line():
 def test_laws_that_cannot_be_are_refused(text, code):
     with raises_code(code):
         read_law(text)
+
+
+def test_the_convention_of_abaqus_is_the_same_energy_as_its_closed_form():
+    rng = np.random.default_rng(20261128)
+    for _ in range(20):
+        count = int(rng.integers(1, 4))
+        mu, alpha = rng.uniform(0.01, 0.5, count), rng.uniform(0.8, 9.0, count) * rng.choice([-1.0, 1.0], count)
+        law = read_law("ogden-abaqus:" + ";".join(f"{m!r},{a!r}" for m, a in zip(mu.tolist(), alpha.tolist())))
+        assert law.shear_MPa == pytest.approx(mu.sum())
+        stretch = rng.uniform(0.5, 1.8)
+        # uniaxial stress of Abaqus' form: sum 2 mu / alpha (l^(alpha-1) - l^(-alpha/2-1))
+        expected = sum(2 * m / a * (stretch ** (a - 1) - stretch ** (-a / 2 - 1)) for m, a in zip(mu, alpha))
+        side = stretch**-0.5
+        along, across = (law.stress(np.diag([stretch, side, side]).reshape(1, 9))[0, at] for at in (0, 4))
+        assert along - across * side / stretch == pytest.approx(expected)
+
+
+def test_terms_in_the_other_convention_are_asked_about_and_none_that_make_the_modulus():
+    rng, right = np.random.default_rng(20261129), 0
+    for number in range(60):
+        count, size = int(rng.integers(1, 4)), (1.0, 1e3)[number % 2]
+        mu, alpha = rng.uniform(0.01, 0.1, count), rng.uniform(2.2, 9.0, count)
+        typed = "ogden:" + ";".join(f"{size * m:.6g},{a:.4g}" for m, a in zip(mu, alpha))
+        with raises_code("inconsistent"):
+            read_law(typed, 3.0 * mu.sum())
+        right += read_law(typed, 1.5 * float(mu @ alpha)).shear_MPa > 0.0
+        assert read_law(typed.replace("ogden", "ogden-abaqus"), 3.0 * mu.sum()).shear_MPa == pytest.approx(
+            size * mu.sum(), rel=1e-4
+        )
+    assert right == 60 and read_law("ogden:0.03,2", 0.09).shear_MPa == pytest.approx(0.03)
+
+
+def test_a_negative_alpha_names_the_other_convention():
+    with pytest.raises(InputError, match="ogden-abaqus"):
+        read_law("ogden:0.4095,1.3;0.003,5;0.01,-2")

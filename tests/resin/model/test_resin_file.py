@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core import user_library
+from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import Quantity
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.resin import Point
@@ -112,3 +113,57 @@ def test_points_outside_the_range_are_refused(tmp_path, monkeypatch):
     )
     with raises_code("out_of_range", "ratio"):
         add_resin(path)
+
+
+# Products as they are sold and the units that their data sheets use.
+SLIPS = [
+    ("density_g_per_cm3", (0.85, 1.8), 1e-3),
+    ("density_g_per_cm3", (0.85, 1.8), 0.1198264),
+    ("density_g_per_cm3", (0.85, 1.8), 0.01601846),
+    ("viscosity_Pa_s", (0.3, 60.0), 1e-3),
+    ("pot_life_min", (6.0, 120.0), 1 / 60),
+    ("cure_time_h", (3.0, 48.0), 1 / 60),
+    ("young_kPa", (6.0, 400.0), 1e3),
+    ("young_kPa", (6.0, 400.0), 1e-3),
+]
+
+
+def fixed_resin(path, source="data sheet", **typed):
+    """A resin of one mix; ``typed`` replaces its numbers."""
+    numbers = {"density_g_per_cm3": 1.05, "viscosity_Pa_s": 3.0, "young_kPa": 60.0, "pot_life_min": 20.0}
+    numbers |= {"cure_time_h": 16.0} | typed
+
+    def row(key):
+        ends = f"value = {numbers[key]!r}, low = {0.9 * numbers[key]!r}, high = {1.1 * numbers[key]!r}"
+        return f'{key} = {{ {ends}, kind = "assumed", source = "{source}" }}\n'
+
+    head = 'schema = 1\nname = "own"\nratio_meaning = "B per 100 A by weight"\nratio_min = 100.0\nratio_max = 100.0\n'
+    none = 'softness_exponent = { value = 0.0, low = 0.0, high = 0.0, kind = "assumed", source = "one mix" }\n'
+    path.write_text(
+        f'{head}[[component]]\nname = "mix"\nparts = "ratio"\n{row("density_g_per_cm3")}{row("viscosity_Pa_s")}'
+        f'[modulus]\nlaw = "fixed"\n{row("young_kPa")}[relaxation]\nratio_ref = 100.0\n{none}'
+        f"[property]\n{row('pot_life_min')}{row('cure_time_h')}"
+    )
+    return path
+
+
+@pytest.mark.parametrize(("key", "span", "size"), SLIPS)
+def test_a_number_in_another_unit_is_asked_with_the_number_that_was_meant(key, span, size, tmp_path, monkeypatch):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / "home"))
+    rng = np.random.default_rng(20261128)
+    for true in np.exp(rng.uniform(*np.log(span), 12)).tolist():
+        add_resin(fixed_resin(tmp_path / "r.toml", **{key: true}), True)
+        path = fixed_resin(tmp_path / "r.toml", **{key: true / size})
+        with pytest.raises(InputError) as caught:
+            add_resin(path, True)
+        assert caught.value.code == "implausible_unit" and caught.value.quantity == key
+        assert f"{true:.4g} " in str(caught.value)
+
+
+def test_a_source_that_names_the_unit_settles_an_unusual_number_but_no_density(tmp_path, monkeypatch):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / "home"))
+    add_resin(fixed_resin(tmp_path / "r.toml", "data sheet, 420 min", pot_life_min=420.0))
+    with raises_code("implausible_unit"):
+        add_resin(fixed_resin(tmp_path / "r.toml", "data sheet, 1060 g/cm3", density_g_per_cm3=1060.0), True)
+    with raises_code("implausible_unit"):
+        load_resin(str(fixed_resin(tmp_path / "r.toml", density_g_per_cm3=8.85)))

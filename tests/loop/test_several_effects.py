@@ -33,7 +33,9 @@ NOTHING = ResidualDiagnostics([], [])
 
 def stage(over=1.1, ratio=1.0, p=0.5, score=0.0):
     """A stage whose left-out error is so many noise floors of 0.03 N, with a lack of fit."""
-    fit = SimpleNamespace(sizes=SimpleNamespace(floor_N=0.03), score=score)
+    law = SimpleNamespace(error_priors=((0.01, 0.3),) * 4)
+    sizes = SimpleNamespace(floor_N=0.03, law=(0.01,) * 4)
+    fit = SimpleNamespace(sizes=sizes, score=score, problem=SimpleNamespace(law=law))
     lack = SimpleNamespace(ratio=ratio, p=p)
     return SimpleNamespace(fit=fit, lack=lack, errors=SimpleNamespace(heldout_N=None if over is None else 0.03 * over))
 

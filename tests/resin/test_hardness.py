@@ -91,8 +91,8 @@ def test_soft_products_left_out_one_at_a_time_are_inside_the_interval_of_the_oth
 
 def test_a_soft_shore_a_is_kept_with_a_warning_that_the_scale_is_at_its_end():
     soft, firm = (add_hardness(name, shore_a=shore) for name, shore in (("soft", 20.0), ("firm", 40.0)))
-    assert [one["code"] for one in soft.warnings] == ["end_of_scale", "hardness_only"]
-    assert [one["code"] for one in firm.warnings] == ["hardness_only"]
+    assert [one["code"] for one in soft["warnings"]] == ["end_of_scale", "hardness_only"]
+    assert [one["code"] for one in firm["warnings"]] == ["hardness_only"]
 
 
 @pytest.mark.parametrize(("scale", "shores"), [("00", (8.0, 25.0, 50.0, 70.0)), ("A", (30.0, 40.0, 85.0))])

@@ -28,6 +28,8 @@ LACK_P = 0.01
 PROBE_LIMIT = 60.0
 FORGIVEN = 1.0 / 6.0
 """Share of the evidence won that may follow one factor: laws of growth are never quite the true ones."""
+STATED = 3.0
+"""Standard deviations, of the logarithm of its size, by which the law's error may exceed what is stated of it."""
 LEFT_LIMIT = 1.3
 """Left-out error over what noise and the force law's own error let expect, up to which it counts as noise."""
 DRAWS = 4000
@@ -121,6 +123,13 @@ def remainder(base: AssessedModel, after: AssessedModel, seen: ResidualDiagnosti
     lack = after.lack
     if lack.ratio is not None and lack.p is not None and lack.ratio > LACK_LIMIT and lack.p < LACK_P:
         reasons.append(f"lack of fit {lack.ratio:.2f} times the pure error of repeats (p = {lack.p:.4f})")
+    terms = zip(("slope", "curvature", "waves"), after.fit.sizes.law[1:], after.fit.problem.law.error_priors[1:])
+    reasons += [
+        f"the force law would have to be off by {100.0 * size:.2g} % ({name} over depth), where {100.0 * median:.2g} % "
+        "is stated"
+        for name, size, (median, spread) in terms
+        if np.log(size / median) > STATED * spread
+    ]
     # a law of growth that is a little off is allowed for
     scale, won = max(1.0, lack.ratio or 1.0), base.fit.score - after.fit.score
     for one in seen.where:

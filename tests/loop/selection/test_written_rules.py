@@ -45,7 +45,10 @@ def cases(limit: float):
 
 
 def stage(over=1.0, ratio=None, p=None, score=0.0, floor=0.03):
-    fit = SimpleNamespace(sizes=SimpleNamespace(floor_N=floor), score=score)
+    priors = SlabLaw.error_priors
+    law = SimpleNamespace(error_priors=priors)
+    sizes = SimpleNamespace(floor_N=floor, law=tuple(median for median, _ in priors))
+    fit = SimpleNamespace(sizes=sizes, score=score, problem=SimpleNamespace(law=law))
     errors = SimpleNamespace(heldout_N=None if over is None else floor * over)
     return SimpleNamespace(fit=fit, lack=SimpleNamespace(ratio=ratio, p=p), errors=errors)
 
@@ -328,3 +331,16 @@ def test_an_effect_whose_interval_holds_zero_needs_the_written_multiple(monkeypa
             one = candidate("ageing", gain)
             check = search.EffectCheck(one.effect, "reduced", [], [one])
             assert (search._change(current, [check], 3) == "reduced") is (holds and not certain)
+
+
+def test_a_law_that_would_have_to_be_far_worse_than_stated_explains_nothing(plain_noise):
+    times = written("unexplained", "force law # standard deviations above")
+    nothing = ResidualDiagnostics([], [])
+    for term, (median, spread) in enumerate(SlabLaw.error_priors):
+        for share, far in cases(times):
+            base, after = stage(), stage()
+            sizes = list(after.fit.sizes.law)
+            sizes[term] = median * np.exp(share * spread)
+            after.fit.sizes.law = tuple(sizes)
+            # a level is the pad's own as well
+            assert bool(verdict.remainder(base, after, nothing).reasons) is (far and term > 0)

@@ -124,9 +124,9 @@ def suggest(
     >>> import dummydesign
     >>> answer = dummydesign.suggest("forefinger", shape="crowned", verify=False).to_dict()
     >>> answer["recommendation"]["thickness_mm"], answer["recommendation"]["ratio"]
-    (4.5, 15.6)
+    (4.5, 15.5)
     >>> [(part["name"], part["mass_g"]) for part in answer["recommendation"]["recipe"]["components"]]
-    [('polyol', 54.5), ('isocyanate', 8.5)]
+    [('polyol', 54.2), ('isocyanate', 8.4)]
     """
     from dummydesign.design.request import Request
 

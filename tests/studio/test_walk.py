@@ -13,7 +13,7 @@ import pytest
 
 from dummydesign.measurement.campaign_status import check_campaign
 from tests.support.pressed_plan import press_campaign
-from tests.support.studio import browser, processor_s, running, surroundings
+from tests.support.studio import browser, choose, processor_s, running, surroundings
 from tests.support.studio import test_id as by
 from tests.support.walkthrough_files import write as write_exports
 
@@ -76,6 +76,9 @@ def _to_mould(page, studio, base, told):
     click(by("run-fit"))
     page.wait_for_selector(f"{by('found-fit')} table", timeout=LONG_MS)
     page.goto(f"{studio.home}tissue")
+    choose(page, "tissue", "tissue/mine.toml")
+    click.count += 2
+    page.wait_for_selector(".problem", state="detached")
     click(by("use"))
     page.wait_for_selector('[data-test="verdict"] .verdict')
     told["seconds"]["slider"], told["seconds"]["slider_processor"] = _slide(page, studio.process.pid)

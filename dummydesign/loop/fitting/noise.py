@@ -21,14 +21,16 @@ from dummydesign.loop.data.trials import Presses
 
 POSITION_PRIOR_MM = (0.008, 1.0)
 """Median and spread (of the logarithm) of the contact scatter; that of the law's error belongs to the law."""
+GAIN_PRIOR = (5e-4, 1.0)
+"""Median and spread of the scatter of a press's whole force about that of its repeats."""
 SLOW_BOUNDS = np.array([[1e-4, 0.05], [5.0, 20.0]])  # lowest and highest slow noise [N] and time of it [s]
 STEADY = 1e-4
 """Slow noise over the largest force, at least: load cells creep by up to 2.5e-4 of their load (OIML R 60, class C3)."""
-GAIN_PRIOR = (5e-4, 1.0)
-"""The same of the scatter of a press's whole force about that of its repeats."""
-SIZE_BOUNDS = np.array([[3e-4, 5e-5, 3e-4, 3e-4, 3e-4, 1e-4], [0.5, 0.1, 0.2, 0.3, 0.3, 0.01]])
+MOST = (0.5, 0.1)
+"""Largest scatter of presses in contact [mm] and gain where repeats do not bound it."""
+SIZE_BOUNDS = np.array([[3e-4, 5e-5, 3e-4, 3e-4, 3e-4, 1e-4], [*MOST, 0.2, 0.3, 0.3, 0.01]])
 """Lowest and highest scatter of presses in contact [mm] and gain, and law error in level, slope, curvature, waves."""
-UNSEEN = (0.008, 5e-4)
+UNSEEN = (POSITION_PRIOR_MM[0], GAIN_PRIOR[0])
 """Scatter of contact [mm] and gain that is taken for usual where repeats do not show it."""
 CHI2_MEDIAN = 0.4549  # median of the chi-square distribution of one degree of freedom
 Priors = tuple[tuple[float, float], ...]
@@ -45,7 +47,7 @@ class NoiseSizes:
     curve: float
     wave: float
     gain: float = field(default=0.0, kw_only=True)
-    most: tuple[float, float] = field(default=(0.5, 0.1), kw_only=True)
+    most: tuple[float, float] = field(default=MOST, kw_only=True)
 
     @classmethod
     def first(cls, presses: Presses, law_priors: Priors) -> NoiseSizes:
@@ -231,7 +233,7 @@ class SizeLikelihood:
     gram: NDArray
     counts: tuple[int, ...]
     law_priors: Priors
-    most: tuple[float, float] = (0.5, 0.1)
+    most: tuple[float, float] = MOST
 
     @property
     def bounds(self) -> tuple[NDArray, NDArray]:

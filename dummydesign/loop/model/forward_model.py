@@ -120,9 +120,13 @@ class LawError:
     """Depth over thickness to which the error was seen; deeper it is held."""
 
     def factor(self, share: NDArray) -> NDArray:
-        """(1 + level + slope s + curve s^2) times :meth:`waved`, s = (d/h) / 0.4, of relative depths (T, N)."""
+        """:meth:`smooth` times :meth:`waved`, of relative depths (T, N)."""
+        return self.smooth(share) * self.waved(share)
+
+    def smooth(self, share: NDArray) -> NDArray:
+        """1 + level + slope s + curve s^2, s = (d/h) / 0.4, of relative depths (T, N)."""
         s, (level, slope, curve) = np.minimum(share, self.reach) / REFERENCE_DEPTH, self.terms[:SMOOTH_TERMS, :, None]
-        return (1.0 + level + s * (slope + s * curve)) * self.waved(share)
+        return 1.0 + level + s * (slope + s * curve)
 
     def waved(self, share: NDArray) -> NDArray:
         """1 + waves of relative depths (T, N): a factor of its own, so that no level makes waves cheaper."""
@@ -264,7 +268,8 @@ def base_and_law_columns(
     base = BaseParameters.from_logs(logs)
     arms = arms_of(presses, base, acting, depth)
     plain = base.young_MPa * unit
-    elastic, waved = plain * error.factor(share), plain * error.waved(share)
+    waved = plain * error.waved(share)
+    elastic = waved * error.smooth(share)
     each = np.stack([elastic, *(waved * (share / REFERENCE_DEPTH) ** power for power in range(SMOOTH_TERMS))])
     held = arm_forces(presses.time_s, each, arms)
     force, *shapes = (loaded(one, arms, held[:, k]) for k, one in enumerate(each))

@@ -18,7 +18,7 @@ from dummydesign.core.toml_schema import REQUIRED, TomlTable, read_table
 from dummydesign.core.user_library import Entry, data_folder, find, read_toml, toml_table, user_folder
 from dummydesign.resin.model.modulus_laws import LAWS, ModulusLaw
 from dummydesign.resin.model.ratio_meaning import CHEMISTRIES, guessed_chemistry, read_ratio_meaning
-from dummydesign.resin.model.resin import Liquid, Point, PuckPoint, Resin, ResinArm
+from dummydesign.resin.model.resin import WRITTEN, Liquid, Point, PuckPoint, Resin, ResinArm
 
 if TYPE_CHECKING:
     from dummydesign.measurement.trace import Trace
@@ -36,27 +36,7 @@ PROPERTIES = (
     "age_before_test_days",
     "shrinkage_percent",
 )
-KEYS = (
-    "schema",
-    "name",
-    "title",
-    "chemistry",
-    "ratio_meaning",
-    "ratio_by",
-    "ratio_per",
-    "ratio_min",
-    "ratio_max",
-    "ratio_step",
-    "references",
-    "notes",
-    "component",
-    "modulus",
-    "elastic",
-    "relaxation",
-    "property",
-    "point",
-    "contradictions",
-)
+KEYS = ("schema", *WRITTEN, "component", "modulus", "elastic", "relaxation", "property", "point")
 
 
 def recording_sha256(trace: Trace) -> str:

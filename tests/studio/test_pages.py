@@ -256,10 +256,16 @@ def test_files_can_be_chosen_by_the_keyboard(studio):
         page.goto(found.address)
         page.wait_for_selector("h1")
         visit(page, found, "measured")
-        page.locator(by("choose")).focus()
-        with page.expect_file_chooser() as chooser:
+        page.wait_for_function("window.did_handshake")  # a page that connects draws itself anew and loses the focus
+        choosers = []
+        page.on("filechooser", lambda one: choosers.append(one))
+        for _ in range(5):  # a browser forgets on a busy machine that a key was pressed: a second press is no fault
+            page.locator(by("choose")).focus()
             page.keyboard.press("Enter")
-        assert chooser.value.is_multiple()
+            page.wait_for_timeout(2000)
+            if choosers:
+                break
+        assert choosers and choosers[0].is_multiple()
 
 
 def test_a_page_opens_in_less_than_two_seconds_of_the_server_and_tells_the_clock(studio):

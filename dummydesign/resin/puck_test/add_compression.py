@@ -49,15 +49,15 @@ def loading(displacement_mm: Array, force_N: Array) -> tuple[Array, Array]:
 
 
 def steps(displacement_mm: Array, force_N: Array, window: Window) -> tuple[Array, Array]:
-    """The first loading at zero and over a window: means over equal steps of displacement, for noise to fall."""
+    """The first loading before zero and over a window: means over equal steps of displacement, for noise to fall."""
     depth, load = loading(displacement_mm, force_N)
     edges = np.linspace(window[0], min(window[1], float(depth[-1])), STEPS + 1)
     work = np.r_[0.0, np.cumsum(0.5 * (load[1:] + load[:-1]) * np.diff(depth))]
     mean = np.diff(np.interp(edges, depth, work)) / np.diff(edges)
-    # the force before the machine's zero is the same noise about the same zero
-    before = force_N[: int(np.argmax(displacement_mm > 0.0))]
-    zero = float(np.median(before)) if len(before) else float(np.interp(0.0, depth, load))
-    return np.r_[0.0, 0.5 * (edges[1:] + edges[:-1])], np.r_[zero, mean]
+    # medians of a rising curve are a point of it, also where contact lies before the machine's zero
+    before = slice(int(np.argmax(displacement_mm > 0.0)) or 1)
+    at, zero = np.median(displacement_mm[before]), np.median(force_N[before])
+    return np.r_[at, 0.5 * (edges[1:] + edges[:-1])], np.r_[zero, mean]
 
 
 def add_compression(

@@ -2,7 +2,7 @@
 
 Model of a curve k: load(x) = A E u(c; alpha) B(c; alpha, friction), c = (x - x_k) / height, with u the closed
 form between frictionless plates and B the table of ``pad.tables.puck``; x_k is where that curve's contact
-begins. The machine's load is zeroed at x = 0, in the data and in the model alike. Modulus, stiffening and
+begins. The load is zeroed at a curve's first point, in the data and in the model alike. Modulus, stiffening and
 friction are common to all curves of the batch.
 
 A declaration of the plates (``puck_test.plates``) gives the friction a prior. Modulus, friction and alpha of a puck are
@@ -46,6 +46,10 @@ class LoadingCurve:
     puck: str
     compression_mm: Array
     load_N: Array
+
+
+Part = tuple[Array, Array, float]
+"""A curve's compressions over height, stresses in kPa, and the compression where its load is zeroed."""
 
 
 @dataclass(frozen=True)
@@ -114,14 +118,15 @@ def fit_pucks(
         message = f"window_mm = {low:g} to {high:g} must lie within 0 and {0.56 * height_mm:.4g} (0.56 heights)"
         raise InputError(message, "out_of_range", "window_mm", window_mm, (0.0, 0.56 * height_mm))
     area = 0.25 * np.pi * diameter_mm**2
-    parts, loads = [], []
+    parts: list[Part] = []
+    loads = []
     for curve in curves:
         inside = (curve.compression_mm >= low) & (curve.compression_mm <= high)
-        load = curve.load_N - float(np.interp(0.0, curve.compression_mm, curve.load_N))
+        zero_mm, load = float(curve.compression_mm[0]), curve.load_N - curve.load_N[0]
         if inside.sum() < 5 or not np.all(load[inside] > 0.0):
             message = f"curve {curve.name}: needs 5 or more loads above 0 between {low:g} and {high:g} mm"
             raise InputError(message, "not_enough_data", "curve", curve.name)
-        parts.append((curve.compression_mm[inside] / height_mm, load[inside] / area * 1e3))
+        parts.append((curve.compression_mm[inside] / height_mm, load[inside] / area * 1e3, zero_mm / height_mm))
         loads.append(curve.load_N[inside])
     points = _profile(parts, table, GRIPS)
     misfit_open = math.sqrt(min(point.mean_square for point in points))
@@ -148,7 +153,7 @@ def fit_pucks(
         best.jacobian,
         best.grip,
         _law_covariance(parts),
-        [c for c, _ in parts],
+        [c for c, *_ in parts],
     )
     error += REPEAT**2 * np.eye(len(parts))
     return LoadingFit(known, rmse_N, misfit, misfit_open, levels, error, points, excess, variance)
@@ -194,7 +199,7 @@ def press_levels(
 
 
 def _profile(
-    parts: list[tuple[Array, Array]], table: PuckTable, grips: Array, near: Sequence[FrictionFit] = ()
+    parts: list[Part], table: PuckTable, grips: Array, near: Sequence[FrictionFit] = ()
 ) -> list[FrictionFit]:
     """Best fits at some grips, by rising grip; the first begins at the nearest of those known."""
     points: list[FrictionFit] = []
@@ -204,27 +209,28 @@ def _profile(
     return points[::-1]
 
 
-def _model(table: PuckTable, alpha: float, grip_value: float, compression: Array, offset: float) -> Array:
-    """Load over area and modulus, zeroed at no compression."""
+def _model(table: PuckTable, alpha: float, grip_value: float, compression: Array, zero: float) -> Array:
+    """Load over area and modulus, zeroed at a compression."""
 
     def load(c: Array) -> Array:
         c = np.maximum(c, 0.0)
         return uniaxial(alpha, c) * table.factor(alpha, grip_value, c)
 
-    return load(compression - offset) - load(np.array([-offset]))[0]
+    return load(compression) - load(np.array([zero]))[0]
 
 
-def _residuals(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float, q: Array) -> list[Array]:
+def _residuals(parts: list[Part], table: PuckTable, grip_value: float, q: Array) -> list[Array]:
     """Logarithm of fitted over measured stress of each curve."""
-    models = [np.exp(q[0]) * _model(table, q[1], grip_value, c, at) for (c, _), at in zip(parts, q[2:])]
-    return [np.log(np.maximum(model, 1e-12) / stress) for model, (_, stress) in zip(models, parts)]
+    young, alpha, *offsets = [np.exp(q[0]), *q[1:]]
+    models = [_model(table, alpha, grip_value, c - at, zero - at) for (c, _, zero), at in zip(parts, offsets)]
+    return [np.log(np.maximum(young * model, 1e-12) / stress) for model, (_, stress, _) in zip(models, parts)]
 
 
 def _best(
-    parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float, guess: FrictionFit | None
+    parts: list[Part], table: PuckTable, grip_value: float, guess: FrictionFit | None
 ) -> FrictionFit:
     count = len(parts)
-    c, stress = parts[0]
+    c, stress, _ = parts[0]
     middle = len(c) // 2
     model = _model(table, 2.0, grip_value, c[middle : middle + 1], 0.0)[0]
     starts = [np.r_[np.log(stress[middle] / model), 2.0, np.zeros(count)]]
@@ -251,9 +257,9 @@ def _best(
     )
 
 
-def _law_covariance(parts: list[tuple[Array, Array]]) -> Array:
+def _law_covariance(parts: list[Part]) -> Array:
     """Covariance of the residuals by what the law misfits, the same in every curve, and the table's error."""
-    c = np.concatenate([c for c, _ in parts])
+    c = np.concatenate([c for c, *_ in parts])
     return LEAST_MISFIT**2 * alike(c, ALIKE) + TABLE_ERROR**2 * np.eye(len(c))
 
 
@@ -285,14 +291,13 @@ def reduce_press(
 ) -> PuckPress:
     """Cut a press into bins: evenly in displacement over each ramp, growing by a third over each hold.
 
-    Forces are counted from their median before the displacement reaches zero, which a contact that comes a little
-    earlier does not move. Bins outside the window and what
-    follows the last hold are left out.
+    Forces are counted from their median before the displacement reaches zero, in the bins and in their ``average``.
+    Bins outside the window and what follows the last hold are left out.
     """
     last = int(np.searchsorted(time_s, holds[-1].end_s, side="right"))
     time, x, force = time_s[:last], displacement_mm[:last], force_N[:last]
     touch = int(np.argmax(x > 0.0))
-    force = force - (float(np.median(force[:touch])) if touch else float(force[0]))
+    force = force - float(np.median(force[: touch or 1]))
     step = float(np.median(np.diff(time)))
     edges = _edges(time, x, touch, step, holds)
     parts = np.linspace(0.0, 1.0, 5)[:-1]
@@ -301,12 +306,13 @@ def reduce_press(
     motion = np.where(held, mean_around(nodes, time, x), np.interp(nodes, time, x))
     binning = cut(time, edges)
     displacement = binning.mean(x)
+    zero = [np.interp(np.median(time[: touch or 1]), nodes, one) for one in np.eye(len(nodes))]
     keep = (displacement >= window_mm[0]) & (displacement <= window_mm[1])
     return PuckPress(
         holds,
         nodes,
         motion,
-        binning.average(time, nodes)[keep],
+        binning.average(time, nodes)[keep] - np.array(zero),
         binning.start_s[keep],
         binning.end_s[keep],
         binning.samples[keep],

@@ -34,7 +34,7 @@ def made(young_kPa, alpha, plates, tests, noise=0.003):
 
 def best_of(fit):
     """The best fit of a profile."""
-    return min(fit.profile, key=lambda one: one.mean_square)
+    return min(fit.profile, key=lambda one: one.misfit)
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +64,7 @@ def test_taking_the_plates_for_frictionless_would_have_overestimated_the_modulus
     fit = fit_pucks(made(30.0, 2.0, "bonded", [("A1", 0.0, 1.0)], 0.0), 50.0, 30.0, table, WINDOW)
     first, last = fit.profile[0], fit.profile[-1]
     assert first.parameters[0] - last.parameters[0] > np.log(1.25)
-    assert first.mean_square > 25.0 * fit.misfit**2
+    assert first.misfit > 5.0 * fit.misfit
 
 
 @pytest.mark.parametrize(("alpha", "friction"), [pytest.param(2.5, 0.12, marks=pytest.mark.slow), (3.5, 0.08)])
@@ -88,8 +88,6 @@ def test_another_shape_and_bad_curves_are_refused(table, monkeypatch, tmp_path):
     curve = LoadingCurve("A1", "A", GRID, GRID * 2.0)
     with raises_code("out_of_range", "puck_radius_over_height"):
         fit_pucks([curve], 40.0, 30.0, table, WINDOW)
-    with raises_code("out_of_range", "window_mm"):
-        fit_pucks([curve], 50.0, 30.0, table, (1.0, 25.0))
     with raises_code("not_enough_data", "curve"):
         fit_pucks([LoadingCurve("A2", "A", GRID, -GRID)], 50.0, 30.0, table, WINDOW)
     monkeypatch.setattr("dummydesign.core.user_library.data_folder", lambda: tmp_path)

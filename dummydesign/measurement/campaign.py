@@ -14,7 +14,7 @@ from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS
 from dummydesign.geometry.interface import BASES, CONDITIONS, Interface
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shapes.slab import Slab
-from dummydesign.measurement.motion import Ramp
+from dummydesign.measurement.ramp import Ramp
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 

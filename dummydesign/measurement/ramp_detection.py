@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, errors_within
 from dummydesign.core.interpolation import true_runs
-from dummydesign.measurement.motion import DECELERATION_MM_S2, LATE, Motion, Ramp, contact_velocity
+from dummydesign.measurement.motion import DECELERATION_MM_S2, LATE, Motion, contact_velocity
 from dummydesign.measurement.plateau import SLOWED, find_plateau, noise_of, ramp_start, slowing, time_at
+from dummydesign.measurement.ramp import Ramp
 
 if TYPE_CHECKING:
     from dummydesign.measurement.trace import Trace

@@ -16,9 +16,6 @@ from dummydesign.resin.model.resin import SURPRISE, Point, Resin, log_spread
 from dummydesign.resin.puck_test.plates import ALPHA_RANGE
 from dummydesign.resin.update.modulus import spread_between, without_points
 
-ODD_PRESS = 2.7
-"""The same of a press against the others of its puck: by the scatter alone it is passed by chance in 3 % of pucks with
-2 to 4 presses at most."""
 VOLUME_SPREAD = 0.02
 """Standard deviation of ln volume by diameter and height: 0.2 mm of either and the meniscus, assumed."""
 SLIP_FITS = 0.5
@@ -38,7 +35,7 @@ SLIPS = {
 class Pair:
     """Two numbers of one thing, the standard deviation of ln of their ratio, and what to check where they differ.
 
-    ``what`` says of what, with the unit; ``limit`` is how many standard deviations are a contradiction.
+    ``what`` says of what, with the unit.
     """
 
     what: str
@@ -46,7 +43,6 @@ class Pair:
     b: float
     spread: float
     check: str
-    limit: float = SURPRISE
 
     @property
     def deviations(self) -> float:
@@ -56,7 +52,7 @@ class Pair:
     @property
     def far(self) -> bool:
         """Whether the two contradict each other."""
-        return abs(self.deviations) > self.limit
+        return abs(self.deviations) > SURPRISE
 
     def to_dict(self) -> dict[str, Any]:
         """Return what it is and the two numbers."""
@@ -139,7 +135,6 @@ def odd_press(names: Sequence[str], young_kPa: float, levels: np.ndarray, covari
             float(mean),
             float(spreads[at]),
             "the files are of two pucks, or the puck slipped; add each puck by itself",
-            ODD_PRESS,
         )
     ]
 

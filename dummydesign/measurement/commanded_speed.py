@@ -20,6 +20,8 @@ CHORD, LONG, SAME, ABOVE = 0.1, 0.34, 0.03, 0.03
 one may be 3 % more."""
 BRAKINGS, ROBOTS_BRAKE, NODES = (1.0, 2e5), 300.0, 30
 """Brakings that are tried, and the least of a robot; a softer one is a slow motion that eases to its stop. [mm/s2]"""
+REDUCED_MM_S = 250.0
+"""Fastest speed of a robot beside people, ISO 10218-1: a speed without a bound may be this one."""
 TRIED, STEP, SURE = (-0.16, 0.53), 0.02, 0.08
 """ln of the speeds that are tried over the fastest chord, and between them; error of a speed that needs no word."""
 FITS, SEEN, EQUAL, LIKELY = 4.0, 20.0, 1.0, 6.0
@@ -32,7 +34,7 @@ class CommandedSpeed:
     """Speed that the robot was sent with, its interval of 95 %, and the braking to the stop. [mm/s, mm/s2]
 
     ``high_mm_s`` is infinite where the samples show no constant speed: the robot may brake from contact on. ``ends``
-    are the slowest and the fastest speed that was tried and is likely, each with its braking.
+    are the slowest and the fastest likely speed, each with its braking.
     """
 
     value_mm_s: float
@@ -97,30 +99,18 @@ class _WayLeft:
 
 @dataclass(frozen=True)
 class _Chord:
-    """Fastest chord of the way left: speed, its relative error, and the end of the first one that is about as fast.
+    """Fastest chord of the way left: speed, what it is at least, and the end of the first one that is about as fast.
 
-    ``constant_mm_s`` is the fastest mean over a third of the way left. [mm/s, s]
+    ``constant_mm_s`` is the fastest mean over a third of the way left; ``steady`` where a constant speed is seen.
+    ``high_mm_s`` is what a constant one has at most. [mm/s, s]
     """
 
     speed_mm_s: float
-    error: float
-    end_s: float
+    low_mm_s: float
+    high_mm_s: float
     constant_mm_s: float
-
-    @property
-    def low_mm_s(self) -> float:
-        """The speed less its error."""
-        return self.speed_mm_s * (1.0 - self.error)
-
-    @property
-    def high_mm_s(self) -> float:
-        """The speed that a constant one has at most."""
-        return self.speed_mm_s * (1.0 + ABOVE + 0.5 * self.error)
-
-    @property
-    def steady(self) -> bool:
-        """Whether a constant speed is seen."""
-        return self.constant_mm_s >= self.low_mm_s - SAME * self.speed_mm_s and self.error < SAME
+    steady: bool
+    end_s: float
 
 
 def commanded_speed(
@@ -140,7 +130,12 @@ def commanded_speed(
     use = np.flatnonzero(near)
     use = use[:: max(len(use) // USED, 1)]
     way = _WayLeft(path.time_s[use], left[use], one, late)
-    return _constant_speed(chord, way, overshot) if chord.steady else _braking_speed(chord, way, depth_mm, overshot)
+    if chord.steady:
+        constant = _constant_speed(chord, way, overshot)
+        # a braking over more than the other two thirds leaves no third for a constant speed
+        if 0.5 * constant.value_mm_s**2 / constant.braking_mm_s2 <= (1.0 - LONG) * (depth_mm - float(x.min())):
+            return constant
+    return _braking_speed(chord, way, depth_mm, overshot)
 
 
 def _fastest_chord(time: NDArray, x: NDArray, depth_mm: float, error_mm: float, late_s: float) -> _Chord:
@@ -157,8 +152,10 @@ def _fastest_chord(time: NDArray, x: NDArray, depth_mm: float, error_mm: float, 
     errors = 3.0 * error_mm / reach + timing
     at = int(np.argmax(speed * (1.0 - errors)))
     value, off = float(speed[at]), float(errors[at])
-    begin = int(ahead[np.argmax(speed >= value * (1.0 - off) - SAME * value)])
-    return _Chord(value, off, float(time[begin]), float(speed_over(np.maximum(LONG * left, reach), 4)[0].max()))
+    low, constant = value * (1.0 - off), float(speed_over(np.maximum(LONG * left, reach), 4)[0].max())
+    begin = int(ahead[np.argmax(speed >= low - SAME * value)])
+    steady = constant >= low - SAME * value and off < SAME
+    return _Chord(value, low, value * (1.0 + ABOVE + 0.5 * off), constant, steady, float(time[begin]))
 
 
 def _constant_speed(chord: _Chord, way: _WayLeft, overshot: bool) -> CommandedSpeed:
@@ -180,7 +177,8 @@ def _braking_speed(chord: _Chord, way: _WayLeft, depth_mm: float, overshot: bool
 
     value, low, high = chord.speed_mm_s, chord.low_mm_s, np.inf
     speeds, own = value * np.exp(np.arange(*TRIED, STEP)), DECELERATION_MM_S2
-    ends = (low, 0.5 * low**2 / depth_mm), (float(speeds[-1]), own)
+    fastest = max(float(speeds[-1]), REDUCED_MM_S)
+    ends = (low, 0.5 * low**2 / depth_mm), (fastest, own)
     if way.free < 1:
         return CommandedSpeed(value, low, high, own, ends)
     misfit, braking = way.brakings(speeds)
@@ -190,9 +188,13 @@ def _braking_speed(chord: _Chord, way: _WayLeft, depth_mm: float, overshot: bool
         likely = np.flatnonzero(misfit <= best + LIKELY + float(f.ppf(0.95, 1, way.free)) * best / way.free)
         first, last = int(likely[0]), int(likely[-1])
         low = min(low, float(speeds[first]) * (1.0 - STEP))
-        high = np.inf if last == len(speeds) - 1 else max(chord.high_mm_s, float(speeds[last]) * (1.0 + STEP))
+        bounded = last < len(speeds) - 1
+        high = max(chord.high_mm_s, float(speeds[last]) * (1.0 + STEP)) if bounded else np.inf
         value = max(float(speeds[np.argmax(misfit <= best + EQUAL)]), low)
-        ends = (float(speeds[first]), float(braking[first])), (float(speeds[last]), float(braking[last]))
+        ends = (
+            (float(speeds[first]), float(braking[first])),
+            (float(speeds[last]) if bounded else fastest, float(braking[last])),
+        )
     own = way.own_braking(speeds, misfit, braking, int(np.abs(speeds - value).argmin()), overshot)
     high = value * (1.0 + SURE) if own < ROBOTS_BRAKE and np.isinf(high) else high
     return CommandedSpeed(value, low, high, own, ends)

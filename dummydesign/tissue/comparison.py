@@ -92,12 +92,14 @@ def _speeds_not_seen(unsure: Sequence[tuple[ReducedTrace, float]]) -> list[tuple
     if not matter:
         return []
     trace, change = max(matter, key=lambda one: abs(one[1]))
-    text = (
-        f"{len({one.trace.name for one, _ in matter})} presses do not show the speed that was commanded: "
-        f"{trace.trace.name} shows {trace.ramp.speed.words}, {trace.velocity_mm_s:.3g} is used. Subjects' peak force "
-        f"may be {100.0 * change:+.0f} % off. Give --velocity, or record the approach with more samples a second"
-    )
-    return [("speed_not_seen", text)]
+    return [
+        (
+            "speed_not_seen",
+            f"{len({one.trace.name for one, _ in matter})} presses do not show the speed that was commanded: "
+            f"{trace.trace.name} shows {trace.ramp.speed.words}, {trace.velocity_mm_s:.3g} is used. Subjects' peaks "
+            f"may be {100.0 * change:+.0f} % off. Give --velocity, or record the approach with more samples a second",
+        )
+    ]
 
 
 def missing_of(reduced: Sequence[ReducedTrace], test: PressTest, known_mm_s: Sequence[float]) -> str:
@@ -236,11 +238,10 @@ def compare_traces(
         progress("ranges of the tissue")
     grid = test.grid_N
     points, depth = steady_curve(reduced, grid)
-    slowest = min(trace.velocity_mm_s for trace in reduced)
     held = law_named(tissue.law).end_of_hold_depths(
         tissue.parameter_sets,
         grid,
-        test.speed_of(rounded_velocity(slowest)),
+        test.speed_of(rounded_velocity(min(trace.velocity_mm_s for trace in reduced))),
         hold_of(reduced, test),
         test.deceleration_mm_s2 or DECELERATION_MM_S2,
     )
@@ -336,14 +337,13 @@ def _shares(press: ComparedPress, noise_N: float) -> dict[str, Any]:
     trace, band, _ = press
     time, force = trace.since_contact
     near = max(STEADY_TOLERANCE * trace.steady_force_N, 3.0 * noise_N)
-    shares = band.inside(time, force, trace.ramp.rise_time_s, near)
     return {
         "steady_force_N": trace.steady_force_N,
         "depth_mm": trace.ramp.depth_mm,
         "peak_force_N": float(force.max()),
         "range_peak_low_N": band.peak_low_N,
         "range_peak_high_N": band.peak_high_N,
-        **{name: float(share) for name, share in shares.items()},
+        **{k: float(share) for k, share in band.inside(time, force, trace.ramp.rise_time_s, near).items()},
     }
 
 

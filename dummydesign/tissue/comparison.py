@@ -86,9 +86,9 @@ def presses_of(
 def _speeds_not_seen(unsure: Sequence[tuple[ReducedTrace, float]]) -> list[tuple[str, str]]:
     """A notice where a press's speed is not seen and another likely one changes the subjects' largest peak force.
 
-    Changes of up to the share to which the steady force can be set are left out.
+    Changes of up to twice the share to which the steady force can be set are left out.
     """
-    matter = [(trace, change) for trace, change in unsure if abs(change) > STEADY_TOLERANCE]
+    matter = [(trace, change) for trace, change in unsure if abs(change) > 2.0 * STEADY_TOLERANCE]
     if not matter:
         return []
     trace, change = max(matter, key=lambda one: abs(one[1]))

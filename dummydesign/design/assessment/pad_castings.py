@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.scoring.castings import FORCE_LAW, MODULUS, RELAXATION, RESIN, Castings, Pours, Tolerances
-from dummydesign.design.scoring.crowns import crowned_curves
+from dummydesign.design.scoring.crowns import CrownChanges, Crowns
 from dummydesign.design.scoring.finite_strain import FiniteStrain
 from dummydesign.design.scoring.outlook import Outlook
 from dummydesign.design.scoring.press_simulation import PadBatch, SlabCurves, make_curves, steady_depth
@@ -31,7 +31,7 @@ from dummydesign.design.scoring.verdict import (
     shares_of,
     verdict,
 )
-from dummydesign.design.scoring.windows import readings_along
+from dummydesign.design.scoring.windows import CACHED, readings_along
 from dummydesign.pad.force_law import ForceLaw
 
 if TYPE_CHECKING:
@@ -48,7 +48,8 @@ MODULI = np.exp(np.linspace(-2.0, 2.0, 801))
 class PadCastings:
     """The castings of one pad, pressed by the test; ``outlook`` has its ratios.
 
-    Their readings are the quick ones with what ``finite_strain`` makes of them.
+    Their readings are the quick ones with what ``finite_strain`` makes of them. ``first`` are as many castings as were
+    requested, where these are more.
     """
 
     castings: Castings
@@ -58,9 +59,8 @@ class PadCastings:
     tolerances: Tolerances
     outlook: Outlook
     finite_strain: FiniteStrain
-    _curves: dict[tuple[bytes, ...], tuple[SlabCurves, NDArray]] = field(
-        default_factory=dict, repr=False, compare=False
-    )
+    first: PadCastings | None = None
+    _curves: dict[tuple[bytes, ...], PouredCurves] = field(default_factory=dict, repr=False, compare=False)
 
     @cached_property
     def error(self) -> float:
@@ -75,18 +75,23 @@ class PadCastings:
         at = self.candidate.ratio if ratio is None else ratio
         return self.castings.pours(self.candidate.thickness_mm, at, self.tolerances, self.error, known)
 
-    def slabs(self, pours: Pours) -> PadBatch:
-        """Pours as designs to press."""
+    def slabs(self, pours: Pours) -> Iterator[PadBatch]:
+        """Pours as designs to press, one portion after the other: a crown of its own takes a curve of its own."""
         crowns = () if pours.crowns is None else (pours.crowns.higher_mm, pours.crowns.blunter)
         shape = tuple(one.tobytes() for one in (pours.thickness_mm, *crowns))
         if shape not in self._curves:
-            self._curves[shape] = poured_curves(self.law, pours, self.space)
-        return PadBatch(*self._curves[shape], pours.young_MPa, self.space.resin.tau_s, pours.beta)
+            self._curves[shape] = PouredCurves.of(self.law, pours, self.space)
+        for start in range(0, len(pours.young_MPa), CACHED):
+            rows = slice(start, start + CACHED)
+            curves, index = self._curves[shape].portion(start)
+            yield PadBatch(curves, index, pours.young_MPa[rows], self.space.resin.tau_s, pours.beta[rows])
 
     def pressed(self, pours: Pours) -> Readings:
         """Readings of pours, shapes (n, c) and (n, g)."""
         targets, sampling = self.space.targets, self.space.sampling.coarse
-        quick = readings_along(self.slabs(pours), targets, targets.protocol.steady_grid_N, sampling)
+        grid = targets.protocol.steady_grid_N
+        parts = [vars(readings_along(some, targets, grid, sampling)).values() for some in self.slabs(pours)]
+        quick = Readings(*(np.concatenate(column) for column in zip(*parts)))
         return self.finite_strain.judged(quick, pours.finite_strain)
 
     def kinds(self, readings: Readings) -> NDArray:
@@ -102,15 +107,16 @@ class PadCastings:
     def _poured(self) -> Readings:
         return self.pressed(self.pours())
 
-    @cached_property
+    @property
     def few(self) -> PadCastings:
         """As many castings as were requested: more are drawn for what decides the level alone."""
-        number = self.space.castings.n
-        return self if self.castings.n <= number else replace(self, castings=replace(self.castings, n=number))
+        return self.first or self
 
     @cached_property
     def resin_known(self) -> Readings:
-        """Readings of castings of the resin's centre, at the ratio chosen for it."""
+        """Readings of castings of the resin's centre, at the ratio chosen for it; of few where these are alike."""
+        if self.first and len(np.unique(self.kinds(self.first.resin_known))) == 1:
+            return self.first.resin_known
         return self.readings(RESIN, self.outlook.known_ratio)
 
     @cached_property
@@ -121,7 +127,8 @@ class PadCastings:
     def steady_depth_mm(self, force_N: ArrayLike, known: Collection[str] = ()) -> NDArray:
         """Depths of all castings at steady forces (m,) of the slowest speed, shape (n, m); NaN out of reach."""
         slow, sampling = self.space.targets.protocol.slow_mm_s, self.space.sampling.coarse
-        return steady_depth(self.slabs(self.pours(known)), force_N, slow, sampling)
+        parts = [steady_depth(some, force_N, slow, sampling) for some in self.slabs(self.pours(known))]
+        return np.concatenate(parts)
 
     def depth_band_mm(self, force_N: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         """Depths between which 95 % of the castings are at steady forces, and the share that is out of reach."""
@@ -133,22 +140,42 @@ class PadCastings:
         return stiff, soft, np.mean(~np.isfinite(depth), axis=0)
 
 
-def poured_curves(law: ForceLaw, pours: Pours, space: SearchSpace) -> tuple[SlabCurves, NDArray]:
-    """Curves of pours and which each has; their thicknesses are taken at the nearest of 41 even steps.
+@dataclass(frozen=True, eq=False)
+class PouredCurves:
+    """Curves of pours; their thicknesses are taken at the nearest (``index``) of 41 even steps.
 
     These are a hundredth of a millimetre apart for 0.2 mm either way. Pads whose crowns differ have a curve each.
     """
-    smallest, largest = law.ratio_range
-    thickness = np.clip(pours.thickness_mm, space.radius_mm / largest, space.radius_mm / smallest)
-    low, high = float(thickness.min()), float(thickness.max())
-    nodes = np.linspace(low, high, NODES) if high > low else np.array([low])
-    index = np.rint((thickness - low) / max(high - low, 1e-12) * (len(nodes) - 1)).astype(int)
-    curves = make_curves(law, nodes, space.radius_mm, space.targets.limits.gel_compression)
-    if pours.crowns is not None:
-        middle, gel = float(np.median(thickness)), space.targets.limits.gel_compression
-        curves = crowned_curves(law, pours.crowns, curves.take(index), middle, space.radius_mm, gel)
-        index = np.arange(len(index))
-    return curves, index
+
+    curves: SlabCurves
+    index: NDArray
+    crowns: tuple[Crowns, CrownChanges] | None
+    _kept: dict[int, tuple[SlabCurves, NDArray]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, law: ForceLaw, pours: Pours, space: SearchSpace) -> PouredCurves:
+        """Curves by a law, pressed by the punch of a search."""
+        smallest, largest = law.ratio_range
+        thickness = np.clip(pours.thickness_mm, space.radius_mm / largest, space.radius_mm / smallest)
+        low, high = float(thickness.min()), float(thickness.max())
+        nodes = np.linspace(low, high, NODES) if high > low else np.array([low])
+        index = np.rint((thickness - low) / max(high - low, 1e-12) * (len(nodes) - 1)).astype(int)
+        size = space.radius_mm, space.targets.limits.gel_compression
+        crowns = pours.crowns
+        changes = crowns and CrownChanges.of(law, crowns, float(np.median(thickness)), *size)
+        return cls(make_curves(law, nodes, *size), index, (crowns, changes) if crowns and changes else None)
+
+    def portion(self, start: int) -> tuple[SlabCurves, NDArray]:
+        """Curves of some pours from one on, and which each has; the last that were asked for are kept."""
+        rows = slice(start, start + CACHED)
+        if self.crowns is None:
+            return self.curves, self.index[rows]
+        if start not in self._kept:
+            self._kept.clear()
+            crowns, changes = self.crowns
+            made = changes.curves(crowns.take(rows), self.curves.take(self.index[rows]))
+            self._kept[start] = made, np.arange(len(made.limit_mm))
+        return self._kept[start]
 
 
 def limits_that_bind(candidate: DesignCandidate, thickness_mm: NDArray, ratio: NDArray) -> tuple[str, ...]:

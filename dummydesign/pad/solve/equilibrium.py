@@ -67,6 +67,8 @@ class ContactProblem:
         free, size = np.nonzero(used & ~fixed)[0], solid.mesh.size
         self._touch: tuple[Array, Array, float] | None = None
         self.pattern: Any = solver(groups, free, size) if solver else Pattern(groups, free, size, solid.mesh.nodes)
+        # Behind such a tangent a contact that grows is hardly ever found: a shorter step costs less than its search.
+        self.pattern.definite = surface is not None and surface.changes > 0
 
     def pressed(self, u: Array, depth: float) -> tuple[Array, Callable[[], list[Array]]]:
         """Force of the surface, and what gives its matrices."""
@@ -178,8 +180,12 @@ def newton_search(
         if again:
             du = problem.pattern.again(load)
         else:
-            du, changes = _touching(problem, tangent, at, load, depth)
-            factorised, changed, held = factorised + 1, changed + changes, held + 1
+            factorised, held = factorised + 1, held + 1
+            try:
+                du, changes = _touching(problem, tangent, at, load, depth)
+            except np.linalg.LinAlgError as unstable:
+                return Failure(str(unstable), factorised + changed)
+            changed += changes
         dp = solid.pressure_step(tangent, at.state, du)
         trial = _sound(problem, at, du, dp, depth)
         if trial is None:

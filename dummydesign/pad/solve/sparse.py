@@ -110,6 +110,8 @@ class Pattern:
     # A factorised tangent is used again while that brings the residual below the first share; uses that do not bring it
     # below the second are undone.
     contraction = (0.3, 1.0)
+    # Whether a matrix of a narrow band that is not positive definite is refused; else it is solved by SuperLU.
+    definite = False
 
     def __init__(self, groups: list[Array], free: Array, size: int, nodes: Array | None = None) -> None:
         self.free, self.size, self.n = free, size, len(free)
@@ -159,7 +161,9 @@ class Pattern:
             self._onto = self._inner_inverse @ coupling
             self._condensed = whole[:, :shared, :shared] - coupling.transpose(0, 2, 1) @ self._onto
         groups = [self._condensed, *matrices[1:]]
-        factor = self._band.factorise(groups) if self._band.narrow and symmetric(matrices[1:]) else None
+        factor, banded = None, self._band.narrow and symmetric(matrices[1:])
+        if banded and not (factor := self._band.factorise(groups)) and self.definite:
+            raise np.linalg.LinAlgError("the tangent stiffness is not positive definite")
         self._factor = factor or self._sparse(np.concatenate([matrix.ravel() for matrix in groups])[self._keep])
         return self.again(load)
 

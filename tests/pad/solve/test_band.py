@@ -1,3 +1,5 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -64,6 +66,23 @@ def test_a_band_goes_on_from_the_first_column_that_changed_as_if_it_began_anew()
 def test_a_band_says_when_a_matrix_is_not_positive_definite():
     row = np.arange(3)
     assert BandLayout(row, row, 3).factorise([np.array([1.0, -1.0, 2.0])]) is None
+
+
+def test_where_contact_grows_a_search_ends_at_the_first_tangent_that_is_not_positive_definite(monkeypatch):
+    """its solid's tangent turned over stands for one behind which no stable equilibrium is"""
+    case = Case(0.79, 6.0, shape=Crowned(10.0, 2.0), thickness_mm=10.0)
+    growing, sliding = shaped_problem(case, 8), shaped_problem(dataclasses.replace(case, condition="frictionless"), 8)
+    assert growing.pattern.definite and not sliding.pattern.definite
+    u, p = growing.start()
+    whole = growing.solid.linearise
+
+    def turned(state):
+        tangent = whole(state)
+        return tangent._replace(stiffness=-tangent.stiffness)
+
+    monkeypatch.setattr(growing.solid, "linearise", turned)
+    failed = equilibrium.find_equilibrium(growing, u, p, 0.005)
+    assert isinstance(failed, equilibrium.Failure) and failed.iterations == 1
 
 
 def test_matrices_of_friction_are_seen_not_to_be_symmetric():

@@ -91,7 +91,7 @@ def commanded_speed(ramp: Ramp) -> CommandedSpeed:
     A constant speed is seen where the mean over a third of the way left is that of the fastest chord. Elsewhere speeds
     are taken with which a constant speed and a constant braking foretell one stop from all samples after that chord.
     """
-    from scipy.stats import f
+    from scipy.special import fdtri
 
     time, x, error, one = _means(ramp)
     left, late = ramp.depth_mm - x, TIMING * float(np.median(np.diff(time[-USED:])))
@@ -126,7 +126,7 @@ def commanded_speed(ramp: Ramp) -> CommandedSpeed:
     misfit, braking = way.brakings(speeds)
     best = float(misfit.min())
     if not steady and best <= FITS * free:
-        likely = np.flatnonzero(misfit <= best + LIKELY + float(f.ppf(0.95, 1, free)) * best / free)
+        likely = np.flatnonzero(misfit <= best + LIKELY + float(fdtri(1, free, 0.95)) * best / free)
         low = min(low, float(speeds[likely[0]]) * (1.0 - STEP))
         high = np.inf if likely[-1] == len(speeds) - 1 else max(most, float(speeds[likely[-1]]) * (1.0 + STEP))
         value = max(float(speeds[np.argmax(misfit <= best + EQUAL)]), low)

@@ -156,8 +156,7 @@ def follow(
         if problem.surface is not None:
             problem.surface.restore(last.memory)
             problem.surface.settle(u, problem.punch, depth)
-    grows = problem.surface is not None and problem.surface.changes > 0
-    on_the_way = GROWING_TOLERANCE if grows else PATH_TOLERANCE
+    on_the_way = GROWING_TOLERANCE if problem.grows else PATH_TOLERANCE
     wasted, since = 0, depth
     points: list[tuple[float, float, float]] = []
     history: list[tuple[float, ...]] = []

@@ -39,8 +39,8 @@ SHORTEST = 0.25
 HELD = 3
 # Contact changes within a step of the linearised solid until this share of the forces is out of balance.
 SETTLED = 1e-2
-# Least share of a step taken where a whole one would invert an element.
-LEAST_FRACTION = 0.05
+# Shares of a step that are tried where a whole one would invert an element: 1, 1/2, ...
+SHARES = 5
 
 
 class ContactProblem:
@@ -68,7 +68,7 @@ class ContactProblem:
         self._touch: tuple[Array, Array, float] | None = None
         self.pattern: Any = solver(groups, free, size) if solver else Pattern(groups, free, size, solid.mesh.nodes)
         # Behind such a tangent a contact that grows is hardly ever found: a shorter step costs less than its search.
-        self.pattern.definite = surface is not None and surface.changes > 0
+        self.grows = self.pattern.definite = surface is not None and surface.changes > 0
 
     def pressed(self, u: Array, depth: float) -> tuple[Array, Callable[[], list[Array]]]:
         """Force of the surface, and what gives its matrices."""
@@ -280,14 +280,9 @@ def _tried(problem: ContactProblem, at: _Trial, du: Array, dp: Array, depth: flo
 
 
 def _sound(problem: ContactProblem, at: _Trial, du: Array, dp: Array, depth: float) -> _Trial | None:
-    """The largest of 1, 1/2, ... of a step that inverts no element; None below a twentieth."""
-    fraction = 1.0
-    while fraction >= LEAST_FRACTION:
-        trial = _tried(problem, at, du, dp, depth, fraction)
-        if trial is not None:
-            return trial
-        fraction *= 0.5
-    return None
+    """The largest of 1, 1/2, ... of a step that inverts no element; None without one."""
+    tried = (_tried(problem, at, du, dp, depth, 0.5**halved) for halved in range(SHARES))
+    return next((trial for trial in tried if trial is not None), None)
 
 
 def _shortened(problem: ContactProblem, at: _Trial, du: Array, dp: Array, depth: float, trial: _Trial) -> _Trial:

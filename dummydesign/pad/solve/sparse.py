@@ -127,9 +127,8 @@ class Pattern:
         number[self._kept] = np.arange(len(self._kept))
         rows, columns = [], []
         for dofs in [self._outer, *groups[1:]]:
-            width = dofs.shape[1]
-            rows.append(np.repeat(number[dofs], width, axis=1).ravel())
-            columns.append(np.tile(number[dofs], (1, width)).ravel())
+            rows.append(np.repeat(number[dofs], dofs.shape[1], axis=1).ravel())
+            columns.append(np.tile(number[dofs], dofs.shape[1]).ravel())
         row, column = np.concatenate(rows), np.concatenate(columns)
         self._keep = (row >= 0) & (column >= 0)
         self._row, self._column = row[self._keep], column[self._keep]

@@ -15,6 +15,7 @@ class Spring:
     """One unknown that follows the punch; its force is the depth."""
 
     surface = punch = None
+    grows = False
 
     class pattern:
         n = 1

@@ -16,7 +16,7 @@ from dummydesign.pad.spatial.shaped_pad import pierced
 class Spring:
     """One unknown that follows the punch; its force is the square of the depth."""
 
-    punch = None
+    punch, grows = None, False
 
     class pattern:
         n = 1

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 
 from dummydesign.core.quantity import Quantity
-from dummydesign.design.assessment.pad_castings import PadCastings, PouredCurves
+from dummydesign.design.assessment.pad_castings import PadCastings, poured_curves
 from dummydesign.design.pad_evaluator import law_of_shape, one_pad
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
@@ -78,7 +78,7 @@ def cast_pad(space, slab_law, castings, pad=CROWNED, tolerances=Tolerances(60.0)
 
 def poured_slabs(law, pours, space):
     """Pours as designs to press."""
-    return PadBatch(*PouredCurves.of(law, pours, space).portion(0), pours.young_MPa, space.resin.tau_s, pours.beta)
+    return PadBatch(*poured_curves(law, pours, space)(0), pours.young_MPa, space.resin.tau_s, pours.beta)
 
 
 def evaluated(cast, groups=()):

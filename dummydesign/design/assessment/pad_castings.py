@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.scoring.castings import FORCE_LAW, MODULUS, RELAXATION, RESIN, Castings, Pours, Tolerances
-from dummydesign.design.scoring.crowns import CrownChanges, Crowns
+from dummydesign.design.scoring.crowns import crowned_curves
 from dummydesign.design.scoring.finite_strain import FiniteStrain
 from dummydesign.design.scoring.outlook import Outlook
 from dummydesign.design.scoring.press_simulation import PadBatch, SlabCurves, make_curves, steady_depth
@@ -60,7 +60,7 @@ class PadCastings:
     outlook: Outlook
     finite_strain: FiniteStrain
     first: PadCastings | None = None
-    _curves: dict[tuple[bytes, ...], PouredCurves] = field(default_factory=dict, repr=False, compare=False)
+    _curves: dict[tuple[bytes, ...], Portions] = field(default_factory=dict, repr=False, compare=False)
 
     @cached_property
     def error(self) -> float:
@@ -80,10 +80,10 @@ class PadCastings:
         crowns = () if pours.crowns is None else (pours.crowns.higher_mm, pours.crowns.blunter)
         shape = tuple(one.tobytes() for one in (pours.thickness_mm, *crowns))
         if shape not in self._curves:
-            self._curves[shape] = PouredCurves.of(self.law, pours, self.space)
+            self._curves[shape] = poured_curves(self.law, pours, self.space)
         for start in range(0, len(pours.young_MPa), CACHED):
             rows = slice(start, start + CACHED)
-            curves, index = self._curves[shape].portion(start)
+            curves, index = self._curves[shape](start)
             yield PadBatch(curves, index, pours.young_MPa[rows], self.space.resin.tau_s, pours.beta[rows])
 
     def pressed(self, pours: Pours) -> Readings:
@@ -140,42 +140,33 @@ class PadCastings:
         return stiff, soft, np.mean(~np.isfinite(depth), axis=0)
 
 
-@dataclass(frozen=True, eq=False)
-class PouredCurves:
-    """Curves of pours; their thicknesses are taken at the nearest (``index``) of 41 even steps.
+Portions = Callable[[int], tuple[SlabCurves, NDArray]]
 
-    These are a hundredth of a millimetre apart for 0.2 mm either way. Pads whose crowns differ have a curve each.
+
+def poured_curves(law: ForceLaw, pours: Pours, space: SearchSpace) -> Portions:
+    """What gives curves of a portion of pours from one on, and which each has.
+
+    Their thicknesses are taken at the nearest of 41 even steps, a hundredth of a millimetre apart for 0.2 mm either
+    way. Pads whose crowns differ have a curve each; those of the last portion are kept.
     """
+    smallest, largest = law.ratio_range
+    thickness = np.clip(pours.thickness_mm, space.radius_mm / largest, space.radius_mm / smallest)
+    low, high = float(thickness.min()), float(thickness.max())
+    nodes = np.linspace(low, high, NODES) if high > low else np.array([low])
+    index = np.rint((thickness - low) / max(high - low, 1e-12) * (len(nodes) - 1)).astype(int)
+    size = space.radius_mm, space.targets.limits.gel_compression
+    curves, crowns = make_curves(law, nodes, *size), pours.crowns
+    if crowns is None:
+        return lambda start: (curves, index[start : start + CACHED])
+    made = crowned_curves(law, crowns, float(np.median(thickness)), *size)
 
-    curves: SlabCurves
-    index: NDArray
-    crowns: tuple[Crowns, CrownChanges] | None
-    _kept: dict[int, tuple[SlabCurves, NDArray]] = field(default_factory=dict)
-
-    @classmethod
-    def of(cls, law: ForceLaw, pours: Pours, space: SearchSpace) -> PouredCurves:
-        """Curves by a law, pressed by the punch of a search."""
-        smallest, largest = law.ratio_range
-        thickness = np.clip(pours.thickness_mm, space.radius_mm / largest, space.radius_mm / smallest)
-        low, high = float(thickness.min()), float(thickness.max())
-        nodes = np.linspace(low, high, NODES) if high > low else np.array([low])
-        index = np.rint((thickness - low) / max(high - low, 1e-12) * (len(nodes) - 1)).astype(int)
-        size = space.radius_mm, space.targets.limits.gel_compression
-        crowns = pours.crowns
-        changes = crowns and CrownChanges.of(law, crowns, float(np.median(thickness)), *size)
-        return cls(make_curves(law, nodes, *size), index, (crowns, changes) if crowns and changes else None)
-
-    def portion(self, start: int) -> tuple[SlabCurves, NDArray]:
-        """Curves of some pours from one on, and which each has; the last that were asked for are kept."""
+    @lru_cache(maxsize=1)
+    def portion(start: int) -> tuple[SlabCurves, NDArray]:
         rows = slice(start, start + CACHED)
-        if self.crowns is None:
-            return self.curves, self.index[rows]
-        if start not in self._kept:
-            self._kept.clear()
-            crowns, changes = self.crowns
-            made = changes.curves(crowns.take(rows), self.curves.take(self.index[rows]))
-            self._kept[start] = made, np.arange(len(made.limit_mm))
-        return self._kept[start]
+        own = index[rows]
+        return made(crowns.take(rows), curves.take(own)), np.arange(len(own))
+
+    return portion
 
 
 def limits_that_bind(candidate: DesignCandidate, thickness_mm: NDArray, ratio: NDArray) -> tuple[str, ...]:

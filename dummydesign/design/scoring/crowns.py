@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, cast
 
@@ -39,47 +40,39 @@ def law_with_crowns(law: ForceLaw, crowns: Crowns) -> ForceLaw:
     return cast(CrownedLaw, law).with_crowns(crowns)
 
 
-@dataclass(frozen=True, eq=False)
-class CrownChanges:
-    """What crowns change of the limit and of F / E of a pad: logarithms at nodes of height [mm] and of ln tip radius.
+def crowned_curves(
+    law: ForceLaw, crowns: Crowns, thickness_mm: float, radius_mm: float, gel_compression: float
+) -> Callable[[Crowns, SlabCurves], SlabCurves]:
+    """What makes curves of n of these crowns from those with the designed one, row by row.
 
-    It is worked out on a pad of one thickness, at shares of the depth limit, and interpolated: straight over the
-    height, by a parabola over the logarithm of the tip radius. A crown that the law does not hold counts as designed.
+    What a crown changes is worked out on a pad of one thickness, as ln F / E at shares of the depth limit, and
+    interpolated: straight over the height, by a parabola over the logarithm of the tip radius. A crown that the law
+    does not hold counts as designed.
     """
+    ends = (crowns.higher_mm, HEIGHTS), (np.log(crowns.blunter), RADII)
+    rows, radii = (np.linspace(one.min(), one.max(), count) for one, count in ends)
+    nodes = Crowns(np.r_[0.0, np.repeat(rows, RADII)], np.exp(np.r_[0.0, np.tile(radii, HEIGHTS)]))
+    made = make_curves(law_with_crowns(law, nodes), thickness_mm + nodes.higher_mm, radius_mm, gel_compression)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        logarithms = np.log(np.column_stack([made.limit_mm, made.area_mm2[:, 1:]]))
+        changes = np.nan_to_num(logarithms[1:] - logarithms[0], nan=0.0, posinf=0.0, neginf=0.0)
 
-    heights: NDArray
-    radii: NDArray
-    logarithms: NDArray
-
-    @classmethod
-    def of(
-        cls, law: ForceLaw, crowns: Crowns, thickness_mm: float, radius_mm: float, gel_compression: float
-    ) -> CrownChanges:
-        """Work it out between the lowest and the highest, the sharpest and the bluntest of some crowns."""
-        ends = (crowns.higher_mm, HEIGHTS), (np.log(crowns.blunter), RADII)
-        rows, radii = (np.linspace(one.min(), one.max(), count) for one, count in ends)
-        nodes = Crowns(np.r_[0.0, np.repeat(rows, RADII)], np.exp(np.r_[0.0, np.tile(radii, HEIGHTS)]))
-        made = make_curves(law_with_crowns(law, nodes), thickness_mm + nodes.higher_mm, radius_mm, gel_compression)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            logarithms = np.log(np.column_stack([made.limit_mm, made.area_mm2[:, 1:]]))
-            changes = np.nan_to_num(logarithms[1:] - logarithms[0], nan=0.0, posinf=0.0, neginf=0.0)
-        return cls(rows, radii, changes)
-
-    def curves(self, crowns: Crowns, designed: SlabCurves) -> SlabCurves:
-        """Curves of n pads with their own crowns, from those with the designed one, row by row."""
-        rows, higher = self.heights, crowns.higher_mm
-        place = np.clip((higher - rows[0]) / max(rows[1] - rows[0], 1e-12), 0.0, HEIGHTS - 1.000001)
-        left, each = place.astype(int), np.arange(len(higher))
-        parabola = np.stack([_lagrange(self.radii, k, np.log(crowns.blunter)) for k in range(RADII)], axis=-1)
-        weights = np.zeros((len(higher), HEIGHTS, RADII))
+    def curves(own: Crowns, designed: SlabCurves) -> SlabCurves:
+        heights, logs = own.higher_mm, np.log(own.blunter)
+        place = np.clip((heights - rows[0]) / max(rows[1] - rows[0], 1e-12), 0.0, HEIGHTS - 1.000001)
+        left, each = place.astype(int), np.arange(len(heights))
+        parabola = np.stack([_lagrange(radii, k, logs) for k in range(RADII)], axis=-1)
+        weights = np.zeros((len(heights), HEIGHTS, RADII))
         weights[each, left] = (1.0 - place + left)[:, None] * parabola
         weights[each, left + 1] = (place - left)[:, None] * parabola
-        area = weights.reshape(len(higher), -1) @ self.logarithms
+        area = weights.reshape(len(heights), -1) @ changes
         np.exp(area, out=area)
         limit = designed.limit_mm * area[:, 0]
         area[:, 0] = 1.0
         area *= designed.area_mm2
-        return SlabCurves(designed.thickness_mm + higher, limit, area)
+        return SlabCurves(designed.thickness_mm + heights, limit, area)
+
+    return curves
 
 
 def _lagrange(nodes: NDArray, k: int, at: NDArray) -> NDArray:

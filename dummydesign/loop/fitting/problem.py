@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -40,6 +40,7 @@ class CampaignProblem:
     law: SetupLaw
     effects: tuple[Effect, ...] = ()
     prior: BasePrior = UNDECLARED
+    _last: dict[bytes, NDArray] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def plus(self, *effects: Effect) -> CampaignProblem:
         """Return the problem with further effects."""
@@ -127,10 +128,6 @@ class CampaignProblem:
         step = 2e-3
         return (forces - self.predict(vector, step)) / step
 
-    @cached_property
-    def _last(self) -> dict[bytes, NDArray]:
-        return {}
-
     def jacobian(self, vector: NDArray, forces: NDArray) -> NDArray:
         """Sensitivities (T, B, len(vector)) by forward differences; those at the last vector are kept."""
         if (key := vector.tobytes()) not in self._last:
@@ -145,9 +142,8 @@ class CampaignProblem:
         # where the depth does not depend on the force, one evaluation of the law serves base and law error
         shared = not any(one.effect.feeds_back for one in self.active_of(vector) if not one.absent)
         near = None if shared else self._simulate(vector)[1]
-        frozen, units = self.frozen(), np.eye(len(vector))
-        entries = [entry for entry in range(count if shared else 0, self.fixed) if entry not in frozen]
-        steps = [(entry, STEP if vector[entry] + STEP <= high[entry] else -STEP) for entry in entries]
+        units, free = np.eye(len(vector)), sorted({*range(count if shared else 0, self.fixed)} - {*self.frozen()})
+        steps = [(entry, STEP if vector[entry] + STEP <= high[entry] else -STEP) for entry in free]
         moved = [vector + step * units[entry] for entry, step in steps]
         if not shared:
             moved += [vector + STEP * units[self.law_entries(term)].sum(axis=0) for term in range(SMOOTH_TERMS)]
@@ -167,5 +163,5 @@ class CampaignProblem:
         rows = np.arange(len(self.presses.pad))
         for term in range(LAW_TERMS):
             out[rows, :, self.law_entries(term).start + self.presses.pad] = by_pad[..., term]
-        out[..., frozen] = 0.0
+        out[..., self.frozen()] = 0.0
         return out

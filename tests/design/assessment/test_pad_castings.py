@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.quantity import HALF_WIDTH
-from dummydesign.design.assessment.pad_castings import PouredCurves, verdict_of_design
+from dummydesign.design.assessment.pad_castings import poured_curves, verdict_of_design
 from dummydesign.design.scoring.castings import (
     COUNT,
     FORCE_LAW,
@@ -222,7 +222,7 @@ def test_castings_pressed_in_portions_read_as_each_pressed_alone(pad, making):
     read = more.readings()
     assert [len(some.slab) for some in more.slabs(pours)] == [2400, 2400, 200]
     for start, row in ((0, 7), (2400, 2399), (4800, 199)):
-        curves, index = PouredCurves.of(more.law, pours, space).portion(start)
+        curves, index = poured_curves(more.law, pours, space)(start)
         n = [start + row]
         one = PadBatch(curves, index[[row]], pours.young_MPa[n], space.resin.tau_s, pours.beta[n])
         own = readings_along(one, space.targets, grid, space.sampling.coarse)

@@ -10,7 +10,7 @@ from dummydesign.design.pad_evaluator import law_of_shape
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import MAKING, Castings, Tolerances
-from dummydesign.design.scoring.crowns import CrownChanges, Crowns, crown_scatter
+from dummydesign.design.scoring.crowns import Crowns, crown_scatter, crowned_curves
 from dummydesign.design.scoring.press_simulation import make_curves
 from dummydesign.design.scoring.settings import STEPS, CrownMaking, crown_making
 from dummydesign.geometry.shape_registry import read_shape
@@ -43,8 +43,8 @@ def drawn(n=40, seed=5, height=0.1, radius=0.15):
     return Crowns(rng.uniform(-height, height, n), 1.0 + rng.uniform(-radius, radius, n))
 
 
-def crowned_curves(law, crowns, designed, thickness):
-    return CrownChanges.of(law, crowns, thickness, RADIUS, GEL).curves(crowns, designed)
+def with_crowns(law, crowns, designed, thickness):
+    return crowned_curves(law, crowns, thickness, RADIUS, GEL)(crowns, designed)
 
 
 def rows(law, thickness, n):
@@ -55,7 +55,7 @@ def test_crowns_as_designed_leave_the_curves_as_they_are(space):
     for shape, thickness in PADS:
         law = law_of(space, shape, thickness)
         designed = rows(law, thickness, 3)
-        made = crowned_curves(law, Crowns(np.zeros(3), np.ones(3)), designed, thickness)
+        made = with_crowns(law, Crowns(np.zeros(3), np.ones(3)), designed, thickness)
         for name, values in vars(designed).items():
             np.testing.assert_allclose(getattr(made, name), values, rtol=1e-12)
 
@@ -64,7 +64,7 @@ def test_crowns_as_designed_leave_the_curves_as_they_are(space):
 def test_each_pad_has_the_force_of_its_own_crown(space, shape, thickness):
     """against the response table of each of the crowns, one by one"""
     law, crowns, one = law_of(space, shape, thickness), drawn(), read_shape(shape)
-    made = crowned_curves(law, crowns, rows(law, thickness, 40), thickness)
+    made = with_crowns(law, crowns, rows(law, thickness, 40), thickness)
     for n, (higher, blunter) in enumerate(zip(crowns.higher_mm, crowns.blunter)):
         own = TabulatedShapeLaw(type(one)(one.radius_mm * blunter, one.height_mm + higher, one.foot_mm))
         h = np.array([thickness + higher])
@@ -77,7 +77,7 @@ def test_each_pad_has_the_force_of_its_own_crown(space, shape, thickness):
 def test_a_higher_crown_reaches_a_force_deeper_and_a_blunter_one_less_deep(space):
     law = law_of(space, *PADS[0])
     crowns = Crowns(np.array([0.0, 0.1, 0.0]), np.array([1.0, 1.0, 1.15]))
-    made = crowned_curves(law, crowns, rows(law, PADS[0][1], 3), PADS[0][1])
+    made = with_crowns(law, crowns, rows(law, PADS[0][1], 3), PADS[0][1])
     designed, high, blunt = made.depth_at(np.arange(3), np.full(3, 100.0))
     assert blunt < designed < high
 
@@ -147,7 +147,7 @@ def test_scatter_of_small_errors_is_the_slope_times_their_deviation(space):
 def test_depths_in_many_curves_at_once_are_those_in_each(space):
     shape, thickness = PADS[1]
     law, crowns = law_of(space, shape, thickness), drawn(700)
-    made = crowned_curves(law, crowns, rows(law, thickness, 700), thickness)
+    made = with_crowns(law, crowns, rows(law, thickness, 700), thickness)
     slab, area = np.arange(700), np.geomspace(0.1, 1e4, 9) * np.ones((700, 1))
     found = made.depth_at(slab, area)
     for n in (0, 333, 699):

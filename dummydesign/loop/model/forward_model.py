@@ -325,9 +325,9 @@ def wave_columns(presses: Presses, pad: PadState) -> NDArray:
     middle = np.maximum.accumulate(np.where(bins.used, 0.5 * (bins.start + bins.end), 0.0), axis=1)
     middle += 1e-6 * np.arange(middle.shape[1])  # the padding too goes on
     arms = [_at_bins(presses, arm) for arm in pad.arms]
-    force, *waves = loaded(each, arms, arm_forces(middle, each, arms))
-    out = np.zeros((*force.shape, WAVES))
-    out[..., : len(waves)] = np.moveaxis(waves, 0, -1) * (force > 0.0)[..., None]
+    forces = loaded(each, arms, arm_forces(middle, each, arms))
+    out = np.zeros((*forces.shape[1:], WAVES))
+    out[..., : len(forces) - 1] = np.moveaxis(forces[1:] * (forces[0] > 0.0), 0, -1)
     return out
 
 

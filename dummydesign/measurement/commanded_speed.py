@@ -173,7 +173,7 @@ def _constant_speed(chord: _Chord, way: _WayLeft, overshot: bool) -> CommandedSp
 
 def _braking_speed(chord: _Chord, way: _WayLeft, depth_mm: float, overshot: bool) -> CommandedSpeed:
     """The lowest of the speeds that are likely with one constant braking; where none is, it may brake from contact."""
-    from scipy.stats import f
+    from scipy.special import fdtri
 
     value, low, high = chord.speed_mm_s, chord.low_mm_s, np.inf
     speeds, own = value * np.exp(np.arange(*TRIED, STEP)), DECELERATION_MM_S2
@@ -185,7 +185,7 @@ def _braking_speed(chord: _Chord, way: _WayLeft, depth_mm: float, overshot: bool
     best = float(misfit.min())
     value = max(low, chord.constant_mm_s)
     if best <= FITS * way.free:
-        likely = np.flatnonzero(misfit <= best + LIKELY + float(f.ppf(0.95, 1, way.free)) * best / way.free)
+        likely = np.flatnonzero(misfit <= best + LIKELY + float(fdtri(1, way.free, 0.95)) * best / way.free)
         first, last = int(likely[0]), int(likely[-1])
         low = min(low, float(speeds[first]) * (1.0 - STEP))
         bounded = last < len(speeds) - 1

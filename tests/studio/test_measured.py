@@ -256,5 +256,5 @@ def test_the_overview_lists_what_was_deleted_and_restores_it_in_the_place_of_a_n
         page.wait_for_selector(f"{by('undo')} >> text={name} is back")
     assert names(root / "measured") == sorted(EXPORTS)
     # what had its name by then is in the bin
-    assert (root / "measured" / EXPORTS[0]).read_text() != "new"
+    assert (root / "measured" / EXPORTS[0]).read_bytes() != b"new"
     assert [one.path for one in bin.deleted(root)] == [f"measured/{EXPORTS[0]}"]

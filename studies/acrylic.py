@@ -2,7 +2,7 @@
 
 VHB_DIR has eleven curves of loading and unloading of VHB 4910 (Hossain, Vu and Steinmann 2012, digitised by the authors
 of ConstitutiveANN/vCANN, MIT); PREDICTION_DIR is their folder ``Code/Results_VHB4910/*/prediction``. Neither is part of
-this repository. Writes ``docs/data/acrylic.csv`` and the table of ``docs/acrylic.md``.
+this repository. Writes ``docs/data/acrylic.csv`` and the table of ``docs/real-data.md``.
 
 As in their network, the curves to a stretch of 3.0 are fitted (0.01 and 0.05 1/s) and the nine others are predicted.
 The model is the loop's: elastic stress, two linear arms, and times that go with a power of the rate.
@@ -25,7 +25,7 @@ from studies.marked_page import MarkedPage
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 ROWS = Path("docs", "data", "acrylic.csv")
-PAGE = MarkedPage(Path("docs", "acrylic.md"), "<!-- acrylic begin -->", "<!-- acrylic end -->")
+PAGE = MarkedPage(Path("docs", "real-data.md"), "<!-- acrylic begin -->", "<!-- acrylic end -->")
 FITTED, RATES, REFERENCE = 3.0, (0.01, 0.03, 0.05), 0.03
 SAMPLES = 600  # of each curve, as in the network's data
 NETWORK = "network of the authors (vCANN)"

@@ -7,36 +7,22 @@ contradict each other beyond chance the new campaign stands alone, and what cont
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.serialise import Serialised
+from dummydesign.loop.calibration import Calibration
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise
 from dummydesign.loop.model.forward_model import parameter_names
 from dummydesign.loop.model.material import ARM_TOLERANCE
+from dummydesign.loop.result import PooledFit
 from dummydesign.loop.selection.cross_validation import widened
 from dummydesign.measurement.campaign import Campaign
-
-if TYPE_CHECKING:
-    from dummydesign.loop.calibration import Calibration
 
 CONFLICT_P = 0.01  # probability of a larger difference by chance below which a prior is held to contradict the data
 NAMED_Z = 2.5  # parameters that differ by more standard deviations than this are named
 SAME_RATIO = 1e-3
-
-
-@dataclass(frozen=True)
-class PooledFit(Serialised):
-    """How a prior met the data."""
-
-    used: bool
-    chi2: float
-    p: float
-    conflicts: tuple[str, ...]
-    shared: tuple[str, ...]
 
 
 def check_prior(prior: Calibration, campaign: Campaign) -> None:

@@ -169,16 +169,14 @@ def tables(presses: Sequence[Press], used: Sequence[Press], results: Sequence[La
     """Both tables of the page."""
     lines = [f"{len(used)} of {len(presses)} presses lie in the tables (a/h from 0.25; thicker limbs do not).", ""]
     lines += [
-        "| law | slope within people, over sites (95 %) | slope within sites, over people (95 %) | force at a "
-        "left-out site |",
+        "| law | slope within people, over sites (95 %) | slope within sites, over people (95 %) | left-out site, "
+        "factor (rms) |",
         "|---|---|---|---|",
     ]
     for one in results:
         over_sites = f"{one.people_slope:+.2f} ({one.people_low:+.2f} to {one.people_high:+.2f})"
         over_people = f"{one.sites_slope:+.2f} ({one.sites_low:+.2f} to {one.sites_high:+.2f})"
-        lines.append(
-            f"| {LAWS[one.law]} | {over_sites} | {over_people} | off by a factor {one.left_out_factor:.2f} (rms) |"
-        )
+        lines.append(f"| {LAWS[one.law]} | {over_sites} | {over_people} | {one.left_out_factor:.2f} |")
     lines += ["", "| site | presses | thickness mm | modulus kPa (2.5 to 97.5 % of people) | between people |"]
     lines.append("|---|---|---|---|---|")
     for site, text in SITES.items():

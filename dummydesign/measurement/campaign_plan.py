@@ -71,8 +71,12 @@ class PlanSettings:
                 if not low <= value <= high:
                     raise out_of_range(name, value, low, high)
             if len(set(values)) != len(values):
-                message = f"{name}: {', '.join(f'{v:g}' for v in values)} holds a value twice"
-                raise InputError(message, "duplicate", quantity_name(name), values)
+                raise InputError(
+                    f"{name}: {', '.join(f'{v:g}' for v in values)} holds a value twice",
+                    "duplicate",
+                    quantity_name(name),
+                    values,
+                )
         count = len(self.pads_mm) * len(self.velocities_mm_s) * len(self.targets) * self.repeats
         if not 2 <= count <= MOST:
             raise out_of_range("number of presses", count, 2, MOST, "give two forces or speeds, or --repeats 2")

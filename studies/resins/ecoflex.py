@@ -70,7 +70,7 @@ class BatchFit:
     @classmethod
     def of(cls, fit: LoadingFit, pucks: int) -> BatchFit:
         """Read the profile of a fit of some pucks."""
-        best = min(fit.profile, key=lambda one: one.mean_square)
+        best = min(fit.profile, key=lambda one: one.misfit)
         kept = [one for one, excess in zip(fit.profile, fit.excess) if excess <= CHI_SQUARE_95]
         logs = [one.parameters[0] for one in kept]
         # one puck's modulus differs from another's: the mean of all is known to this
@@ -91,8 +91,8 @@ class BatchFit:
             young_frictionless_kPa=profile[0][1],
             young_bonded_kPa=profile[-1][1],
             rmse=fit.misfit,
-            rmse_frictionless=float(np.sqrt(fit.profile[0].mean_square)),
-            scatter=float(np.sqrt(fit.variance * pucks - best.mean_square)),
+            rmse_frictionless=fit.profile[0].misfit,
+            scatter=float(np.sqrt(fit.variance * pucks - best.misfit**2)),
             profile=profile,
         )
 

@@ -14,7 +14,7 @@ FRESH_REST_S = 3600.0
 """Rest of a pad before its first press of a day. [s]"""
 MOST = 2000
 DEFAULT_PADS_MM, DEFAULT_VELOCITIES_MM_S, DEFAULT_FORCES_N = (5.0, 15.0, 20.0), (10.0, 250.0), (5.0, 10.0, 15.0)
-"""Pads of the blind study (docs/loop-blind.md); speeds and steady forces of the data on people, which a verdict needs.
+"""Pads of the blind study (docs/evidence.md); speeds and steady forces of the data on people, which a verdict needs.
 
 The loop reads low forces in the rise of each press: it detects as many effects as with presses to 3, 7 and 12 N."""
 DEFAULT_REPEATS, DEFAULT_AGES_DAYS, DEFAULT_REST_S, DEFAULT_HOLD_S = 2, (9.0, 14.0, 29.0), 60.0, 10.0

@@ -340,7 +340,7 @@ def _white(time: np.ndarray, force: np.ndarray, holds: tuple[Hold, ...]) -> floa
 
 
 LEAST_MISFIT = 0.02
-"""Misfit of the one-term law that is always reckoned with: the middle of 19 mixtures, ``docs/ecoflex.md``."""
+"""Misfit of the one-term law that is always reckoned with: the middle of 19 mixtures, ``docs/real-data.md``."""
 ALIKE = 0.15
 """Compression, over height, within which the law misfits alike."""
 RIPPLE, RIPPLE_LENGTH = 0.0025, 0.02

@@ -140,7 +140,7 @@ def _explained(time: NDArray, depth: NDArray, force: NDArray, size: NDArray) -> 
     step = np.maximum(np.diff(time, prepend=time[0]), 1e-9) / TIMES_S[:, None]
 
     def relaxed(elastic: NDArray, step: NDArray) -> NDArray:
-        """What is left of loads that decay, loaded evenly within each step."""
+        """Loads that decay, loaded evenly within each step."""
         kept = np.exp(-step)
         return linear_recurrence(kept, (1.0 - kept) / step * np.diff(elastic, prepend=0.0))
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,7 @@ from dummydesign.loop.fitting.fit import fit_at, start_vector
 from dummydesign.loop.fitting.noise import NoiseSizes
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.fitting.screening import change_by, project, starts_of
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
-from dummydesign.loop.model.campaign_law import pad_of, tabulated_law
+from dummydesign.loop.model.campaign_law import CampaignLaw, law_without_solve, pad_of
 from dummydesign.loop.model.effect import SetupLaw
 from dummydesign.loop.model.forward_model import simulate
 from dummydesign.loop.model.material import Material, material_of
@@ -37,13 +36,9 @@ from dummydesign.measurement.campaign import Campaign, Trial
 from dummydesign.measurement.campaign_plan import Planned
 from dummydesign.measurement.motion import DECELERATION_MM_S2, Motion, contact_velocity, ramp_and_hold
 from dummydesign.pad.force_law import ForceCurve
-from dummydesign.pad.force_source import elastic_curve
+from dummydesign.pad.force_source import curve_without_solve, elastic_curve
 from dummydesign.pad.pad_under_punch import Pad, Puck
 from dummydesign.pad.predict import depth_for_steady_force, motion_on_curve
-
-if TYPE_CHECKING:
-    pass
-
 
 LEAST_HOLD_S = 1e-3
 
@@ -98,9 +93,9 @@ def at_reached_speed(row: Planned, expected: Expected) -> Planned:
 
 
 def _curve(pad: Pad | Puck, progress: Progress) -> tuple[Pad | Puck, ForceCurve]:
-    """Long-term force of a pad by its table, else solved."""
+    """Long-term force of a pad by closed form or its table, else solved."""
     try:
-        return pad, elastic_curve(pad, "table")
+        return pad, curve_without_solve(pad) or elastic_curve(pad, "table")
     except InputError:
         progress(f"depths of the presses: solving the pad of {pad.thickness_mm:g} mm")
         return pad, elastic_curve(pad, "axisymmetric")
@@ -302,7 +297,8 @@ class PlanPower(Serialised):
 @one_blas_thread()
 def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, seed: int = 1) -> PlanPower:
     """Work out what a plan can see."""
-    law = tabulated_law(campaign)
+    geometry, heights = campaign.pad.geometry, sorted({row.thickness_mm for row in plan})
+    law = law_without_solve(pad_of(campaign, h, 1.0, geometry) for h in heights)
     trials = planned_trials(plan, law, young_MPa, np.random.default_rng(seed))
     presses = make_presses(replace(campaign, trials=trials))
     problem = CampaignProblem(presses, law, prior=material_of(campaign).prior)
@@ -330,7 +326,7 @@ def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, 
 
 
 def planned_trials(
-    plan: tuple[Planned, ...], law: SlabLaw | PuckLaw, young_MPa: float, draw: np.random.Generator
+    plan: tuple[Planned, ...], law: CampaignLaw, young_MPa: float, draw: np.random.Generator
 ) -> tuple[Trial, ...]:
     """Trials of a plan with the motion that is to be made and no force."""
     trials = []
@@ -355,9 +351,9 @@ def planned_trials(
     return tuple(trials)
 
 
-def depth_for(law: SlabLaw | PuckLaw, thickness_mm: float, force_over_young_mm2: float) -> float:
-    """Depth at which a pad carries a force, at most what the force law knows. [mm]"""
-    deepest = float(np.min(law.limit(np.array([thickness_mm]))))
-    depths = np.linspace(0.0, 0.98 * deepest, 200)
-    force = law(depths[None, :], np.array([[thickness_mm]]))[0]
+def depth_for(law: CampaignLaw, thickness_mm: float, force_over_young_mm2: float) -> float:
+    """Depth at which a slab or puck carries a force, at most what the force law knows. [mm]"""
+    own = law.law_of(("", thickness_mm))
+    depths = np.linspace(0.0, 0.98 * own.limit_mm, 200)
+    force = own(depths[None], np.array([[thickness_mm]]))[0]
     return float(np.interp(force_over_young_mm2, force, depths))

@@ -140,7 +140,7 @@ class Presses:
         A fit asks for the same depths again and again: only effects of the motion change them.
         """
         if id(law) not in self._laws:
-            self._laws[id(law)] = law, memoised_law(law.on(self.trials) if hasattr(law, "on") else law)
+            self._laws[id(law)] = law, memoised_law(law.on(self.trials))
         return self._laws[id(law)][1]
 
     @property

@@ -10,20 +10,17 @@ from numpy.typing import NDArray
 
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.loop.data.reduction import UNLOADING
-from dummydesign.loop.data.trials import SAME_DEPTH, Presses, stack
+from dummydesign.loop.data.trials import SAME_DEPTH, Presses, planned_trace, stack
 from dummydesign.loop.fitting.candidates import USUAL_POSITION_MM
 from dummydesign.loop.fitting.fit import CampaignFit
 from dummydesign.loop.model.effect import SetupLaw
 from dummydesign.loop.model.forward_model import LAW_TERMS, SMOOTH_TERMS
 from dummydesign.measurement.campaign import Trial
-from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.sensor import Lowpass
-from dummydesign.measurement.trace import Trace
 from dummydesign.pad.tables.puck import shape_range
 from dummydesign.pad.tables.slab import load_table
 
 HOLD_S = 10.0  # of every planned press
-BACK_MM_S = 10.0
 LUBRICATED = "between plates lubricated with silicone oil"
 MADE, SCATTER, SAME_SPEED = 2, 3.0, 0.05
 """How often a press must have been made to be known; how many standard deviations of the contact two presses of one
@@ -127,21 +124,6 @@ def options(presses: Presses, law: SetupLaw) -> list[PossiblePress]:
         if age is not None:
             out.append(PossiblePress(*press, f"at {3 * age:.0f} days", 3600.0, warm, 3 * age, shape, True))
     return out
-
-
-def planned_trace(name: str, velocity_mm_s: float, depth_mm: float, hold_s: float, unloading: bool) -> Trace:
-    """Make the motion of a press without its force: from before contact, through the hold, and back where wanted."""
-    press = ramp_and_hold(velocity_mm_s, depth_mm, hold_s)
-    stop = float(press.time_s[-1]) - hold_s
-    fine = np.arange(-min(0.1, 20.0 / velocity_mm_s), stop + 0.4, max(1e-3, stop / 500.0))
-    hold = np.arange(fine[-1] + 0.02, stop + hold_s, 0.02)
-    end = float(hold[-1]) if len(hold) else float(fine[-1])
-    away = np.arange(end + 4e-3, end + (depth_mm + 2.0) / BACK_MM_S, 4e-3) if unloading else np.zeros(0)
-    time = np.r_[fine, hold, away]
-    x = np.interp(time, press.time_s, press.displacement_mm)
-    x = np.where(time < 0, velocity_mm_s * time, x)
-    x = np.where(time > end, depth_mm - BACK_MM_S * (time - end), x)
-    return Trace(name, time, x, np.zeros_like(time))
 
 
 def planned_presses(presses: Presses, lowpass: Lowpass | None, chosen: list[PossiblePress]) -> Presses:

@@ -10,10 +10,9 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.loop.data.trials import Presses, stack
+from dummydesign.loop.data.trials import Presses, planned_trace, stack
 from dummydesign.loop.fitting.fit import CampaignFit, fit_base, start_vector
 from dummydesign.loop.fitting.problem import CampaignProblem
-from dummydesign.loop.next_measurement import planned_trace
 from dummydesign.measurement.campaign import Trial
 from tests.support.known_laws import puck_law
 

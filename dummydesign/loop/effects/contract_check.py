@@ -12,12 +12,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.loop.data.trials import History, Presses, stack
+from dummydesign.loop.data.trials import History, Presses, planned_trace, stack
 from dummydesign.loop.model.campaign_law import law_without_solve
-from dummydesign.loop.model.effect import HOOKS, OWNERS, PADS, SETUP, Effect, Parameter, SetupLaw, UnitForce, Values
+from dummydesign.loop.model.effect import HOOKS, OWNERS, PADS, SETUP, Effect, Parameter, SetupLaw, Values
 from dummydesign.loop.model.forward_model import Active, BaseParameters, readings, simulate
 from dummydesign.measurement.campaign import Trial
-from dummydesign.measurement.trace import Trace
 from dummydesign.pad.pad_under_punch import Pad, Puck
 
 SHAPES = tuple(PADS)
@@ -221,7 +220,9 @@ def reference_presses(shape: str) -> tuple[Presses, SetupLaw]:
     law = law_without_solve(replace(pad, thickness_mm=h) for h in thicknesses)
     trials: list[Trial] = []
     for order, (repeat, thickness, speed) in enumerate(product((1, 2), thicknesses, (10.0, 250.0))):
-        trace = _trace(f"reference_{order}", share * thickness * (1.0 - 0.3 * (repeat - 1)), speed, law, thickness)
+        depth = share * thickness * (1.0 - 0.3 * (repeat - 1))
+        trace = planned_trace(f"reference_{order}", speed, depth, 3.0, True)
+        elastic = law(trace.displacement_mm[None], np.array([[thickness]]))[0]
         trials.append(
             Trial(
                 trace.name,
@@ -234,28 +235,9 @@ def reference_presses(shape: str) -> tuple[Presses, SetupLaw]:
                 60.0 if order % 2 else 3600.0,
                 21.0 + order,
                 9.0 * repeat,
-                trace,
+                replace(trace, force_N=BASE.young_MPa * elastic),
             )
         )
     presses = stack(tuple(trials), None)
     vars(presses)["flat_top_N"] = 0.5 * float(simulate(presses, law, BASE).max())  # as if their readings were clipped
     return presses, law
-
-
-def _trace(name: str, depth_mm: float, speed_mm_s: float, law: UnitForce, thickness_mm: float) -> Trace:
-    """A ramp from 0.1 s before contact with an even brake, three seconds of hold, and the way back at 10 mm/s."""
-    brake = min(speed_mm_s / 2e4, depth_mm / speed_mm_s)
-    straight = depth_mm / speed_mm_s - 0.5 * brake
-    stop = straight + brake
-    fine = np.arange(-0.1, stop + 0.3, 1e-3)
-    hold = np.arange(fine[-1] + 0.01, stop + 3.0, 0.01)
-    back = np.arange(hold[-1] + 0.005, hold[-1] + (depth_mm + 2.0) / 10.0, 0.005)
-    time = np.r_[fine, hold, back]
-    x = np.where(
-        time < straight,
-        speed_mm_s * time,
-        depth_mm - 0.5 * speed_mm_s / brake * np.clip(stop - time, 0.0, None) ** 2,
-    )
-    x = np.where(time > hold[-1], depth_mm - 10.0 * (time - hold[-1]), x)
-    force = BASE.young_MPa * law(np.maximum(x, 0.0)[None], np.array([[thickness_mm]]))[0]
-    return Trace(name, time + 0.1, x, force)

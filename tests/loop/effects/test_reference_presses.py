@@ -31,17 +31,13 @@ def test_eight_presses_of_two_pads_at_two_speeds_go_up_hold_and_come_back(shape)
     assert presses.history.repeat.tolist() == [1.0] * 4 + [2.0] * 4
     for row, (trial, depth, speed) in enumerate(zip(presses.trials, presses.depth_mm, speeds)):
         time, x = trial.trace.time_s, trial.trace.displacement_mm
-        assert time[0] == pytest.approx(0.0) and np.all(np.diff(time) > 0.0)
-        # contact a tenth of a second on, at full speed, an even brake to the depth, three seconds of hold
-        rising = (time > 0.03) & (x < 0.2 * depth) & (time < 0.1 + depth / speed)
-        np.testing.assert_allclose(np.gradient(x[rising], time[rising]), speed, rtol=1e-6)
-        assert np.interp(0.0, x[rising], time[rising]) == pytest.approx(0.1, abs=1e-9)
+        assert time[0] < -0.07 and np.all(np.diff(time) > 0.0)
+        # at full speed before contact, where its time begins; three seconds of hold
+        rising = x < 0.0
+        rising[np.argmax(~rising) :] = False
+        np.testing.assert_allclose(x[rising], speed * time[rising], rtol=1e-9)
         held = time[x > depth * (1.0 - 1e-9)]
         assert held[-1] - held[0] == pytest.approx(3.0, abs=0.03)
-        brake = min(speed / 2e4, depth / speed)
-        last = (time > 0.1 + depth / speed - 0.4 * brake) & (time < held[0] - 1e-9) & (x < depth * (1 - 1e-9))
-        stop = 0.1 + depth / speed + 0.5 * brake
-        np.testing.assert_allclose(x[last], depth - 0.5 * speed / brake * (stop - time[last]) ** 2, atol=1e-9)
         back = time > held[-1] + 1e-9
         np.testing.assert_allclose(np.diff(x[back]) / np.diff(time[back]), -10.0, rtol=1e-6)
         assert x[-1] == pytest.approx(-2.0, abs=0.06)

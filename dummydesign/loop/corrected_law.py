@@ -15,7 +15,7 @@ from dummydesign.loop.model.effect import SETUP, UnitForce
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.pad.force_law import BaseForceLaw, ForceLaw
 from dummydesign.pad.tables.filleted import slab_table
-from dummydesign.pad.tables.slab import load_compressibility
+from dummydesign.pad.tables.slab import load_compressibility, load_table
 from dummydesign.pad.tables.square import square_law
 
 BULK = "bulk_that_gives"
@@ -119,6 +119,11 @@ class CorrectedLaw(BaseForceLaw):
     correction: Correction
     square: bool = True
     edge_radius_mm: float = 0.0
+
+    @property
+    def ratio_range(self) -> tuple[float, float]:  # type: ignore[override]
+        """Smallest and largest punch radius over thickness: those of the table, with a fillet as without."""
+        return load_table(self.correction.base).ratio_range
 
     @property
     def notes(self) -> tuple[str, ...]:  # type: ignore[override]

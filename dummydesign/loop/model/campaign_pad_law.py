@@ -139,17 +139,15 @@ class CampaignPadLaw:
         The top of the pad stays what it is, as from a mould that is poured too full. From one side alone, and without
         a second derivative, where the other could not be solved.
         """
-        step = np.log(THICKER)
-        sides: dict[int, NDArray] = {}
-        for sign in (1, -1):
+        sides: dict[float, NDArray] = {}
+        for step in (float(np.log(THICKER)), -float(np.log(THICKER))):
             with suppress(NoAnswerError, InputError):
-                sides[sign] = self._log_ratio(thickness_mm=self.pad.thickness_mm * THICKER**sign)
+                sides[step] = self._log_ratio(thickness_mm=self.pad.thickness_mm * float(np.exp(step)))
         if not sides:
             raise self._unsolved("thickness_mm")
-        if len(sides) == 1:
-            ((sign, only),) = sides.items()
-            return sign * only / step, np.zeros_like(only)
-        return (sides[1] - sides[-1]) / (2.0 * step), (sides[1] + sides[-1]) / (2.0 * step**2)
+        powers = np.vander(list(sides), len(sides) + 1, increasing=True)[:, 1:]
+        first, *second = np.linalg.solve(powers, np.stack(list(sides.values())))
+        return first, second[0] if second else np.zeros(DENSE)
 
     @cached_property
     def log_sliding(self) -> NDArray:

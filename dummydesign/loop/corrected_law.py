@@ -140,7 +140,7 @@ class CorrectedLaw(BaseForceLaw):
         radius = np.asarray(radius_mm, float).item()
         law = self._plain(radius)
         x, h = depth.reshape(-1, 1), thickness.reshape(-1, 1)
-        plain = DesignedForce(lambda *at: law.force(*at, 1.0, radius), radius)
+        plain = DesignedForce(lambda at_mm, h_mm: law.force(at_mm, h_mm, 1.0, radius), radius)
         return young * self.correction.apply(plain, x, h, law.depth_limit_mm(h, radius)).reshape(depth.shape)
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:

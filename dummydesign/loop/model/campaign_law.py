@@ -16,7 +16,7 @@ from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.loop.data.trials import Presses, stack
 from dummydesign.loop.model.campaign_pad_law import CampaignPadLaw
-from dummydesign.loop.model.effect import UnitForce
+from dummydesign.loop.model.effect import SetupLaw, UnitForce
 from dummydesign.loop.model.material import material_of
 from dummydesign.measurement.campaign import Campaign, Trial
 from dummydesign.pad.force_source import curve_without_solve, has_square_factor
@@ -107,7 +107,7 @@ class CampaignLaw:
 
     def sliding(self) -> UnitForce:
         """The same pads on a base that slides."""
-        return lambda *at: self(*at) * np.exp(self._read(*at, lambda law: law.log_sliding))
+        return lambda depth, h: self(depth, h) * np.exp(self._read(depth, h, lambda law: law.log_sliding))
 
     def compressibility_coefficient(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
         """c of a compressible pad, F / (1 + (1 - 2 nu) c)."""
@@ -135,7 +135,7 @@ class CampaignLaw:
 
 
 def within_reach(
-    campaign: Campaign, presses: Presses, law: CampaignLaw, least: int = LEAST_LEFT
+    campaign: Campaign, presses: Presses, law: SetupLaw, least: int = LEAST_LEFT
 ) -> tuple[Campaign, Presses, str]:
     """A campaign without the presses that go deeper than their law."""
     limit = law.limit_of(presses.trials)
@@ -179,9 +179,7 @@ def law_without_solve(pads: Iterable[Pad | Puck]) -> CampaignLaw:
     laws = [CampaignPadLaw(pad, MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm) for pad in pads]
     for law in laws:
         if law.known is None:
-            message = (
-                f"the {law.name} has no tabulated force under this punch; 'dummydesign loop' solves it once pressed"
-            )
+            message = f"the {law.name} has no tabulated force; 'dummydesign loop' solves it once it is pressed"
             raise InputError(message, "not_tabulated", "pad")
     return CampaignLaw({("", law.pad.thickness_mm): law for law in laws})
 

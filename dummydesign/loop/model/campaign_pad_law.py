@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +57,7 @@ class CampaignPadLaw:
 
     @property
     def sharp(self) -> bool:
-        """Whether it is a puck or, under a sharp edge, a slab whose force is known without a solve."""
+        """Whether its force needs no solve, and no fillet is declared."""
         return self.known is not None and not getattr(self.pad, "edge_radius_mm", 0.0)
 
     @property
@@ -205,7 +205,7 @@ class CampaignPadLaw:
         from scipy.interpolate import PchipInterpolator
 
         # of a square as of the circle of its area
-        circle = replace(self, pad=replace(self.pad, sides_mm=None))
+        circle = replace(self, pad=replace(cast(Pad, self.pad), sides_mm=None))
         rows = [circle._log_ratio(edge_radius_mm=share * self.radius_mm) for share in FILLETS.tolist()]
         return PchipInterpolator(np.r_[0.0, FILLETS**POWER], [np.zeros(DENSE), *rows], axis=0)
 

@@ -37,7 +37,7 @@ from dummydesign.measurement.campaign import Campaign, Trial
 from dummydesign.measurement.campaign_plan import Planned
 from dummydesign.measurement.motion import DECELERATION_MM_S2, Motion, contact_velocity, ramp_and_hold
 from dummydesign.pad.force_law import ForceCurve
-from dummydesign.pad.force_source import curve_without_solve, elastic_curve
+from dummydesign.pad.force_source import elastic_curve
 from dummydesign.pad.pad_under_punch import Pad, Puck
 from dummydesign.pad.predict import depth_for_steady_force, motion_on_curve
 
@@ -94,9 +94,9 @@ def at_reached_speed(row: Planned, expected: Expected) -> Planned:
 
 
 def _curve(pad: Pad | Puck, progress: Progress) -> tuple[Pad | Puck, ForceCurve]:
-    """Long-term force of a pad by closed form or its table, else solved."""
+    """Long-term force of a pad by its table, else solved."""
     try:
-        return pad, curve_without_solve(pad) or elastic_curve(pad, "table")
+        return pad, elastic_curve(pad, "table")
     except InputError:
         progress(f"depths of the presses: solving the pad of {pad.thickness_mm:g} mm")
         return pad, elastic_curve(pad, "axisymmetric")

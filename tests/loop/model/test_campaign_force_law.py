@@ -208,7 +208,6 @@ def test_a_crown_that_vanishes_has_the_slabs_law_and_the_loop_finds_its_modulus(
     assert other.base.beta == pytest.approx(own.base.beta, rel=0.02)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("base", ["bonded", "sliding"])
 def test_a_small_fillet_on_a_slab_is_near_the_sharp_edge_and_changes_as_that_does(base):
     """Round punch of 15.8 mm on 10 mm: a fillet of 0.2 mm takes off a few per cent, and the change with thickness, base
@@ -222,8 +221,13 @@ def test_a_small_fillet_on_a_slab_is_near_the_sharp_edge_and_changes_as_that_doe
     if base == "bonded":
         bulk = law.compressibility_coefficient(depth, np.array([[10.0]]))
         np.testing.assert_allclose(curve.compressibility_coefficient(depth, np.array([[10.0]])), bulk, rtol=0.01)
+        # slip takes off what it takes off under this fillet, which nears that under the sharp edge
+        h = np.array([[10.0]])
         np.testing.assert_allclose(
-            curve.sliding()(depth, np.array([[10.0]])) / curve(depth, np.array([[10.0]])),
-            law.sliding()(depth, np.array([[10.0]])) / law(depth, np.array([[10.0]])),
-            rtol=2e-3,
+            curve.sliding()(depth, h), slab_law(7.9, base="sliding", edge_radius_mm=0.2)(depth, h), rtol=1e-4
         )
+        away = [
+            np.abs(own.sliding()(depth, h) / own(depth, h) / (law.sliding()(depth, h) / law(depth, h)) - 1.0).max()
+            for own in (curve, slab_law(7.9, edge_radius_mm=0.05), slab_law(7.9, edge_radius_mm=0.01))
+        ]
+        assert away[0] > 2.0 * away[1] > 4.0 * away[2] and away[2] < 1e-3

@@ -11,7 +11,7 @@ import numpy as np
 from dummydesign.core.options import command_words
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.request import Request
-from dummydesign.design.scoring.verdict import PEAK, deviations, ranges_of
+from dummydesign.design.scoring.verdict import OUT_OF_REACH, OUTCOMES, PEAK, deviations, ranges_of
 from dummydesign.design.test_conditions import beyond_people
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.mold.pour.plan import WITNESS_MM
@@ -43,6 +43,7 @@ PRESS_PEOPLE = (
     "press people with these forces; read the presses with 'dummydesign import' and 'dummydesign fit', "
     "keep them with 'dummydesign tissues add'"
 )
+STIFFER = "a stiffer resin, or a thicker pad (--thickness)"
 # Least gain of usable castings for which a puck is pressed: twice the standard error of a share.
 GAIN = 0.03
 # A puck and its two presses on the machine, and a pad by the protocol. [h]
@@ -228,11 +229,17 @@ def why_red(answer: Suggestion) -> str:
     missing = ~np.isfinite(readings.peak_N)
     if missing.any():
         force = ranges.force_N[missing].min()
-        return f"{force:g} N is out of reach: the gel bottoms out; a stiffer resin, or a thicker pad (--thickness)"
+        return f"{force:g} N is out of reach: the gel bottoms out; {STIFFER}"
     differences = deviations(ranges, readings)
     low, high = (limits.stands_shortfall, np.inf) if ranges.strict else (limits.shortfall, limits.over)
     short, name, at = differences.worst(differences.short)
     over, other, its = differences.worst(differences.above)
+    failing = {kind: share for kind, share in (answer.verdict.castings or {}).items() if kind in OUTCOMES and share}
+    if failing and max(short / low, over / high) <= 1.0:
+        # the pad itself is within the limits: its castings are what decides
+        most = max(failing, key=lambda kind: failing[kind])
+        instead = STIFFER if most == OUT_OF_REACH else "a second puck narrows what is known of the batch"
+        return f"{100.0 * failing[most]:.0f} % of castings are {OUTCOMES[most]}; {instead}"
     if short / low >= over / high and name == PEAK:
         people, whose = ranges.peak_low_N, "the subjects' peak"
         if ranges.strict:

@@ -240,8 +240,9 @@ class Lab:
             self.type(f"on-person {name}/{one[0]} {own} --drive steady", may_fail=True)
         loop = self.type(f"loop {name}")
         row["loop"] = self.of_loop(loop, pad)
-        line = f"suggest {own} --resin my-batch --mould {self.latest()} "
-        line += f"--calibration loop-{name}/calibration.json"
+        # the mould that was made is kept
+        line = f"suggest {own} --resin my-batch --calibration loop-{name}/calibration.json --shape {chosen['shape']} "
+        line += f"--thickness {chosen['thickness_mm']}:{chosen['thickness_mm']}"
         told = self.type(line + mould)
         row["light_calibrated"], chosen = told["verdict"]["level"], told["recommendation"]
         row["calibration_warnings"] = [one["code"] for one in told["warnings"]]
@@ -266,10 +267,6 @@ class Lab:
         replay = self.type(line, may_fail=True)
         names = ("rmse_N", "base_rmse_N", "noise_floor_N", "holds")
         row["replay"] = {key: replay.get(key) for key in names}
-
-    def latest(self) -> str:
-        """The newest folder of an answer of ``suggest``."""
-        return max(self.folder.glob("suggest-*"), key=lambda path: path.stat().st_mtime).name
 
     def of_loop(self, loop: dict[str, Any], pad: Pad) -> dict[str, Any]:
         """Verdict, names, errors and whether the truths lie in their intervals."""

@@ -58,7 +58,7 @@ def draw(seed: int, number: int, rng: np.random.Generator) -> Drawn:
     level = middle * np.exp(rng.normal(0.0, 0.15))
     own = bool(rng.random() < 0.5)
     people = []
-    for _ in range(int(rng.integers(4, 6))):
+    for _ in range(int(rng.integers(3, 5))):
         gamma1 = level * np.exp(rng.normal(0.0, spread))
         gamma = gamma1, gamma1 * rng.uniform(*second), gamma1 * rng.uniform(*third)
         times = rng.uniform(0.9, 2.0), float(np.exp(rng.uniform(np.log(0.01), np.log(0.06))))

@@ -190,7 +190,9 @@ def press(
         x = (mesh.place + u)[mesh.face]
         r, z = x[..., 0] @ mesh.on, x[..., 1] @ mesh.on
         new = ~tied & (z > face) & under
-        tied, at_r = tied | new, np.where(new, r, at_r)
+        # what touched within the step slid for half of it
+        r_before = (mesh.place + start[0])[mesh.face][..., 0] @ mesh.on
+        tied, at_r = tied | new, np.where(new, 0.5 * (r + r_before), at_r)
         if depth >= wanted[0] - 1e-12:
             wanted.pop(0)
             reached.append(depth)

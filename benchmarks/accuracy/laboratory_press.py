@@ -177,7 +177,8 @@ def record(path: Path, t: NDArray, x: NDArray, force: NDArray, rng: np.random.Ge
     speed = x[1] / t[1]
     lead = 1.5 / speed
     stop = float(t[400]) + 0.3
-    even = np.concatenate([np.arange(-lead - 0.15, stop, 1e-3), np.arange(stop, t[-1], 1e-2)])
+    even = np.arange(-lead - 0.15, stop, 1e-3)
+    even = np.concatenate([even, np.arange(even[-1] + 1e-2, t[-1], 1e-2)])
     x_even = np.where(even < 0.0, np.maximum(speed * even, -1.5), np.interp(even, t, x))
     keep, slow = np.exp(-np.diff(even)), [float(rng.normal(0.0, SLOW_N))]
     for kept, push in zip(keep, rng.normal(0.0, SLOW_N * np.sqrt(1.0 - keep**2))):

@@ -218,9 +218,14 @@ def same_shape(subjects: tuple[Subject, ...]) -> None:
             )
         own, wanted = (1 + 2 * len(one.gamma_N_per_mm3) for one in (subject.parameters, first))
         if own != wanted:
-            message = f"subject '{subject.name}' has {own} elements, '{subjects[0].name}' {wanted}: "
-            message += "fit all subjects with the same number, such as 'fit --elements 5'"
-            raise InputError(message, "inconsistent", "elements", own, wanted)
+            raise InputError(
+                f"subject '{subject.name}' has {own} elements, '{subjects[0].name}' {wanted}: "
+                "fit all subjects with the same number, such as 'fit --elements 5'",
+                "inconsistent",
+                "elements",
+                own,
+                wanted,
+            )
     if first.velocities_mm_s:
         share_a_speed({subject.name: subject.parameters.velocities_mm_s for subject in subjects})
 

@@ -78,7 +78,8 @@ def add_hardness(
         message = f"{stated} is at the end of its scale: give --shore-00 where the supplier states it, or press a puck"
         warnings.insert(0, {"code": "end_of_scale", "message": message})
     elif scale == SHORE_A and shore > law.sure_to_a:
-        message = f"{stated} is extrapolated: the hardest product with a known modulus is A {law.sure_to_a:g}. Press a puck"
+        known = f"the hardest product of known modulus has Shore A {law.sure_to_a:g}"
+        message = f"the modulus of {stated} is extrapolated: {known}. Press a puck"
         warnings.insert(0, {"code": "hardness_extrapolated", "message": message})
     return {
         "name": name,

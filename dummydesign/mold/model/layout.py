@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import Any
 
 from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.mold.model.products import Machines
 from dummydesign.mold.model.spec import Closure, MouldSpec, Pour
 
 
@@ -39,6 +40,16 @@ class Outline:
         """Largest distance between two of its points, the corners rounded. [mm]"""
         inner = math.hypot(self.length_mm - 2 * self.radius_mm, self.width_mm - 2 * self.radius_mm)
         return inner + 2 * self.radius_mm
+
+    def spare_mm(self, room_mm: tuple[float, ...]) -> float:
+        """Room that it leaves in a rectangle, laid either way, or in a circle; negative where it does not fit. [mm]
+
+        A circle (one diameter) takes what its own smallest circle holds: :attr:`diagonal_mm`, however it is turned.
+        """
+        if len(room_mm) == 1:
+            return room_mm[0] - self.diagonal_mm
+        sides = zip(sorted(room_mm), sorted((self.length_mm, self.width_mm)))
+        return min(room - side for room, side in sides)
 
     def grown(self, by_mm: float) -> Outline:
         """Return the outline moved outwards by ``by_mm`` (inwards when negative); corners stay rounded."""
@@ -85,7 +96,7 @@ def slab_volume_mm3(base: Outline, height_mm: float, draft_deg: float, edge_radi
 
 
 def best_grid(
-    count: int, length_mm: float, width_mm: float, wall_mm: float, border_mm: float, room_mm: tuple[float, float]
+    count: int, length_mm: float, width_mm: float, wall_mm: float, border_mm: float, room_mm: tuple[float, ...]
 ) -> tuple[tuple[float, float], tuple[tuple[float, float], ...]]:
     """How far the outermost middles of cavities in rows are apart, and all middles about the mould's, front row first.
 
@@ -97,8 +108,8 @@ def best_grid(
         return (columns - 1) * pitch_x_mm, (-(-count // columns) - 1) * pitch_y_mm
 
     def rank(columns: int) -> tuple[bool, float, int]:
-        sides = sorted(long + side + 2 * border_mm for long, side in zip(reach(columns), (length_mm, width_mm)))
-        return any(side > room for side, room in zip(sides, sorted(room_mm))), math.prod(sides), columns
+        sides = [long + side + 2 * border_mm for long, side in zip(reach(columns), (length_mm, width_mm))]
+        return Outline(*sides, 0.0).spare_mm(room_mm) < 0.0, math.prod(sides), columns
 
     best = min(range(1, count + 1), key=rank)
     along, across = reach(best)
@@ -263,6 +274,11 @@ def _label_room_mm(c: Closure | None, opening: Outline, keys: tuple[PlanPoint, .
         return opening.length_mm - 4.0
     front = min(abs(key.x_mm) for key in keys if key.y_mm < 0)
     return 2 * (front - c.key_radius_mm - c.key_clearance_mm) - 4.0
+
+
+def bed_spare_mm(machines: Machines, part: Outline, height_mm: float) -> float:
+    """Room that a printed part leaves on the bed within its margin, or under the printer's height. [mm]"""
+    return min(part.spare_mm(machines.bed_mm), machines.printer_height_mm - height_mm)
 
 
 DOWEL_MM = 4.0

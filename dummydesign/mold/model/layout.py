@@ -149,6 +149,10 @@ class Funnel(PlanPoint):
     small_mm: float
     large_mm: float
 
+    def volume_mm3(self, high_mm: float) -> float:
+        """Room in it through a lid of this height. [mm3]"""
+        return math.pi / 12 * high_mm * (self.small_mm**2 + self.small_mm * self.large_mm + self.large_mm**2)
+
 
 @dataclass(frozen=True)
 class Layout:
@@ -281,6 +285,8 @@ def bed_spare_mm(machines: Machines, part: Outline, height_mm: float) -> float:
     return min(part.spare_mm(machines.bed_mm), machines.printer_height_mm - height_mm)
 
 
+BACKER_PLAY_MM = 2.0
+"""How much wider a hole of the backer is than the sprue or vent under it."""
 DOWEL_MM = 4.0
 """Diameter of the two steel pins that keep ring and base in line."""
 # The second pin stands off the first one's mirror image, so that the ring goes on in one way.
@@ -415,8 +421,25 @@ def layer_volumes_mm3(spec: MouldSpec) -> tuple[float, float]:
 
 
 def mould_volume_mm3(spec: MouldSpec) -> float:
-    """Silicone of an open mould: block less cavity less brim, label neglected. [mm3]"""
-    plan = layout(spec)
+    """Silicone of a mould: block less cavities, brims, and what its lid needs; the label is neglected. [mm3]"""
+    plan, c = layout(spec), spec.closure
     block = drafted_volume_mm3(plan.bottom, plan.height_mm, spec.body.outer_draft_deg)
     brim = drafted_volume_mm3(plan.brim_outline, spec.body.freeboard_mm, spec.pad.draft_deg)
-    return block - spec.count * (cavity_volume_mm3(spec) + brim)
+    block -= spec.count * (cavity_volume_mm3(spec) + brim)
+    if c is None:
+        return block
+    gutter = math.pi / 2 * c.gutter_radius_mm**2 * plan.fill_outline.grown(c.gutter_distance_mm).perimeter_mm
+    return block - gutter - _half_balls_mm3(plan, c.key_radius_mm + c.key_clearance_mm)
+
+
+def lid_volume_mm3(spec: MouldSpec) -> float:
+    """Silicone of the lid with its keys, less sprue and vents; 0 without a lid. [mm3]"""
+    plan, c = layout(spec), spec.closure
+    if c is None:
+        return 0.0
+    hull = drafted_volume_mm3(plan.top, c.lid_mm, -spec.body.outer_draft_deg)
+    return hull + _half_balls_mm3(plan, c.key_radius_mm) - sum(one.volume_mm3(c.lid_mm) for one in plan.funnels)
+
+
+def _half_balls_mm3(plan: Layout, radius_mm: float) -> float:
+    return len(plan.keys) * 2 / 3 * math.pi * radius_mm**3

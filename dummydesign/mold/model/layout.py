@@ -108,8 +108,8 @@ def best_grid(
         return (columns - 1) * pitch_x_mm, (-(-count // columns) - 1) * pitch_y_mm
 
     def rank(columns: int) -> tuple[bool, float, int]:
-        sides = [long + side + 2 * border_mm for long, side in zip(reach(columns), (length_mm, width_mm))]
-        return Outline(*sides, 0.0).spare_mm(room_mm) < 0.0, math.prod(sides), columns
+        along, across = (far + side + 2 * border_mm for far, side in zip(reach(columns), (length_mm, width_mm)))
+        return Outline(along, across, 0.0).spare_mm(room_mm) < 0.0, along * across, columns
 
     best = min(range(1, count + 1), key=rank)
     along, across = reach(best)

@@ -327,9 +327,11 @@ def largest_pad_mm(spec: MouldSpec) -> tuple[float, float] | None:
         tried = range(low + 1, high + 1)
         return sides(low + bisect_left(tried, True, key=lambda one: _machine_fault(sized(*sides(one))) is not None))
 
+    def side(longest: int, asked_mm: int) -> float:
+        return float(max(least, longest * asked_mm // max(asked)))
+
     # First both sides in proportion, then each alone.
-    share = [side / max(asked) for side in asked]
-    found = largest(lambda one: tuple(max(float(least), one * side // 1) for side in share), least, max(asked))
+    found = largest(lambda one: (side(one, asked[0]), side(one, asked[1])), least, max(asked))
     if not pad.is_puck:
         found = largest(lambda one: (float(one), found[1]), int(found[0]), asked[0])
         found = largest(lambda one: (found[0], float(one)), int(found[1]), asked[1])

@@ -14,6 +14,7 @@ from dummydesign.design.request import Request
 from dummydesign.design.scoring.verdict import OUT_OF_REACH, OUTCOMES, PEAK, deviations, ranges_of
 from dummydesign.design.test_conditions import beyond_people
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.mold.moulded_pads import mould_command
 from dummydesign.mold.pour.plan import WITNESS_MM
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def _puck_helps(answer: Suggestion) -> bool:
 def _pad(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     """Cast the pad, press it by a campaign and compare it with the subjects."""
     made, best = _mould(answer), answer.best
-    sheet = [] if _written(inputs) else [Step("make its mould and pour sheet", mould_command(answer))]
+    sheet = [] if _written(inputs) else [Step("make its mould and pour sheet", mould_of_pad(answer))]
     hours = None if made.printing_h is None else made.printing_h + _curing_h(answer)
     given = {**inputs, "resin": str(inputs["resin"]), "condition": _typed_condition(inputs)}
     shape = "" if best.shape.plain else f" --shape {shlex.quote(str(best.shape))}"
@@ -120,14 +121,12 @@ def _pad(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     ]
 
 
-def mould_command(answer: Suggestion) -> str:
+def mould_of_pad(answer: Suggestion) -> str:
     """The command that makes the mould of the recommended pad."""
     best, request = answer.best, answer.request
-    words = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {shlex.quote(request.resin)}"
-    words += f" --ratio {best.ratio:g} --shape {shlex.quote(str(answer.shape))}"
-    if request.pad_mm != (PAD_LENGTH_MM, PAD_WIDTH_MM):
-        words += " --length {:g} --width {:g}".format(*request.pad_mm)
-    return words + (f" --preset {shlex.quote(request.preset)}" if request.preset != "open" else "")
+    outline = None if request.pad_mm == (PAD_LENGTH_MM, PAD_WIDTH_MM) else request.pad_mm
+    preset = "" if request.preset == "open" else request.preset
+    return mould_command(best.thickness_mm, best.ratio, str(answer.shape), request.resin, outline, preset)
 
 
 def _written(inputs: Mapping[str, Any]) -> Any:

@@ -12,7 +12,7 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.design.assessment.decision import ShapeComparison, low_force
 from dummydesign.design.assessment.pad_castings import PadCastings, PourYield, Shares
-from dummydesign.design.next_steps import mould_command, next_steps, paths_of
+from dummydesign.design.next_steps import mould_of_pad, next_steps, paths_of
 from dummydesign.design.problem import recipe_and_batch, recipe_of_pour
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import GROUPS
@@ -272,7 +272,7 @@ def make_mould(answer: Suggestion, folder: Path) -> dict[str, Any]:
         spec = replace(spec, pour=replace(spec.pour, usable_kPa=answer.shares.window_kPa or ()))
         return client.make_mold(spec, folder).to_dict() | {"sources": list(spec.sources)}
     except NoAnswerError as problem:
-        message = f"{problem}; the recipe stands, the mould is missing: then run '{mould_command(answer)}'"
+        message = f"{problem}; the recipe stands, the mould is missing: then run '{mould_of_pad(answer)}'"
         raise NoAnswerError(problem.code, message, quantity=problem.quantity) from None
 
 

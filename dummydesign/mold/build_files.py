@@ -63,7 +63,7 @@ def _write_and_check(
         "pad_compensated": made.parts["pad"].volume_mm3,
         **{name: part.volume_mm3 for name, part in made.parts.items() if name != "pad"},
     }
-    plan = pour_plan(spec, volumes["pad_compensated"], volumes["mould"] + volumes.get("lid", 0.0))
+    plan = pour_plan(spec)
     warnings = pour_warnings(spec, plan)
     written = beside(lambda: _write_and_read(made, meshes, folder))
     drawn = beside(lambda: _write_papers(made, plan, warnings, folder, foot))

@@ -245,11 +245,12 @@ def without_cad(spec: MouldSpec) -> dict[str, Any]:
 
 
 def masses_g(pour: dict[str, Any]) -> dict[str, float]:
-    """What is weighed: the resin's components, those of a layered pad's base as ``NAME (base)``, the silicone. [g]"""
+    """What is weighed: the resin's components (``NAME (base)`` of a base layer), the silicone of mould and lid. [g]"""
     masses = {part["name"]: part["mass_g"] for part in pour["components"]}
     under = pour.get("base", {"components": []})
     masses |= {f"{part['name']} (base)": part["mass_g"] for part in under["components"]}
-    return {**masses, "silicone": pour["silicone_mass_g"]} if pour["silicone_mass_g"] else masses
+    cast = {"silicone": pour["silicone_mass_g"], "silicone (lid)": pour["lid_silicone_mass_g"]}
+    return masses | {name: mass for name, mass in cast.items() if mass}
 
 
 def _made(asked: dict[str, Any], what: str, known: dict[str, Any]) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from shlex import quote
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import FilePath
@@ -83,6 +84,22 @@ def moulded_pads(folders: Sequence[FilePath]) -> MouldedPads:
             )
     shapes = tuple((h, "slab" if outline.startswith("cylinder") else shape) for h, shape, outline, _ in pads)
     return MouldedPads(shapes, pads[0][2], tuple(pours), tuple(str(mould) for *_, mould in pads))
+
+
+def mould_command(
+    thickness_mm: float,
+    ratio: float,
+    shape: str = "",
+    resin: str = "",
+    outline_mm: tuple[float, float] | None = None,
+    preset: str = "",
+) -> str:
+    """Return the command that makes a mould; what is empty is left to its default."""
+    given = {"resin": resin, "ratio": f"{ratio:g}", "shape": shape}
+    if outline_mm is not None:
+        given |= {"length": f"{outline_mm[0]:g}", "width": f"{outline_mm[1]:g}"}
+    typed = [f" --{name} {quote(one)}" for name, one in {**given, "preset": preset}.items() if one]
+    return f"dummydesign mold --thickness {thickness_mm:g}{''.join(typed)}"
 
 
 def one_mould(place: FilePath) -> MouldSpec:

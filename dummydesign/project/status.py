@@ -17,6 +17,7 @@ from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.user_library import find
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.measurement.campaign_status import check_campaign
+from dummydesign.mold.moulded_pads import mould_command
 from dummydesign.mold.puck.protocol import BATCH, command, trace_names
 from dummydesign.project.folder import FOLDERS, Project
 
@@ -244,9 +245,11 @@ def _measured(resin: str, since: str = "") -> bool:
 def _mould(project: Project, best: dict[str, Any]) -> str:
     if not {"thickness_mm", "ratio", "shape"} <= set(best):
         return "dummydesign mold --thickness MM"
-    shape = "" if best["shape"] == "slab" else f" --shape {quote(str(best['shape']))}"
-    resin = "" if best.get("resin") == (project.resin or STANDARD_RESIN) else f" --resin {quote(str(best['resin']))}"
-    return f"dummydesign mold --thickness {best['thickness_mm']:g}{shape}{resin} --ratio {best['ratio']:g}"
+    shape, resin = (str(best.get(name, "")) for name in ("shape", "resin"))
+    usual = project.resin or STANDARD_RESIN
+    return mould_command(
+        best["thickness_mm"], best["ratio"], "" if shape == "slab" else shape, "" if resin == usual else resin
+    )
 
 
 def _plan(best: dict[str, Any], mould: str) -> str:

@@ -72,9 +72,14 @@ def add_hardness(
         },
         *shadowed,
     ]
-    if scale == SHORE_A and shore < hardness_law().sure_from_a:
-        text = f"{stated} is at the end of its scale: give --shore-00 where the supplier states it, or press a puck"
-        warnings.insert(0, {"code": "end_of_scale", "message": text})
+    law = hardness_law()
+    if scale == SHORE_A and shore < law.sure_from_a:
+        message = f"{stated} is at the end of its scale: give --shore-00 where the supplier states it, or press a puck"
+        warnings.insert(0, {"code": "end_of_scale", "message": message})
+    elif scale == SHORE_A and shore > law.sure_to_a:
+        known = f"the hardest product of known modulus has Shore A {law.sure_to_a:g}"
+        message = f"the modulus of {stated} is extrapolated: {known}. Press a puck"
+        warnings.insert(0, {"code": "hardness_extrapolated", "message": message})
     return {
         "name": name,
         "shore": {"scale": scale, "value": shore},

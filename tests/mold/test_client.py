@@ -154,7 +154,7 @@ def test_failed_check_keeps_no_file_but_reports_all_checks(monkeypatch, tmp_path
         "warnings": [],
         "batch": {},
         "checks": [{"id": "draft_cavity", "value": -2.0, "limit": 1.99, "status": "fail"}],
-        "pour": {"components": [], "silicone_mass_g": 1.0},
+        "pour": {"components": [], "silicone_mass_g": 1.0, "lid_silicone_mass_g": 0.0},
         "seconds": 1.0,
         "memory_MB": 1.0,
     }
@@ -192,7 +192,7 @@ def test_final_name_taken_by_a_folder_is_refused(monkeypatch, tmp_path):
         "warnings": [],
         "batch": {},
         "checks": [],
-        "pour": {"components": [], "silicone_mass_g": 1.0},
+        "pour": {"components": [], "silicone_mass_g": 1.0, "lid_silicone_mass_g": 0.0},
         "seconds": 1.0,
         "memory_MB": 1.0,
     }
@@ -217,7 +217,7 @@ def test_a_folder_that_has_a_final_name_is_left_and_the_mould_goes_into_a_folder
         "warnings": [],
         "batch": {},
         "checks": [],
-        "pour": {"components": [], "silicone_mass_g": 1.0},
+        "pour": {"components": [], "silicone_mass_g": 1.0, "lid_silicone_mass_g": 0.0},
         "seconds": 1.0,
         "memory_MB": 1.0,
     }

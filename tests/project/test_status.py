@@ -44,7 +44,7 @@ def test_each_stage_of_the_work_asks_for_the_next_one(tmp_path):
     assert then() == "dummydesign suggest --tissue tissue/mine.toml --no-cad"
     best = {"shape": "crowned:radius=20,height=2", "thickness_mm": 8.0, "ratio": 15.4, "resin": "polyurethane-nagoya"}
     wrote(tmp_path / "designs" / "suggest-mine", "suggest", "2026-01-02", **best)
-    assert then() == "dummydesign mold --thickness 8 --shape crowned:radius=20,height=2 --ratio 15.4"
+    assert then() == "dummydesign mold --thickness 8 --ratio 15.4 --shape crowned:radius=20,height=2"
     wrote(tmp_path / "moulds" / "mould_t8", "mold", "2026-01-03")
     assert then().startswith("dummydesign campaign new campaigns/first --from-mould moulds/mould_t8")
     plan(tmp_path, "first", ["a.csv", "b.csv"])

@@ -9,7 +9,7 @@ import pytest
 
 from dummydesign.cli.entry import run
 from dummydesign.core.quantity import Quantity
-from dummydesign.core.user_library import user_folder
+from dummydesign.core.user_library import data_folder, user_folder
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.mold.model.preset import mould_spec
@@ -90,9 +90,31 @@ def test_soft_products_left_out_one_at_a_time_are_inside_the_interval_of_the_oth
 
 
 def test_a_soft_shore_a_is_kept_with_a_warning_that_the_scale_is_at_its_end():
-    soft, firm = (add_hardness(name, shore_a=shore) for name, shore in (("soft", 20.0), ("firm", 40.0)))
+    soft, firm, hard = (add_hardness(f"s{shore:g}", shore_a=shore) for shore in (20.0, 40.0, 41.0))
     assert [one["code"] for one in soft["warnings"]] == ["end_of_scale", "hardness_only"]
     assert [one["code"] for one in firm["warnings"]] == ["hardness_only"]
+    assert [one["code"] for one in hard["warnings"]] == ["hardness_extrapolated", "hardness_only"]
+
+
+def test_where_no_soft_product_supports_the_law_the_published_laws_are_inside_the_interval():
+    law = hardness_law()
+    for shore in (50.0, 70.0, 90.0):
+        published = math.exp(np.mean([np.log(one.young_kPa(shore)) for one in law.laws_a]))
+        assert law.modulus(shore, "A").low < published < law.modulus(shore, "A").high
+
+
+def test_an_own_copy_of_an_earlier_version_is_valid_and_its_own_numbers_count():
+    """It has the laws alone: what soft silicones say of them is that of the built-in file."""
+    text, before = (data_folder() / "materials/hardness.toml").read_text(encoding="utf-8"), hardness_law()
+    head, rest = text.split("[shore_a]")
+    laws = rest[rest.index("[[shore_a.law]]") : rest.index("[[shore_a.point]]")]
+    path = user_folder() / "materials" / "hardness.toml"
+    path.parent.mkdir(parents=True)
+    scatter = rest[rest.index("[scatter]") :]
+    path.write_text(f"{head}[shore_a]\nlowest = 12.0\nhighest = 90.0\n{laws}\n{scatter}", encoding="utf-8")
+    law = hardness_law()
+    assert law.ranges["A"] == (12.0, 90.0) and law.sure_from_a == before.sure_from_a
+    assert law.modulus(20.0, "A") == before.modulus(20.0, "A")
 
 
 @pytest.mark.parametrize(("scale", "shores"), [("00", (8.0, 25.0, 50.0, 70.0)), ("A", (30.0, 40.0, 85.0))])

@@ -230,7 +230,8 @@ def render(result: dict[str, Any]) -> str:
         head += labelled("WEIGH", f"{words}{parts} = {one['total_g']:.1f} g; pour {one['pour_g']:.1f} g of it")
     head += labelled("", f"ratio {inputs['ratio']:g} ({inputs['ratio_meaning']}), {inputs['resin']}")
     if pour["silicone_mass_g"]:
-        head += labelled("", f"silicone {pour['silicone_mass_g']:.0f} g for the mould itself")
+        lid = f", {pour['lid_silicone_mass_g']:.0f} g for its lid" if pour["lid_silicone_mass_g"] else ""
+        head += labelled("", f"silicone {pour['silicone_mass_g']:.0f} g for the mould itself{lid}")
     head += labelled("CHECKS", _counted(result["checks"]) if result.get("checks") else "")
     more = labelled("MORE", "--details: volumes, every check, every file and caution")
     return screen(
@@ -320,8 +321,8 @@ def render_details(result: dict[str, Any]) -> str:
     if "base" in batch:
         lines.append(f"Mix (base layer, poured second: {inputs['resin']}, ratio {inputs['base_ratio']:.4g})")
         lines += _weights(batch["base"], count)
-    if pour["silicone_mass_g"]:
-        lines.append(f"  {'silicone':<14}{pour['silicone_mass_g']:10.0f} g   for the mould itself")
+    for part, name in (("the mould itself", "silicone_mass_g"), ("its lid", "lid_silicone_mass_g")):
+        lines += [f"  {'silicone':<14}{pour[name]:10.0f} g   for {part}"] if pour[name] else []
     volumes = result.get("volumes_mm3", {})
     if volumes:
         lines += ["", "Volumes", *(f"  {name:<16}{volume / 1000:10.2f} cm3" for name, volume in volumes.items())]

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.mold.cad.kernel import cq
 from dummydesign.mold.cad.solids import cylinders, drafted_prism, rough_bounds, single_solid
-from dummydesign.mold.model.layout import Funnel, Layout, Outline, PlanPoint, layout, recess_outline, sheet_outline
+from dummydesign.mold.model.layout import (
+    BACKER_PLAY_MM,
+    Funnel,
+    Layout,
+    Outline,
+    PlanPoint,
+    layout,
+    recess_outline,
+    sheet_outline,
+)
 from dummydesign.mold.model.spec import MouldSpec
 
 if TYPE_CHECKING:
@@ -158,7 +167,7 @@ def _backer(spec: MouldSpec, plan: Layout) -> Any:
     c = spec.lid
     low = plan.land_mm + c.lid_mm
     plate = drafted_prism(plan.top.grown(-1.0), c.backer_mm, 0.0, low)
-    holes = [cylinders([one], one.large_mm / 2 + 1.0, c.backer_mm + 2, low - 1)[0] for one in plan.funnels]
+    holes = [cylinders([one], (one.large_mm + BACKER_PLAY_MM) / 2, c.backer_mm + 2, low - 1)[0] for one in plan.funnels]
     return single_solid(plate.cut(*holes))
 
 

@@ -15,9 +15,8 @@ from dummydesign.mold.cad.build import Part, Parts
 from dummydesign.mold.cad.solids import rough_bounds
 from dummydesign.mold.checks.check import Check, above, below, equal, genera, skipped
 from dummydesign.mold.files.step import canonical_step, read_step, time_stamp
-from dummydesign.mold.model.layout import Outline
+from dummydesign.mold.model.layout import Outline, bed_spare_mm
 from dummydesign.mold.model.printed_parts import MOST_OVERHANG_MM2, STEEPEST_DEG
-from dummydesign.mold.model.validate import spare_mm
 
 READER_LIMIT_S = 120
 VOLUME_REL = 1e-6
@@ -142,6 +141,7 @@ def overhang_mm2(mesh: Any) -> float:
 
 def check_lying(made: Parts, files: Mapping[str, Path]) -> list[Check]:
     """Print files lie on z = 0, hang over the bed nowhere, and fit it with their margin; read again from disk."""
+    import numpy as np
     import trimesh
 
     machines = made.spec.machines
@@ -150,7 +150,12 @@ def check_lying(made: Parts, files: Mapping[str, Path]) -> list[Check]:
         mesh: Any = trimesh.load(path, force="mesh")
         (x0, y0, z0), (x1, y1, z1) = mesh.bounds
         low = max(low, abs(z0))
-        room = min(spare_mm(Outline(x1 - x0, y1 - y0, 0.0), machines.bed_mm), machines.printer_height_mm - z1)
+        covered = Outline(x1 - x0, y1 - y0, 0.0)
+        if machines.bed_diameter_mm:
+            from_middle = mesh.vertices[:, :2] - mesh.bounds.mean(axis=0)[:2]
+            reach = float(np.hypot(*from_middle.T).max())
+            covered = Outline(2 * reach, 2 * reach, reach)
+        room = bed_spare_mm(machines, covered, z1)
         if room < spare:
             spare, names["spare"] = room, name
         if (area := overhang_mm2(mesh)) > hanging:

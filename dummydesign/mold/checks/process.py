@@ -7,9 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from dummydesign.mold.checks.check import Check, above, below, equal, skipped
+from dummydesign.mold.model.layout import bed_spare_mm
 from dummydesign.mold.model.printed_parts import part_title, printed_parts
 from dummydesign.mold.model.spec import MouldSpec, Pour
-from dummydesign.mold.model.validate import bed_spare_mm, chamber_spare_mm, footprint, spare_mm
+from dummydesign.mold.model.validate import chamber_spare_mm, footprint
 from dummydesign.mold.pour.plan import CUP_FACTOR, PourPlan, pours_of
 from dummydesign.mold.pour.steps import order_faults, pour_steps
 
@@ -29,19 +30,19 @@ def check_process(spec: MouldSpec, plan: PourPlan, warnings: Sequence[Mapping[st
 def _machines(spec: MouldSpec) -> list[Check]:
     m, bolt = spec.machines, math.floor(spec.box.bolt_hole_mm)
     play = spec.box.bolt_hole_mm - 2 * m.elephant_foot_mm - bolt
-    tight = min(printed_parts(spec), key=lambda part: bed_spare_mm(part, spec))
+    spare, tight = min((bed_spare_mm(m, part.outline, part.height_mm), part.name) for part in printed_parts(spec))
     checks = [
         above(
             "fits_printer",
-            bed_spare_mm(tight, spec),
+            spare,
             0.0,
             "mm to spare on the bed, margin kept, or in height; "
-            f"tightest of all printed parts as they lie: {part_title(tight.name, spec.is_printed)}",
+            f"tightest of all printed parts as they lie: {part_title(tight, spec.is_printed)}",
         ),
         above("bolts_pass", play, 0.0, f"mm of play for M{bolt} where the print's first layer spreads"),
     ]
     if spec.pour.cures_warm:
-        shelf = spare_mm(footprint(spec), (m.shelf_x_mm, m.shelf_y_mm))
+        shelf = footprint(spec).spare_mm((m.shelf_x_mm, m.shelf_y_mm))
         checks.append(above("fits_oven", shelf, 0.0, "mm to spare on the shelf"))
     else:
         checks.append(skipped("fits_oven", f"cures {spec.pour.cure_place}"))

@@ -29,6 +29,8 @@ SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05)
 """Preferred scales of ISO 5455, paper over part."""
 FIRST_MM, LANE_MM, NAME_MM, HATCH_MM, GAP_MM = 7.0, 6.0, 3.5, 3.0, 6.0
 LEADER_MM = 5.0
+ASIDE_MM = tuple(2.0 * step for step in range(13))
+"""How much further off its arrows a number may stand, so that no line crosses it. [mm]"""
 
 
 def ratio(scale: float) -> str:
@@ -252,11 +254,14 @@ def _lanes(measures: list[tuple[Point, Point, float]], side: str, edge: float) -
     for rank, (start, end, value) in enumerate(ordered):
         # The lines up to those further out cross this one's lane; its number is next to them.
         crossing = [point[axis] for other in ordered[rank + 1 :] for point in other[:2]]
-        before = _crossed(Dimension(start, end, 0.0, vertical, value), crossing) and not _crossed(
-            Dimension(start, end, 0.0, vertical, value, before=True), crossing
-        )
+        tried = [
+            Dimension(start, end, 0.0, vertical, value, before, aside=aside)
+            for aside in ASIDE_MM
+            for before in (False, True)
+        ]
+        clear = next((one for one in tried if not _crossed(one, crossing)), tried[0])
         for number, lane in enumerate([*lanes, []]):
-            made = Dimension(start, end, edge + outwards * (FIRST_MM + LANE_MM * number), vertical, value, before)
+            made = replace(clear, at=edge + outwards * (FIRST_MM + LANE_MM * number))
             low, high = made.reach
             if all(low > other.reach[1] + 2.0 or high < other.reach[0] - 2.0 for other in lane):
                 break

@@ -25,15 +25,16 @@ Run = tuple[tuple[float, float], ...]
 
 @dataclass(frozen=True)
 class Hole:
-    """Round holes of one kind: diameters on their way down, and where they are. [mm]"""
+    """Round holes of one kind: diameters on their way down, and where they are; balls with ``sign`` SØ. [mm]"""
 
     diameters_mm: tuple[float, ...]
     places: tuple[tuple[float, float], ...]
+    sign: str = "Ø"
 
     @property
     def words(self) -> str:
         """As it stands in a drawing: ``8 x Ø4.5``."""
-        across = "/".join(f"Ø{d:.3g}" for d in self.diameters_mm)
+        across = "/".join(f"{self.sign}{d:.3g}" for d in self.diameters_mm)
         return f"{len(self.places)} x {across}"
 
 
@@ -206,8 +207,8 @@ def sheets(made: Parts, views: dict[str, list[View]], date: str = "", paper: str
         thickness = "; thickness {:.2f} to {:.2f}".format(*crown.thickness_mm)
     for count, name in enumerate(views, 1):
         title = Title(
-            f"{pad.title}, {made.spec.preset} mould",
-            f"{names.get(name, name)}, t = {pad.thickness_mm:g}",
+            pad.title,
+            f"{names.get(name, name)}, {made.spec.preset} mould",
             _material(made, name),
             f"ISO 2768-m{thickness if name == 'pad' else ''}",
             made.spec.hash,
@@ -303,6 +304,9 @@ def _views(made: Parts, name: str) -> list[View]:
     if name in TURNED:
         solid = solid.rotate(cq.Vector(), cq.Vector(1, 0, 0), 180)
     rims = holes(solid)
+    if name == "lid":
+        keys = tuple((key.x_mm, -key.y_mm) for key in made.plan.keys)
+        rims.append(Hole((2 * made.spec.lid.key_radius_mm,), keys, "SØ"))
     shape = made.spec.pad.shape
     sites = shape.places_mm if name in ("pad", "carrier") and len(shape.places_mm) > 1 else ()
     views = [_section(made, name, solid, rims), _from_above(solid, rims, sites)]

@@ -118,6 +118,9 @@ def _mould_steps(spec: MouldSpec, plan: PourPlan) -> tuple[str, ...]:
         face += f" There {words}. {height_words(spec)}"
     if silicone is None:
         return mould_steps(spec, plastic, face)
+    mix = f"Mix {plan.silicone_mass_g:.0f} g {silicone.name}"
+    if plan.lid_silicone_mass_g:
+        mix += f" for the mould, then {plan.lid_silicone_mass_g:.0f} g for the lid, each"
     pins = ["Stand the sprue pin (one) and the vent pins (five) in their sockets; pull them before peeling the lid."]
     return (
         f"Print master and frame{_aids(spec)} and tray ({plastic}; 4 perimeters, 15 % infill). "
@@ -127,7 +130,7 @@ def _mould_steps(spec: MouldSpec, plan: PourPlan) -> tuple[str, ...]:
         f"Bolt frame to master (8 x M{math.floor(spec.box.bolt_hole_mm):g}) and stand the box level: the silicone's "
         "free face becomes the mould's underside.",
         *(pins if spec.closure is not None else []),
-        f"Mix {plan.silicone_mass_g:.0f} g {silicone.name} in the ratio of its data sheet (ratio {BLANK}). Pour it "
+        f"{mix} in the ratio of its data sheet (ratio {BLANK}). Pour it "
         "into a second cup and mix again. Degas at most 5 min. "
         f"Pour within {silicone.pot_life_min:g} min from one corner up to the step in the frame. Cure it at "
         "room temperature: heat may warp the print.",
@@ -412,7 +415,7 @@ def _story(blocks: Sequence[SheetBlock], wide: float) -> list[Any]:
     story: list[Any] = []
     for index, block in enumerate(blocks):
         if block.kind == "head":
-            story += [flow.CondPageBreak(MM * 30), flow.Paragraph(marked(block.text), heads[min(index, 1)])]
+            story += [flow.CondPageBreak(MM * 60), flow.Paragraph(marked(block.text), heads[min(index, 1)])]
         elif block.kind == "text":
             story += [flow.Paragraph(marked(block.text), text), flow.Spacer(1, 3)]
         elif block.kind == "list":

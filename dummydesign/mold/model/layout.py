@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import Any
 
 from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.mold.model.products import Machines
 from dummydesign.mold.model.spec import Closure, MouldSpec, Pour
 
 
@@ -39,6 +40,16 @@ class Outline:
         """Largest distance between two of its points, the corners rounded. [mm]"""
         inner = math.hypot(self.length_mm - 2 * self.radius_mm, self.width_mm - 2 * self.radius_mm)
         return inner + 2 * self.radius_mm
+
+    def spare_mm(self, room_mm: tuple[float, ...]) -> float:
+        """Room that it leaves in a rectangle, laid either way, or in a circle; negative where it does not fit. [mm]
+
+        A circle (one diameter) takes what its own smallest circle holds: :attr:`diagonal_mm`, however it is turned.
+        """
+        if len(room_mm) == 1:
+            return room_mm[0] - self.diagonal_mm
+        sides = zip(sorted(room_mm), sorted((self.length_mm, self.width_mm)))
+        return min(room - side for room, side in sides)
 
     def grown(self, by_mm: float) -> Outline:
         """Return the outline moved outwards by ``by_mm`` (inwards when negative); corners stay rounded."""
@@ -85,7 +96,7 @@ def slab_volume_mm3(base: Outline, height_mm: float, draft_deg: float, edge_radi
 
 
 def best_grid(
-    count: int, length_mm: float, width_mm: float, wall_mm: float, border_mm: float, room_mm: tuple[float, float]
+    count: int, length_mm: float, width_mm: float, wall_mm: float, border_mm: float, room_mm: tuple[float, ...]
 ) -> tuple[tuple[float, float], tuple[tuple[float, float], ...]]:
     """How far the outermost middles of cavities in rows are apart, and all middles about the mould's, front row first.
 
@@ -97,8 +108,8 @@ def best_grid(
         return (columns - 1) * pitch_x_mm, (-(-count // columns) - 1) * pitch_y_mm
 
     def rank(columns: int) -> tuple[bool, float, int]:
-        sides = sorted(long + side + 2 * border_mm for long, side in zip(reach(columns), (length_mm, width_mm)))
-        return any(side > room for side, room in zip(sides, sorted(room_mm))), math.prod(sides), columns
+        along, across = (far + side + 2 * border_mm for far, side in zip(reach(columns), (length_mm, width_mm)))
+        return Outline(along, across, 0.0).spare_mm(room_mm) < 0.0, along * across, columns
 
     best = min(range(1, count + 1), key=rank)
     along, across = reach(best)
@@ -137,6 +148,10 @@ class Funnel(PlanPoint):
 
     small_mm: float
     large_mm: float
+
+    def volume_mm3(self, high_mm: float) -> float:
+        """Room in it through a lid of this height. [mm3]"""
+        return math.pi / 12 * high_mm * (self.small_mm**2 + self.small_mm * self.large_mm + self.large_mm**2)
 
 
 @dataclass(frozen=True)
@@ -265,6 +280,13 @@ def _label_room_mm(c: Closure | None, opening: Outline, keys: tuple[PlanPoint, .
     return 2 * (front - c.key_radius_mm - c.key_clearance_mm) - 4.0
 
 
+def bed_spare_mm(machines: Machines, part: Outline, height_mm: float) -> float:
+    """Room that a printed part leaves on the bed within its margin, or under the printer's height. [mm]"""
+    return min(part.spare_mm(machines.bed_mm), machines.printer_height_mm - height_mm)
+
+
+BACKER_PLAY_MM = 2.0
+"""How much wider a hole of the backer is than the sprue or vent under it."""
 DOWEL_MM = 4.0
 """Diameter of the two steel pins that keep ring and base in line."""
 # The second pin stands off the first one's mirror image, so that the ring goes on in one way.
@@ -399,8 +421,25 @@ def layer_volumes_mm3(spec: MouldSpec) -> tuple[float, float]:
 
 
 def mould_volume_mm3(spec: MouldSpec) -> float:
-    """Silicone of an open mould: block less cavity less brim, label neglected. [mm3]"""
-    plan = layout(spec)
+    """Silicone of a mould: block less cavities, brims, and what its lid needs; the label is neglected. [mm3]"""
+    plan, c = layout(spec), spec.closure
     block = drafted_volume_mm3(plan.bottom, plan.height_mm, spec.body.outer_draft_deg)
     brim = drafted_volume_mm3(plan.brim_outline, spec.body.freeboard_mm, spec.pad.draft_deg)
-    return block - spec.count * (cavity_volume_mm3(spec) + brim)
+    block -= spec.count * (cavity_volume_mm3(spec) + brim)
+    if c is None:
+        return block
+    gutter = math.pi / 2 * c.gutter_radius_mm**2 * plan.fill_outline.grown(c.gutter_distance_mm).perimeter_mm
+    return block - gutter - _half_balls_mm3(plan, c.key_radius_mm + c.key_clearance_mm)
+
+
+def lid_volume_mm3(spec: MouldSpec) -> float:
+    """Silicone of the lid with its keys, less sprue and vents; 0 without a lid. [mm3]"""
+    plan, c = layout(spec), spec.closure
+    if c is None:
+        return 0.0
+    hull = drafted_volume_mm3(plan.top, c.lid_mm, -spec.body.outer_draft_deg)
+    return hull + _half_balls_mm3(plan, c.key_radius_mm) - sum(one.volume_mm3(c.lid_mm) for one in plan.funnels)
+
+
+def _half_balls_mm3(plan: Layout, radius_mm: float) -> float:
+    return len(plan.keys) * 2 / 3 * math.pi * radius_mm**3

@@ -50,10 +50,12 @@ def tray_outline(spec: MouldSpec, plan: Layout) -> Outline:
 
 
 def tray_covers(spec: MouldSpec, plan: Layout) -> Outline:
-    """The rectangle that holds the tray with its ears."""
+    """The rounded rectangle that holds the tray with its ears."""
     outer = tray_outline(spec, plan)
     across = max(outer.length_mm, 2 * (ear_side_mm(outer) + EAR_RADIUS_MM))
-    return Outline(across, outer.width_mm + 2 * (EAR_OUT_MM + EAR_RADIUS_MM), 0.0)
+    # The ears stand beside the rounded corners, which stay free.
+    corner = across / 2 - ear_side_mm(outer) - EAR_RADIUS_MM
+    return Outline(across, outer.width_mm + 2 * (EAR_OUT_MM + EAR_RADIUS_MM), min(corner, outer.radius_mm))
 
 
 def printed_parts(spec: MouldSpec) -> tuple[PrintedPart, ...]:

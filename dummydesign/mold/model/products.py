@@ -43,7 +43,10 @@ class PrintFit:
 
 @dataclass(frozen=True)
 class Machines:
-    """What the parts must fit, how finely can be weighed, the printer's layer (0 where not said) and its fit."""
+    """What the parts must fit, how finely can be weighed, the printer's layer (0 where not said) and its fit.
+
+    ``bed_diameter_mm`` is that of a round bed, whose sides are it too; 0 for a rectangular one.
+    """
 
     name: str
     balance_resolution_g: float
@@ -58,11 +61,13 @@ class Machines:
     oven_height_mm: float
     layer_mm: float = 0.0
     fit: PrintFit | None = None
+    bed_diameter_mm: float = 0.0
 
     @property
-    def bed_mm(self) -> tuple[float, float]:
-        """Length and width of the printer's bed within its margin. [mm]"""
-        return self.bed_x_mm - 2 * self.bed_margin_mm, self.bed_y_mm - 2 * self.bed_margin_mm
+    def bed_mm(self) -> tuple[float, ...]:
+        """Length and width of the printer's bed within its margin, of a round one its diameter. [mm]"""
+        sides = (self.bed_diameter_mm,) if self.bed_diameter_mm else (self.bed_x_mm, self.bed_y_mm)
+        return tuple(side - 2 * self.bed_margin_mm for side in sides)
 
     @property
     def gap_mm(self) -> float:
@@ -150,7 +155,9 @@ def read_machines(name: str, preset: Path) -> tuple[Machines, list[str]]:
     keys = ("balance_resolution_g", "print_fit", "printer", "vacuum_chamber", "oven")
     name, top = _found(name, preset, "machine", keys)
     printer, chamber, oven = (top.table(key) for key in keys[2:])
-    printer.only(("bed_x_mm", "bed_y_mm", "height_mm", "margin_mm", "layer_mm"))
+    is_round = "bed_diameter_mm" in printer
+    sides = ("bed_diameter_mm",) * 2 if is_round else ("bed_x_mm", "bed_y_mm")
+    printer.only((*sides, "height_mm", "margin_mm", "layer_mm", *([] if is_round else ["bed_diameter_mm"])))
     chamber.only(("diameter_mm", "height_mm"))
     oven.only(("shelf_x_mm", "shelf_y_mm", "height_mm"))
     _check_between_0_and(1.0, "layer_mm", layer := printer.number("layer_mm", 0.0), printer)
@@ -158,8 +165,8 @@ def read_machines(name: str, preset: Path) -> tuple[Machines, list[str]]:
     machines = Machines(
         name,
         balance_resolution_g=top.number("balance_resolution_g"),
-        bed_x_mm=printer.number("bed_x_mm"),
-        bed_y_mm=printer.number("bed_y_mm"),
+        bed_x_mm=printer.number(sides[0], above=0.0),
+        bed_y_mm=printer.number(sides[1], above=0.0),
         printer_height_mm=printer.number("height_mm"),
         bed_margin_mm=printer.number("margin_mm"),
         layer_mm=layer,
@@ -169,6 +176,7 @@ def read_machines(name: str, preset: Path) -> tuple[Machines, list[str]]:
         shelf_y_mm=oven.number("shelf_y_mm"),
         oven_height_mm=oven.number("height_mm"),
         fit=fit,
+        bed_diameter_mm=printer.number("bed_diameter_mm", 0.0),
     )
     return machines, sources
 

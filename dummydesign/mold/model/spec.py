@@ -290,6 +290,11 @@ def without_usual(pour: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in pour.items() if key not in USUAL_POUR or list(value) != list(USUAL_POUR[key])}
 
 
+def without_zeros(plain: dict[str, Any], *keys: str) -> dict[str, Any]:
+    """Plain values without those of the keys that are 0, so that older specifications keep their hash."""
+    return {key: value for key, value in plain.items() if value or key not in keys}
+
+
 @dataclass(frozen=True)
 class BaseLayer:
     """The second resin of a layered pad: how it is poured and its modulus over that of the upper layer."""
@@ -357,8 +362,7 @@ class MouldSpec:
             holder["pour"] = without_usual(holder["pour"])
         if self.count == 1:
             del plain["count"]
-        if not self.machines.layer_mm:
-            del plain["machines"]["layer_mm"]
+        plain["machines"] = without_zeros(plain["machines"], "layer_mm", "bed_diameter_mm")
         if not self.box.face_sheet_mm:
             plain["box"] = {key: value for key, value in plain["box"].items() if "sheet" not in key}
         return plain

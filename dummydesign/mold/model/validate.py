@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
+from collections.abc import Callable
 from dataclasses import asdict, fields, is_dataclass, replace
-from itertools import product
 from typing import Any
 
 from dummydesign.core.errors import InputError, out_of_range, quantity_name, unknown_name
 from dummydesign.geometry.dimensions import RIM_FREE_MM
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import Layout, Outline, check_face_sheet, layout
-from dummydesign.mold.model.printed_parts import PrintedPart, part_title, printed_parts, tray_covers
+from dummydesign.mold.model.printed_parts import part_title, printed_parts, tray_covers
 from dummydesign.mold.model.products import check_surface
 from dummydesign.mold.model.spec import MouldSpec, PadGeometry
 
@@ -241,12 +242,6 @@ def footprint(spec: MouldSpec) -> Outline:
     return tray_covers(spec, layout(spec))
 
 
-def spare_mm(part: Outline, room_mm: tuple[float, float]) -> float:
-    """Room that a part leaves in a rectangle, laid in it either way; negative where it does not fit. [mm]"""
-    low, high = sorted((part.length_mm, part.width_mm))
-    return min(min(room_mm) - low, max(room_mm) - high)
-
-
 def chamber_spare_mm(spec: MouldSpec) -> float:
     """Room that a mould with its collar leaves in the vacuum chamber, the lesser of diameter and height. [mm]"""
     m, plan = spec.machines, layout(spec)
@@ -254,17 +249,12 @@ def chamber_spare_mm(spec: MouldSpec) -> float:
     return min(m.chamber_diameter_mm - plan.top.diagonal_mm, m.chamber_height_mm - tall)
 
 
-def bed_spare_mm(part: PrintedPart, spec: MouldSpec) -> float:
-    """Room that a printed part leaves on the bed within its margin, or under the printer's height. [mm]"""
-    return min(spare_mm(part.outline, spec.machines.bed_mm), spec.machines.printer_height_mm - part.height_mm)
-
-
 def _machine_fault(spec: MouldSpec) -> tuple[str, str, Any, Any] | None:
     """Why the machines do not take the mould: message, quantity, what is needed and what is there."""
     m, plan = spec.machines, layout(spec)
     for part in printed_parts(spec):
         name = part_title(part.name, spec.is_printed)
-        if spare_mm(part.outline, m.bed_mm) < 0:
+        if part.outline.spare_mm(m.bed_mm) < 0:
             return _too_large("printer bed", f"the {name}", part.outline, m.bed_mm, spec)
         if part.height_mm > m.printer_height_mm:
             message = f"the {name} is {part.height_mm:.0f} mm high as it is printed, the printer of machines"
@@ -275,7 +265,7 @@ def _machine_fault(spec: MouldSpec) -> tuple[str, str, Any, Any] | None:
                 (None, m.printer_height_mm),
             )
     shelf = m.shelf_x_mm, m.shelf_y_mm
-    if spec.pour.cures_warm and spare_mm(footprint(spec), shelf) < 0:
+    if spec.pour.cures_warm and footprint(spec).spare_mm(shelf) < 0:
         return _too_large("oven shelf", "the mould" if spec.is_printed else "the tray", footprint(spec), shelf, spec)
     if spec.pour.degas == "mould" and chamber_spare_mm(spec) < 0:
         high = plan.height_mm + formula.collar_height_mm(plan.depth_mm, spec.pour.foam_factor)
@@ -291,20 +281,17 @@ def _machine_fault(spec: MouldSpec) -> tuple[str, str, Any, Any] | None:
 
 
 def _too_large(
-    machine: str, part: str, size: Outline, room_mm: tuple[float, float], spec: MouldSpec
+    machine: str, part: str, size: Outline, room_mm: tuple[float, ...], spec: MouldSpec
 ) -> tuple[str, str, Any, Any]:
     """What is wrong with a part larger than a machine."""
-    pad, short, long = spec.pad, min(room_mm), max(room_mm)
+    pad, room = spec.pad, tuple(sorted(room_mm, reverse=True))
+    usable = " x ".join(f"{side:g}" for side in room) + (" mm across" if len(room) == 1 else " mm")
     message = (
         f"pad of {pad.length_mm:g} x {pad.width_mm:g} mm: {part} of {size.length_mm:.1f} x {size.width_mm:.1f} "
-        f"mm does not fit the {machine} of machines '{spec.machines.name}' ({long:g} x {short:g} mm "
+        f"mm does not fit the {machine} of machines '{spec.machines.name}' ({usable} "
         "usable)"
     )
-    return message, quantity_name(machine), (size.length_mm, size.width_mm), (long, short)
-
-
-TRIED = 3
-"""Whole millimetres about the size that the bed suggests in which a pad that fits is looked for."""
+    return message, quantity_name(machine), (size.length_mm, size.width_mm), room
 
 
 def turned_fits(spec: MouldSpec) -> bool:
@@ -326,29 +313,30 @@ def largest_pad_mm(spec: MouldSpec) -> tuple[float, float] | None:
 
     None where none was found. Of a puck both sides are its diameter.
     """
-    pad, parts, room = spec.pad, printed_parts(spec), sorted(spec.machines.bed_mm)
-    if any(part.height_mm > spec.machines.printer_height_mm for part in parts):
+    pad, least = spec.pad, math.ceil(SMALLEST_MM[spec.body.style])
+    asked = math.floor(pad.length_mm), math.floor(pad.width_mm)
+    if any(part.height_mm > spec.machines.printer_height_mm for part in printed_parts(spec)):
         return None
 
-    def good(length_mm: float, width_mm: float) -> bool:
+    def sized(length_mm: float, width_mm: float) -> MouldSpec:
         corner = length_mm / 2 if pad.is_puck else pad.corner_radius_mm
-        sized = replace(pad, length_mm=length_mm, width_mm=width_mm, corner_radius_mm=corner)
-        smaller = replace(spec, pad=sized)
-        if _machine_fault(smaller) is not None:
-            return False
-        try:
-            _check_makeable(smaller)
-        except InputError:
-            return False
-        return True
+        return replace(spec, pad=replace(pad, length_mm=length_mm, width_mm=width_mm, corner_radius_mm=corner))
 
-    def sizes(asked_mm: float, beside_mm: set[float]) -> set[float]:
-        """Sizes to try of one side: what each side of the bed leaves for the pad in each part, give or take a few."""
-        starts = {math.floor(side / spec.machines.print_scale - more) for side in room for more in beside_mm}
-        return {float(min(start - less, math.floor(asked_mm))) for start in starts for less in range(-1, TRIED)}
+    def largest(sides: Callable[[int], tuple[float, float]], low: int, high: int) -> tuple[float, float]:
+        """Sides at the largest whole number at which the machines take the mould, at least ``low``."""
+        tried = range(low + 1, high + 1)
+        return sides(low + bisect_left(tried, True, key=lambda one: _machine_fault(sized(*sides(one))) is not None))
 
-    # What a part adds to the pad is the same for every size, but for the ears of a small tray.
-    lengths = sizes(pad.length_mm, {part.outline.length_mm - pad.length_mm for part in parts})
-    widths = sizes(pad.width_mm, {part.outline.width_mm - pad.width_mm for part in parts})
-    pairs = [(side, side) for side in widths] if pad.is_puck else product(lengths, widths)
-    return next((pair for pair in sorted(pairs, key=math.prod, reverse=True) if good(*pair)), None)
+    def side(longest: int, asked_mm: int) -> float:
+        return float(max(least, longest * asked_mm // max(asked)))
+
+    # First both sides in proportion, then each alone.
+    found = largest(lambda one: (side(one, asked[0]), side(one, asked[1])), least, max(asked))
+    if not pad.is_puck:
+        found = largest(lambda one: (float(one), found[1]), int(found[0]), asked[0])
+        found = largest(lambda one: (found[0], float(one)), int(found[1]), asked[1])
+    try:
+        _check_makeable(sized(*found))
+    except InputError:
+        return None
+    return found if _machine_fault(sized(*found)) is None else None

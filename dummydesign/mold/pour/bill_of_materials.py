@@ -60,7 +60,9 @@ def materials(spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] 
         MaterialItem(levels, 3, "{:.0f}", f"levelling the {levelled}"),
     ]
     if spec.silicone is not None:
-        needs.append(MaterialItem(f"mould silicone {spec.silicone.name}", plan.silicone_mass_g, "{:.0f} g", "mould"))
+        parts = (("mould", plan.silicone_mass_g), ("lid", plan.lid_silicone_mass_g))
+        silicone = f"mould silicone {spec.silicone.name}"
+        needs += [MaterialItem(silicone, mass, "{:.0f} g", part) for part, mass in parts if mass]
     else:
         pins = f"steel pins {DOWEL_MM:g} x {screw_length_mm(grip - NUT_MM)} mm"
         needs += [
@@ -93,6 +95,7 @@ def materials(spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] 
         MaterialItem(film, len(mixes), "{:.0f}", "plate")
         if struck_off
         else MaterialItem("release agent", 1, "a little", "parting faces; never the tested face"),
+        *([MaterialItem("plasticine", 1, "a little", "rings on the backer")] if plan.riser_mm else []),
         MaterialItem("spirit level or inclinometer", plan.level_deg, "to {:.2f} deg", "level"),
         *([MaterialItem("vented oven", cure_C, "to {:.0f} C", "cure and drying")] if spec.pour.cures_warm else []),
         *([MaterialItem("refrigerator", cure_C, "at {:.0f} C", "cure")] if spec.pour.cures_cold else []),

@@ -53,11 +53,12 @@ def mould_cost(spec: MouldSpec) -> MouldCost:
     plan = pour_plan(spec)
     resin = sum(batch_of(spec, *one).mix.total_g for one in pours_of(spec, plan))
     volumes = printed_volumes_mm3(spec)
+    silicone = plan.silicone_mass_g + plan.lid_silicone_mass_g
     if volumes is None:
-        return MouldCost(None, None, plan.silicone_mass_g, resin)
+        return MouldCost(None, None, silicone, resin)
     density = spec.plastic.density_g_per_cm3 if spec.plastic else PLAIN_DENSITY
     filament = 1e-3 * FILLED_SHARE * density * sum(volumes.values())
-    return MouldCost(filament / GRAM_PER_HOUR, filament, plan.silicone_mass_g, resin)
+    return MouldCost(filament / GRAM_PER_HOUR, filament, silicone, resin)
 
 
 def printed_volumes_mm3(spec: MouldSpec) -> dict[str, float] | None:

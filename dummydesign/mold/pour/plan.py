@@ -8,7 +8,7 @@ from typing import Any
 
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model import layout as dimensions
-from dummydesign.mold.model.layout import Funnel, Outline, layout
+from dummydesign.mold.model.layout import BACKER_PLAY_MM, Outline, layout
 from dummydesign.mold.model.spec import MouldSpec, Pour
 
 RATIO_ERROR_LIMIT_PERCENT = 0.5
@@ -23,7 +23,9 @@ class PourPlan:
 
     ``weighed_ratio`` is the mixing ratio that these weights make, None where the ratio's component is not known.
     ``cavity_mm3`` is the resin of one pad in this pour, ``pad_mass_g`` and ``fill_mass_g`` are those of one cavity, the
-    batch is for all cavities of the mould. ``base`` is the second pour of a layered pad.
+    batch is for all cavities of the mould. ``base`` is the second pour of a layered pad. Of a closed mould that is
+    heated ``riser_mm3`` stands over the lid: it feeds what the cavity gains over the resin, ``riser_mm`` high in rings
+    on the backer (0 where the backer's holes hold it).
     """
 
     cavity_mm3: float
@@ -36,6 +38,7 @@ class PourPlan:
     fill_mass_g: float
     gram_per_mm_g: float
     silicone_mass_g: float
+    lid_silicone_mass_g: float
     mould_mass_g: float
     level_deg: float
     level_mm: float
@@ -45,6 +48,8 @@ class PourPlan:
     thermal_growth_mm: float
     collar_mm: float
     pour_time_s: float
+    riser_mm3: float = 0.0
+    riser_mm: float = 0.0
     base: PourPlan | None = None
     weighed_ratio: float | None = None
 
@@ -118,24 +123,22 @@ def volumes_ml(pour: Pour, components: tuple[tuple[str, float], ...]) -> tuple[f
     return tuple(mass / density for (_, mass), density in zip(components, pour.component_densities_g_per_cm3))
 
 
-def pour_plan(spec: MouldSpec, resin_mm3: float | None = None, silicone_mm3: float | None = None) -> PourPlan:
+def pour_plan(spec: MouldSpec) -> PourPlan:
     """Work out the pour, of a layered pad both."""
-    plan = layout(spec)
-    resin = dimensions.resin_volume_mm3(spec) if resin_mm3 is None else resin_mm3
-    silicone = dimensions.mould_volume_mm3(spec) if silicone_mm3 is None else silicone_mm3
-    layers = spec.pad.shape.layers()
+    plan, layers = layout(spec), spec.pad.shape.layers()
+    resin = dimensions.resin_volume_mm3(spec)
     if spec.base is None or layers is None:
         film = spec.pad.least_gel_mm
-        return _one_pour(spec, spec.pour, resin, silicone, above_fill_mm3(spec, spec.pour), plan.fill_outline, film)
+        return _one_pour(spec, spec.pour, resin, above_fill_mm3(spec, spec.pour), plan.fill_outline, film)
     upper, _ = dimensions.layer_volumes_mm3(spec)
     base, left_mm = spec.base.pour, spec.pad.thickness_mm - layers[0]
-    under = _one_pour(spec, base, resin - upper, silicone, above_fill_mm3(spec, base), plan.fill_outline, left_mm)
+    under = _one_pour(spec, base, resin - upper, above_fill_mm3(spec, base), plan.fill_outline, left_mm)
     # The spacer closes the first pour, so no meniscus stands over it.
-    return replace(_one_pour(spec, spec.pour, upper, silicone, 0.0, plan.interface_outline, layers[0]), base=under)
+    return replace(_one_pour(spec, spec.pour, upper, 0.0, plan.interface_outline, layers[0]), base=under)
 
 
 def _one_pour(
-    spec: MouldSpec, pour: Pour, resin_mm3: float, silicone_mm3: float, above_mm3: float, face: Outline, film_mm: float
+    spec: MouldSpec, pour: Pour, resin_mm3: float, above_mm3: float, face: Outline, film_mm: float
 ) -> PourPlan:
     """Weights and limits of one resin.
 
@@ -143,7 +146,8 @@ def _one_pour(
     """
     plan = layout(spec)
     density = pour.density_g_per_cm3 * 1e-3
-    in_mould = density * (resin_mm3 + above_mm3)
+    gained, riser_mm, held = _riser(spec, pour, resin_mm3)
+    in_mould = density * (resin_mm3 + above_mm3 + held)
     wanted = spec.count * in_mould * (1 + pour.extra_percent / 100) + pour.film_loss_g
     resolution = spec.machines.balance_resolution_g
     components, error = split_batch(wanted, pour.components, resolution)
@@ -151,11 +155,15 @@ def _one_pour(
     smallest = min(share for _, share in pour.components)
     long = max(spec.pad.length_mm, spec.pad.width_mm)
     level = formula.level_tolerance_deg(spec.pad.thickness_mm, long)
-    mass_mould = silicone_mm3 * spec.tool.density_g_per_cm3 * 1e-3
+    mass_mould, mass_lid = (
+        one(spec) * spec.tool.density_g_per_cm3 * 1e-3
+        for one in (dimensions.mould_volume_mm3, dimensions.lid_volume_mm3)
+    )
+    mixed = 0.0 if spec.is_printed else 1 + pour.silicone_extra_percent / 100
     warmer = max(0.0, pour.cure_temperature_C - pour.room_temperature_C)
     return PourPlan(
         cavity_mm3=resin_mm3,
-        pad_mass_g=density * resin_mm3,
+        pad_mass_g=density * (resin_mm3 + gained),
         batch_mass_g=round(batch, 6),
         components=components,
         ratio_error_percent=error,
@@ -163,8 +171,9 @@ def _one_pour(
         cup_mm3=CUP_FACTOR * batch / density,
         fill_mass_g=in_mould,
         gram_per_mm_g=density * face.area_mm2,
-        silicone_mass_g=0.0 if spec.is_printed else mass_mould * (1 + pour.silicone_extra_percent / 100),
-        mould_mass_g=mass_mould,
+        silicone_mass_g=mixed * mass_mould,
+        lid_silicone_mass_g=mixed * mass_lid,
+        mould_mass_g=mass_mould + mass_lid,
         level_deg=level,
         level_mm=formula.tilt_error_mm(long, level),
         meniscus_mm=formula.meniscus_height_mm(*_liquid(pour)),
@@ -175,6 +184,8 @@ def _one_pour(
         thermal_growth_mm=plan.bottom.length_mm * (spec.tool.expansion_per_K or 0.0) * warmer,
         collar_mm=formula.collar_height_mm(plan.depth_mm, pour.foam_factor) if pour.degas == "mould" else 0.0,
         pour_time_s=spreading_time_s(spec, pour, film_mm),
+        riser_mm3=gained,
+        riser_mm=riser_mm,
         weighed_ratio=weighed_ratio(pour, components),
     )
 
@@ -194,12 +205,28 @@ def above_fill_mm3(spec: MouldSpec, pour: Pour) -> float:
         return CARRIER_VENTS * math.pi / 4 * CARRIER_VENT_MM**2 * high
     if spec.closure is None:
         return _meniscus_mm3(spec, pour)
-    sprue, *vents = layout(spec).funnels
-    return _cone_mm3(sprue, spec.closure.lid_mm) + len(vents) * _cone_mm3(vents[0], spec.closure.lid_mm)
+    return sum(one.volume_mm3(spec.closure.lid_mm) for one in layout(spec).funnels)
 
 
-def _cone_mm3(funnel: Funnel, high_mm: float) -> float:
-    return math.pi / 12 * high_mm * (funnel.small_mm**2 + funnel.small_mm * funnel.large_mm + funnel.large_mm**2)
+RISER_SPRUE_MM, RISER_VENT_MM, RISER_SPARE_MM = 20.0, 10.0, 5.0
+"""Width inside of the rings on the backer around sprue and vents, and how much higher than the resin they are."""
+
+
+def _riser(spec: MouldSpec, pour: Pour, resin_mm3: float) -> tuple[float, float, float]:
+    """What a closed cavity gains over its resin until it is warm; height of the rings and all resin over the lid.
+
+    All of it cold: [mm3], [mm], [mm3]. Sprue and vents are connected, so that the resin stands equally high in all. An
+    open mould needs none: there the poured mass sets the height.
+    """
+    c, warmer = spec.closure, pour.cure_temperature_C - pour.room_temperature_C
+    if c is None or warmer <= 0.0:
+        return 0.0, 0.0, 0.0
+    mould, resin = ((1 + one * warmer) ** 3 for one in (spec.tool.expansion_per_K or 0.0, pour.resin_expansion_per_K))
+    gained = max(0.0, resin_mm3 * (mould / resin - 1.0))
+    holes = sum(math.pi / 4 * (one.large_mm + BACKER_PLAY_MM) ** 2 for one in layout(spec).funnels) * c.backer_mm
+    across = math.pi / 4 * (RISER_SPRUE_MM**2 + (len(layout(spec).funnels) - 1) * RISER_VENT_MM**2)
+    left = max(0.0, gained - holes)
+    return gained, left / across + RISER_SPARE_MM if left else 0.0, max(gained, holes)
 
 
 def spreading_time_s(spec: MouldSpec, pour: Pour, film_mm: float) -> float:
@@ -304,7 +331,7 @@ def batch_of(spec: MouldSpec, pour: Pour, plan: PourPlan) -> Batch:
     wanted = plan.batch_mass_g + (1 + pour.extra_percent / 100) * witness_mass_g(pour)
     both = mix if wanted <= mix.total_g else mix_of(wanted, pour, machines.balance_resolution_g)
     poured = spec.count * plan.fill_mass_g
-    return Batch(mix, round(poured, 2), mix is not own, round(witness_mass_g(pour), 2), both)
+    return Batch(mix, poured, mix is not own, round(witness_mass_g(pour), 2), both)
 
 
 def pours_of(spec: MouldSpec, plan: PourPlan) -> list[tuple[Pour, PourPlan]]:

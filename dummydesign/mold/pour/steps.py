@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import bone_volume_mm3, layout
 from dummydesign.mold.model.spec import MouldSpec, Pour
-from dummydesign.mold.pour.plan import PourPlan
+from dummydesign.mold.pour.plan import RISER_SPARE_MM, RISER_SPRUE_MM, RISER_VENT_MM, PourPlan
 
 # What a step may do. A move is anything that disturbs the level: carrying, weighing the mould itself, tilting it.
 PREPARE, LEVEL, MIX, DEGAS, POUR, WAIT, CLOSE, GEL, MOVE, CURE = (
@@ -185,7 +185,7 @@ def pour_steps(spec: MouldSpec, plan: PourPlan) -> list[PourStep]:
     elif spec.body.style != "lidded":
         steps += [_levelling(spec, plan), _mixing(spec), _degas_in_cup(spec), *_filling(spec, plan)]
     else:
-        steps += [*_closing_lid(spec), _mixing(spec), _degas_in_cup(spec), *_filling_lidded(plan)]
+        steps += [*_closing_lid(spec, plan), _mixing(spec), _degas_in_cup(spec), *_filling_lidded(plan)]
     latest = spec.pour.pot_life_min - max(2.0, plan.pour_time_s / 60)
     what = "All of this" if plan.base is None else "Each of the two pours"
     life = f"{spec.pour.pot_life_min:g} min{spec.pour.mark('pot_life_min')}"
@@ -333,11 +333,17 @@ def _closing(spec: MouldSpec, plan: PourPlan) -> list[PourStep]:
     ]
 
 
-def _closing_lid(spec: MouldSpec) -> list[PourStep]:
+def _closing_lid(spec: MouldSpec, plan: PourPlan) -> list[PourStep]:
+    rings = ""
+    if plan.riser_mm:
+        rings = (
+            f" Build a ring of plasticine around each hole of the backer, {plan.riser_mm:.0f} mm high: "
+            f"{RISER_SPRUE_MM:g} mm wide inside at the sprue, {RISER_VENT_MM:g} mm at the vents."
+        )
     return [
         PourStep(
             "Put release agent on the parting faces only. Close the lid (it goes on in one way), put the backer on, "
-            "clamp."
+            f"clamp.{rings}"
         ),
         PourStep(
             f"Set it {_site(spec)}, where it stays until the resin is cured, and prop the vent end 5 to 10 degrees "
@@ -348,9 +354,15 @@ def _closing_lid(spec: MouldSpec) -> list[PourStep]:
 
 
 def _filling_lidded(plan: PourPlan) -> list[PourStep]:
+    until = "all five vents show resin"
+    if plan.riser_mm3:
+        where = (
+            f"{plan.riser_mm - RISER_SPARE_MM:.0f} mm high in all rings" if plan.riser_mm else "level with the backer"
+        )
+        until = f"the resin stands {where}: the hot cavity takes {1e-3 * plan.riser_mm3:.1f} cm3 of it"
     return [
         PourStep(
-            f"Pour through the sprue until all five vents show resin (about {plan.fill_mass_g:.0f} g; put the cup "
+            f"Pour through the sprue until {until} (about {plan.fill_mass_g:.1f} g; put the cup "
             f"back on the balance to see how much you poured). Poured: {BLANK} g",
             (POUR,),
         ),

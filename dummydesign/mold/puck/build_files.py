@@ -31,10 +31,10 @@ from dummydesign.mold.puck.ring import (
     WALL_MM,
     PuckSpec,
     Ring,
-    bed_spare_mm,
     cavity_mm3,
     groove_mm,
     ring_volume_mm3,
+    spare_mm,
 )
 from dummydesign.mold.puck.sheet import puck_sheet
 
@@ -179,7 +179,7 @@ def _check_prints(spec: PuckSpec, parts: Mapping[str, Part], meshes: Mapping[str
         hanging = max(hanging, float(np.max(-normals[:, 2] * above_bed, initial=0.0)))
         worst = max(worst, abs(mesh.volume / parts[name].volume_mm3 - 1))
         tight += bool(mesh.is_watertight and mesh.is_volume and mesh.euler_number == 2)
-    spare = min(bed_spare_mm(spec, ring) for ring in spec.rings)
+    spare = min(spare_mm(spec, ring) for ring in spec.rings)
     return [
         below("overhang", hanging, 1e-6, "sine of the steepest face that looks down off the bed"),
         equal("mesh_watertight", tight, len(meshes)),

@@ -20,11 +20,10 @@ from typing import Any
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.parsing import read_size
 from dummydesign.core.serialise import rebuild, to_plain
-from dummydesign.mold.model.layout import Outline, cavity_scale
+from dummydesign.mold.model.layout import Outline, bed_spare_mm, cavity_scale
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.products import Machines, Plastic
-from dummydesign.mold.model.spec import Acceptance, Pour, without_usual
-from dummydesign.mold.model.validate import spare_mm
+from dummydesign.mold.model.spec import Acceptance, Pour, without_usual, without_zeros
 
 WALL_MM, LUG_LONG_MM, LUG_THICK_MM, RIDGE_MM = 2.4, 8.0, 4.0, 1.0
 """Wall (six lines of a 0.4 mm nozzle), length and thickness of a lug, height of the ridge on it."""
@@ -115,7 +114,8 @@ class PuckSpec:
     def to_dict(self) -> dict[str, Any]:
         """Return nested plain dictionaries."""
         plain = to_plain(asdict(self))
-        return {**plain, "pour": without_usual(plain["pour"])}
+        machines = without_zeros(plain["machines"], "bed_diameter_mm")
+        return {**plain, "pour": without_usual(plain["pour"]), "machines": machines}
 
     @staticmethod
     def from_dict(data: dict[str, Any]) -> PuckSpec:
@@ -159,7 +159,7 @@ def puck_spec(rings: Sequence[Ring], preset: str = PRINTED, resin: str | None = 
 def check_bed(spec: PuckSpec) -> None:
     """Refuse a ring that is larger than the printer."""
     for ring in spec.rings:
-        if (spare := bed_spare_mm(spec, ring)) < 0.0:
+        if (spare := spare_mm(spec, ring)) < 0.0:
             raise InputError(
                 f"the ring of a puck of {ring.tag} mm does not fit the printer of {spec.machines.name} (too large by "
                 f"{-spare:.0f} mm); cast a smaller puck, or name your printer in a preset",
@@ -169,12 +169,12 @@ def check_bed(spec: PuckSpec) -> None:
             )
 
 
-def bed_spare_mm(spec: PuckSpec, ring: Ring) -> float:
+def spare_mm(spec: PuckSpec, ring: Ring) -> float:
     """Room that a half leaves on the printer, in the direction with the least. [mm]"""
     long, wide = half_size_mm(spec, ring)
-    grow, machines = spec.machines.print_scale, spec.machines
-    high = machines.printer_height_mm - grow * spec.scale * ring.height_mm
-    return min(spare_mm(Outline(grow * long, grow * wide, 0.0), machines.bed_mm), high)
+    grow = spec.machines.print_scale
+    half = Outline(grow * long, grow * wide, 0.0)
+    return bed_spare_mm(spec.machines, half, grow * spec.scale * ring.height_mm)
 
 
 def half_size_mm(spec: PuckSpec, ring: Ring) -> tuple[float, float]:

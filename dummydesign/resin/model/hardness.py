@@ -9,7 +9,8 @@ H. J. Qi, K. Joyce and M. C. Boyce, Rubber Chem. Technol. 76 (2003) 419; ASTM D2
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+import tomllib
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -20,7 +21,7 @@ from dummydesign.core.errors import out_of_range
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.serialise import Serialised
 from dummydesign.core.toml_schema import TomlTable, read_table
-from dummydesign.core.user_library import find
+from dummydesign.core.user_library import data_folder, find
 from dummydesign.resin.model.resin import Resin
 
 SHORE_00, SHORE_A = "00", "A"
@@ -80,6 +81,11 @@ class HardnessLaw:
     sure_from_a: float
     points: float
     known: dict[str, tuple[tuple[float, Quantity], ...]]
+
+    @property
+    def sure_to_a(self) -> float:
+        """Hardest Shore A value that a measured product supports."""
+        return max(shore for shore, _ in self.known[SHORE_A])
 
     def hertz_kPa(self, shore: ArrayLike) -> NDArray:
         """Modulus by Hertz contact of the Shore 00 ball: 9 F / (16 sqrt(R) d^1.5). [kPa]"""
@@ -211,6 +217,9 @@ def _read(path: Path, changed_ns: int) -> HardnessLaw:
     """Read again when the file has changed."""
     top = read_table(path, ("schema", "shore_00", "shore_a", "scatter"))
     ball, cone, scatter = (top.table(name) for name in ("shore_00", "shore_a", "scatter"))
+    # copies of earlier versions have the laws of Shore A without what soft silicones say of them
+    shipped = tomllib.loads((data_folder() / "materials/hardness.toml").read_text(encoding="utf-8"))
+    cone = replace(cone, data={**shipped["shore_a"], **cone.data})
     numbers = ("ball_radius_mm", "travel_mm", "force_0_N", "force_rise_N", "factor")
     ball.only(("lowest", "highest", *numbers, "point"))
     cone.only(("lowest", "highest", "sure_from", "factor", "point", "law"))

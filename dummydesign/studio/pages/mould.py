@@ -108,8 +108,10 @@ class MouldPage:
         poured = [(f"{part['mass_g']:.1f} g", f"{part['name']}, {mixed}") for part in (puck or batch)["components"]]
         poured.append((f"{batch['pour_g']:.1f} g", "of the mix, into the mould"))
         poured += [(f"{puck['mass_g']:.1f} g", "of the mix, into the ring of the witness puck")] if puck else []
-        silicone = answer["pour"]["silicone_mass_g"]
-        widgets.facts([*poured, *([(f"{silicone:.0f} g", "silicone for the mould")] if silicone else [])])
+        for part in ("", "lid_"):
+            mass = answer["pour"].get(f"{part}silicone_mass_g")
+            poured += [(f"{mass:.0f} g", f"silicone for the {'lid' if part else 'mould'}")] if mass else []
+        widgets.facts(poured)
         if folder:
             self._files(folder)
         widgets.warnings(answer)

@@ -74,7 +74,7 @@ def test_a_calibration_none_is_none_and_a_red_pad_is_an_answer_that_is_refused(m
 
         return function
 
-    monkeypatch.setattr("dummydesign.design.next_steps.mould_command", lambda answer: "dummydesign mold 5")
+    monkeypatch.setattr("dummydesign.design.next_steps.mould_of_pad", lambda answer: "dummydesign mold 5")
     for cad in (True, False):
         monkeypatch.setattr(designs, "answer_request", made(False))
         with raises_code("no_acceptable_pad", "verdict") as caught:

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from itertools import combinations, pairwise
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -14,11 +15,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dummydesign.core.errors import InputError
 from dummydesign.mold.files import part_drawings as projection
 from dummydesign.mold.files.drawing_layout import SCALES, Measure, Title, View, arrange, hatch, lay_out_view, wrapped
 from dummydesign.mold.files.drawing_sheet import PAPERS, TEXT_MM, Drawing, Line, to_dxf, to_pdf, to_svg
 from dummydesign.mold.files.part_drawings import part_views, sheets
+from dummydesign.mold.model.layout import layout
 from dummydesign.mold.model.preset import mould_spec
+from dummydesign.mold.model.printed_parts import printed_parts
+from dummydesign.mold.model.spec import read_kind
 from tests.support.mould_checks import shape_spec
 from tests.support.pdf_paths import contents, pages_mm, paths_mm
 
@@ -31,7 +36,19 @@ def meeting(drawing):
     pairs = [(a, b) for (a, p), (b, q) in combinations(boxes, 2)
              if p[0] < q[2] and q[0] < p[2] and p[1] < q[3] and q[1] < p[3]]  # fmt: skip
     outside = [a for a, box in boxes if min(box[0], box[1]) < 10 or box[2] > w - 10 or box[3] > h - 10]
-    return pairs + outside
+    return pairs + outside + crossed(drawing)
+
+
+def crossed(drawing):
+    """Numbers of dimensions that a line of another dimension goes through."""
+    lines = [(one, line) for one in drawing.dimensions for line in one.marks()[0]]
+    found = []
+    for one in drawing.dimensions:
+        x0, y0, x1, y1 = np.array(one.text.box) + (0.15, 0.15, -0.15, -0.15)
+        for other, ((a, b), (c, d)) in lines:  # along x or y
+            if other is not one and max(a, c) > x0 and min(a, c) < x1 and max(b, d) > y0 and min(b, d) < y1:
+                found.append((one.text.words, other.text.words))
+    return found
 
 
 def sound(made, paper):
@@ -70,6 +87,8 @@ def test_every_part_has_a_drawing_without_texts_on_each_other(open_parts, crowne
         ("boned:20,6", 12.5, "open"),
         ("boned:20,6,0,1", 30.0, "open"),
         ("crowned:10,2", 3.5, "open"),
+        ("boned:20,6", 15.0, "printed"),
+        ("crowned:10,2,6,0,2,1,25", 5.0, "open"),
     ],
 )
 def test_drawings_are_sound_for_every_shape_preset_and_thickness(shape, thickness, preset):
@@ -122,6 +141,75 @@ def test_hole_patterns_have_number_diameter_and_distances(open_parts):
     for axis in (0, 1):
         for reach in {round(abs(at[axis]), 3) for at in rims.places} - {0.0}:
             assert any(value == pytest.approx(2 * reach, abs=2e-3) for value in values)
+
+
+def test_the_keys_of_a_lid_have_number_diameter_and_distances(lidded_parts):
+    drawing = sheets(lidded_parts, part_views(lidded_parts))["lid"]
+    plan, key = lidded_parts.plan, lidded_parts.spec.lid.key_radius_mm
+    assert f"4 x SØ{2 * key:g}" in [text.words for text in drawing.texts]
+    shown = {round(d.value, 2) for d in drawing.dimensions}
+    pair, shifted = 2 * plan.keys[0].x_mm, abs(plan.keys[3].x_mm)
+    assert {round(pair, 2), round(shifted, 2), round(2 * plan.keys[0].y_mm, 2)} <= shown
+
+
+def drawn_papers(rng):
+    """Drawings of every part of a drawn mould with their titles and notes; of the views only a square."""
+    while True:
+        preset, kind = rng.choice(["open", "lidded", "printed"]), rng.choice(["slab", "crowned", "layered", "boned"])
+        height, foot = rng.uniform(0.6, 4.0), rng.uniform(3.0, 12.0)
+        sizes = {"layered": (rng.uniform(2.0, 6.0), rng.uniform(0.2, 2.0)), "boned": (rng.uniform(8, 30), height)}
+        sizes |= {"slab": (), "crowned": (foot**2 / height * rng.uniform(0.2, 0.6), height, foot)}
+        given = ",".join(f"{one:.6g}" for one in sizes[kind])
+        if kind == "crowned" and rng.random() < 0.5:
+            typed = [f"{name}={one:.6g}" for name, one in zip(("radius", "height", "foot"), sizes[kind])]
+            along, across = map(int, rng.integers(1, 5, 2))
+            pitch = 2.0 * foot + rng.uniform(1.0, 9.0, 2)
+            typed += [f"sites_along={along}", f"sites_across={across}"]
+            typed += [f"pitch_along={pitch[0]:.5g}"] * (along > 1) + [f"pitch_across={pitch[1]:.5g}"] * (across > 1)
+            given = ",".join(typed)
+        try:
+            kind, parameters = read_kind(f"{kind}:{given}" if given else kind)
+            size = np.round((rng.uniform(8.0, 30.0), *rng.uniform(40.0, 160.0, 2)), 1).tolist()
+            spec = mould_spec(*size, preset=str(preset), kind=kind, parameters=parameters)
+        except InputError:
+            continue
+        names = ["pad", "mould", *(part.name for part in printed_parts(spec))]
+        kinds = {"pad": "resin", "mould": "rigid" if spec.is_printed else "silicone"}
+        parts = {
+            name: SimpleNamespace(
+                material=SimpleNamespace(kind=kinds.get(name, "rigid")), is_printed=kinds.get(name, "rigid") == "rigid"
+            )
+            for name in dict.fromkeys([*names, *(["lid"] if preset == "lidded" else [])])
+        }
+        bone = True if kind == "boned" else None
+        made = SimpleNamespace(spec=spec, plan=layout(spec), parts=parts, with_bone=bone)
+        square = View("section", ((((0.0, 0.0), (50.0, 0.0), (50.0, 50.0), (0.0, 50.0), (0.0, 0.0)), "cut"),))
+        return [
+            one for paper in ("A3", "A4") for one in sheets(made, {key: [square] for key in parts}, "", paper).values()
+        ]
+
+
+def notes_in_their_frame(seed, count):
+    """No text of the drawn moulds on another, over the title block or outside of the frame; none raw."""
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        for drawing in drawn_papers(rng):
+            assert meeting(drawing) == []
+            w, block = drawing.size[0], (drawing.size[0] - 10 - 180, 10 + 32)
+            for text in drawing.texts:
+                x0, y0, x1, y1 = text.box
+                in_block = x0 >= block[0] and y1 <= block[1]
+                assert in_block or x1 <= block[0] or y0 >= block[1], text.words
+                assert x1 <= w - 10 and "sites_along=" not in text.words and "radius=" not in text.words
+
+
+def test_notes_of_drawn_moulds_stay_in_their_frame_and_off_the_title_block():
+    notes_in_their_frame(91, 12)
+
+
+@pytest.mark.slow
+def test_notes_of_five_hundred_drawn_moulds_stay_in_their_frame_and_off_the_title_block():
+    notes_in_their_frame(92, 500)
 
 
 def test_a_boss_is_no_hole_and_seams_are_not_drawn():

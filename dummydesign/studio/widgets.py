@@ -20,6 +20,7 @@ from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.project.folder import Project, project_of
 from dummydesign.report import page as report_page
 from dummydesign.report.plot import plots_js
+from dummydesign.studio.file_transfer import check_there
 from dummydesign.studio.jobs import changed_inputs
 from dummydesign.studio.jobs import shown as as_typed
 from dummydesign.studio.markup import Markup, filled, joined
@@ -72,6 +73,7 @@ def lay_out(
     ui.add_head_html(page_head())
     problem, project, state = "", None, None
     try:
+        check_there(root)
         project = project_of(root)
         state = read_state(project, query) if project else None
     except (InputError, OSError) as refused:

@@ -18,7 +18,7 @@ from dummydesign.studio import figures, file_transfer, jobs, project_index, sele
 from dummydesign.studio.file_actions import manage
 from dummydesign.studio.job_panel import JobPanel, Steps
 from dummydesign.studio.markup import Markup, joined
-from dummydesign.studio.state import NO_TISSUE, State, absolute, page_link
+from dummydesign.studio.state import State, absolute, page_link
 from dummydesign.studio.trash import choose_for_project
 from dummydesign.studio.widgets import html, keep_state, open_page
 from dummydesign.tissue.model.parameters import arm_names, parameter_words
@@ -39,7 +39,7 @@ class TissuePage:
             self._chosen = widgets.select("Tissue that the dummy imitates", {}, "", "tissue")
             with ui.element("div"):
                 widgets.button("Design a pad for it", lambda: self.use(self.tissue), "use", main=True)
-        self._problem, fits = widgets.area(), widgets.area()
+        fits = widgets.area()
         self._shown = widgets.area("tissue-shown")
         if self.tissue.startswith("tissue/"):
             fits = widgets.area()
@@ -81,14 +81,11 @@ class TissuePage:
 
     def use(self, tissue: str) -> None:
         """Make a tissue the project's, and go on to the design."""
-        self._problem.clear()
-        if not tissue:
-            raise InputError(NO_TISSUE, "missing", "tissue")
-        if tissue not in select_options.tissues(self.root):
-            with self._problem:
-                _tell_missing(tissue)
-            return
         after = self._state if tissue == self.tissue else self._state.changed(tissue=tissue, aim="average")
+        if tissue not in select_options.tissues(self.root):
+            # the page says at its top that there is none, or that it is gone
+            open_page("/tissue", after)
+            return
         choose_for_project(
             project_of(self.root) or self._project, tissue=tissue, aim=None if after.aim == "average" else after.aim
         )
@@ -102,22 +99,14 @@ class TissuePage:
         shown = f"{self.tissue} (missing)" if self.tissue else CHOOSE
         known = select_options.offered(select_options.tissues(self.root), self.tissue, shown)
         self._chosen.set_options(known, value=self.tissue)
-        self._problem.clear()
         with widgets.fresh(self._shown):
             if self.tissue.startswith("tissue/") and (self.root / self.tissue).is_file():
                 manage(self.root, self.tissue, "tissue", self._moved)
             _show_tissue(self.root, self.tissue)
 
     def _moved(self, old: str, new: str) -> None:
-        """Follow a tissue that was renamed or brought back; one that was deleted stays chosen and is missing."""
-        if new and old == self.tissue:
-            self._state = self._state.changed(tissue=new)
-        self._renew()
-        self.keep()
-
-
-def _tell_missing(tissue: str) -> None:
-    widgets.tell_problem(f"'{tissue}' is not there. Choose another tissue, or bring its file back.")
+        """Follow a tissue that was brought back; one that was deleted stays chosen, and the page says that it is gone."""
+        open_page("/tissue", self._state)
 
 
 def _show_tissue(root: Path, name: str) -> None:
@@ -125,11 +114,8 @@ def _show_tissue(root: Path, name: str) -> None:
     from dummydesign.design.scoring.targets import make_targets
     from dummydesign.tissue import load_tissue
 
-    if not name:
-        return
-    if name.endswith(".toml") and not (root / name).is_file():
-        _tell_missing(name)
-        return
+    if not name or (name.endswith(".toml") and not (root / name).is_file()):
+        return  # said at the top of the page
     try:
         tissue = load_tissue(absolute(root, name))
         targets = make_targets(tissue, "average", Sampling())

@@ -285,8 +285,10 @@ class PlanForm:
             one.folder: f"{one.folder.partition('/')[2]}: {one.label}" for one in reversed(project_index.moulds(root))
         }
         with widgets.fields():
-            self.name = ui.input("Name", value=select_options.free_name(root, "campaigns", "first"))
-            self.name.props("data-test=plan-name").set_visibility(not replaced)
+            laid: dict[str, ui.element] = {
+                "name": ui.input("Name", value=select_options.free_name(root, "campaigns", "first"))
+            }
+            laid["name"].set_visibility(not replaced)
             self.source = widgets.select(
                 "Pads are those of",
                 {one: one for one in ((MOULDED, TYPED) if known else (TYPED,))},
@@ -295,7 +297,7 @@ class PlanForm:
             )
         self.moulds = widgets.select_several("Moulds", known, usual, f"{name}-moulds")
         with widgets.fields() as self.typed:
-            laid = {
+            laid |= {
                 "pads": ui.input("Pads, thickness [mm]", value=given["pads"]),
                 "shape": ui.input("Shape with its lengths", value=given["shape"]),
                 "pad": ui.input("Outline, length x width [mm]", value=given["pad"]),
@@ -321,7 +323,7 @@ class PlanForm:
             needs="trials",
         )
         self.form.on_change(self.renew)
-        widgets.on_change(self.renew, self.name, self.source, self.moulds)
+        widgets.on_change(self.renew, self.source, self.moulds)
         self.renew()
 
     def renew(self) -> None:
@@ -340,7 +342,7 @@ class PlanForm:
         if given["repeats"] % 1.0:
             raise InputError(f"repeats = {given['repeats']:g}: type a whole number", "malformed", "repeats")
         given |= {"moulds": moulds, "punch": self.punch}
-        folder = self.replaced or f"campaigns/{file_transfer.plain_name((self.name.value or '').strip())}"
+        folder = self.replaced or f"campaigns/{file_transfer.plain_name((given['name'] or '').strip())}"
         return [
             "campaign",
             "new",

@@ -78,7 +78,7 @@ class TissuePage:
         """Make a tissue the project's, and go on to the design."""
         state = self.kept.state
         after = state if tissue == self.tissue else state.changed(tissue=tissue, aim="average")
-        if tissue not in select_options.tissues(self.root):
+        if tissue not in select_options.tissues(self.root) and not (self.root / tissue).is_file():
             # the page says at its top that there is none, or that it is gone
             open_page("/tissue", after)
             return

@@ -52,7 +52,7 @@ class PuckPage:
                 "name": ui.input("Name of the batch", value=name),
                 "base": widgets.select("Resin whose law is updated", bases, base if base in bases else ""),
             }
-        kept = {name: start[name] for name in ("diameter", "height", "mixed") if name in start}
+        kept = {field: text for field, text in start.items() if field in ("diameter", "height", "mixed")}
         self._form = widgets.Form("puck", laid, kept)
         self._work = JobPanel(
             project.root,

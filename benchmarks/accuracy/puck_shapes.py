@@ -17,7 +17,8 @@ import numpy as np
 from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import Ogden
 from dummydesign.pad.pad_under_punch import Puck
-from dummydesign.pad.tables.puck import SHAPE_STEP, grip, load_shapes, table_for, uniaxial
+from dummydesign.pad.tables.puck import grip, load_shapes, table_for, uniaxial
+from studies.tables.puck import SHAPE_STEP
 
 COMPRESSION = np.array([0.02, 0.1, 0.2, 0.3, 0.4, 0.5])
 

@@ -15,7 +15,6 @@ from dummydesign.design.search.shape_family import Designs, Family
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.measurement.campaign import with_edge
-from dummydesign.pad.tables.slab import load_compressibility
 from dummydesign.resin.model.resin import Point, RelaxationGivenModulus, Resin, ResinArm
 
 if TYPE_CHECKING:
@@ -250,9 +249,11 @@ class CalibratedFamily:
 
     def area_mm2(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
         """Force over modulus; see :class:`~dummydesign.design.search.shape_family.Family`. [mm2]"""
+        from dummydesign.loop.corrected_law import DesignedForce
+
         depth, thickness = np.atleast_2d(np.asarray(depth_mm, float)), designs.thickness_mm[:, None]
         limit = self.plain.limit_mm(designs, radius_mm)[:, None]
-        law = _PlainForce(self.plain, designs, radius_mm)
+        law = DesignedForce(lambda at_mm, _: self.plain.area_mm2(designs, at_mm, radius_mm), radius_mm)
         return self.correction.apply(law, depth, thickness, limit, self._pressed(designs))
 
     def _pressed(self, designs: Designs) -> list[str]:
@@ -268,18 +269,3 @@ class CalibratedFamily:
                 same = [np.isclose(own[name], value, rtol=1e-6) for name, value in shape.parameters]
                 texts[np.logical_and.reduce(same)] = text
         return list(texts)
-
-
-@dataclass(frozen=True)
-class _PlainForce:
-    """F / E of M pads, and how a compressible bulk changes it: as on slabs."""
-
-    family: Family
-    designs: Designs
-    radius_mm: float
-
-    def __call__(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-        return self.family.area_mm2(self.designs, depth_mm, self.radius_mm)
-
-    def compressibility_coefficient(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-        return load_compressibility().coefficient(depth_mm / thickness_mm, self.radius_mm / thickness_mm)

@@ -11,7 +11,7 @@ import numpy as np
 from dummydesign.core.options import command_words
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.request import Request
-from dummydesign.design.scoring.verdict import PEAK, deviations, ranges_of
+from dummydesign.design.scoring.verdict import OUT_OF_REACH, OUTCOMES, PEAK, deviations, ranges_of
 from dummydesign.design.test_conditions import beyond_people
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.mold.pour.plan import WITNESS_MM
@@ -43,6 +43,7 @@ PRESS_PEOPLE = (
     "press people with these forces; read the presses with 'dummydesign import' and 'dummydesign fit', "
     "keep them with 'dummydesign tissues add'"
 )
+STIFFER = "a stiffer resin, or a thicker pad (--thickness)"
 # Least gain of usable castings for which a puck is pressed: twice the standard error of a share.
 GAIN = 0.03
 # A puck and its two presses on the machine, and a pad by the protocol. [h]
@@ -222,58 +223,31 @@ def _curing_h(answer: Suggestion) -> float:
 
 def why_red(answer: Suggestion) -> str:
     """Why no casting of a resin will do, in the resin's own terms, and what would have to change."""
-    targets = answer.targets
-    ranges, limits = ranges_of(targets), targets.limits
-    readings = answer.best.readings
+    ranges, limits, readings = ranges_of(answer.targets), answer.targets.limits, answer.best.readings
     missing = ~np.isfinite(readings.peak_N)
     if missing.any():
-        force = ranges.force_N[missing].min()
-        return f"{force:g} N is out of reach: the gel bottoms out; a stiffer resin, or a thicker pad (--thickness)"
+        return f"{ranges.force_N[missing].min():g} N is out of reach: the gel bottoms out; {STIFFER}"
     differences = deviations(ranges, readings)
     low, high = (limits.stands_shortfall, np.inf) if ranges.strict else (limits.shortfall, limits.over)
-    short, name, at = differences.worst(differences.short)
-    over, other, its = differences.worst(differences.above)
-    if short / low >= over / high and name == PEAK:
-        people, whose = ranges.peak_low_N, "the subjects' peak"
-        if ranges.strict:
-            people, whose = ranges.peak_high_N, ranges.highest or "the peak of the highest subject"
-        return _relaxation(
-            float(people[at]),
-            float(readings.peak_N[at]),
-            low,
-            ranges.force_N[at],
-            ranges.velocity_mm_s[at],
-            "little",
-            whose,
-        )
-    if over / high > short / low and other == PEAK:
-        return _relaxation(
-            float(ranges.peak_high_N[its]),
-            float(readings.peak_N[its]),
-            1.0 / high,
-            ranges.force_N[its],
-            ranges.velocity_mm_s[its],
-            "much",
-            "the subjects' peak",
-        )
-    side = "softer" if over / high > short / low else "stiffer"
-    return f"its steady curve is {side} shaped than the subjects'; try another resin or a smaller force"
-
-
-def _relaxation(
-    subject_N: float,
-    pad_N: float,
-    limit: float,
-    force_N: float,
-    speed_mm_s: float,
-    word: str,
-    whose: str,
-) -> str:
-    """Peak over steady of subject and pad, and by how much the resin would have to relax otherwise."""
-    own = pad_N / force_N
-    factor = (subject_N / limit / force_N - 1.0) / max(own - 1.0, 1e-9)
-    than = f"{factor:.1f} times as much" if factor > 0.0 else "not at all"
+    (short, name, at), (over, other, its) = map(differences.worst, (differences.short, differences.above))
+    failing = {kind: share for kind, share in (answer.verdict.castings or {}).items() if kind in OUTCOMES and share}
+    if failing and max(short / low, over / high) <= 1.0:
+        # the pad itself is within the limits: its castings are what decides
+        most = max(failing, key=lambda kind: failing[kind])
+        instead = STIFFER if most == OUT_OF_REACH else "a second puck narrows what is known of the batch"
+        return f"{100.0 * failing[most]:.0f} % of castings are {OUTCOMES[most]}; {instead}"
+    little = short / low >= over / high
+    if (name if little else other) != PEAK:
+        side = "stiffer" if little else "softer"
+        return f"its steady curve is {side} shaped than the subjects'; try another resin or a smaller force"
+    people, whose = ranges.peak_low_N if little else ranges.peak_high_N, "the subjects' peak"
+    if little and ranges.strict:
+        people, whose = ranges.peak_high_N, ranges.highest or "the peak of the highest subject"
+    at, limit = (at, low) if little else (its, 1.0 / high)
+    force, own = ranges.force_N[at], float(readings.peak_N[at] / ranges.force_N[at])
+    factor = (float(people[at]) / limit / force - 1.0) / max(own - 1.0, 1e-9)
     return (
-        f"the resin relaxes too {word}: at {force_N:g} N, {speed_mm_s:g} mm/s {whose} is "
-        f"{subject_N / force_N:.2f} times the steady force, the pad's {own:.2f}; it would have to relax {than}"
+        f"the resin relaxes too {'little' if little else 'much'}: at {force:g} N, {ranges.velocity_mm_s[at]:g} mm/s "
+        f"{whose} is {people[at] / force:.2f} times the steady force, the pad's {own:.2f}; it would have to relax "
+        + (f"{factor:.1f} times as much" if factor > 0.0 else "not at all")
     )

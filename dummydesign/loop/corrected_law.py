@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.loop.calibration import Calibration
 from dummydesign.loop.effects.learned import Learned
-from dummydesign.loop.model.base_law import SlabLaw
 from dummydesign.loop.model.effect import SETUP, UnitForce
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.pad.force_law import BaseForceLaw, ForceLaw
 from dummydesign.pad.tables.filleted import slab_table
+from dummydesign.pad.tables.slab import load_compressibility, load_table
 from dummydesign.pad.tables.square import square_law
 
 BULK = "bulk_that_gives"
@@ -97,12 +97,33 @@ class Correction:
 
 
 @dataclass(frozen=True)
+class DesignedForce:
+    """F / E of pads that are designed; a bulk that gives changes it as on slabs."""
+
+    force: UnitForce
+    radius_mm: float
+
+    def __call__(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        """F / E. [mm2]"""
+        return self.force(depth_mm, thickness_mm)
+
+    def compressibility_coefficient(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        """c of a compressible pad."""
+        return load_compressibility().coefficient(depth_mm / thickness_mm, self.radius_mm / thickness_mm)
+
+
+@dataclass(frozen=True)
 class CorrectedLaw(BaseForceLaw):
     """Static force of slabs as a calibration corrects it (:class:`Correction`); offers what a table offers."""
 
     correction: Correction
     square: bool = True
     edge_radius_mm: float = 0.0
+
+    @property
+    def ratio_range(self) -> tuple[float, float]:  # type: ignore[override]
+        """Smallest and largest punch radius over thickness: those of the table, with a fillet as without."""
+        return load_table(self.correction.base).ratio_range
 
     @property
     def notes(self) -> tuple[str, ...]:  # type: ignore[override]
@@ -117,25 +138,23 @@ class CorrectedLaw(BaseForceLaw):
             *(np.asarray(value, dtype=float) for value in (depth_mm, thickness_mm, young_MPa))
         )
         radius = np.asarray(radius_mm, float).item()
-        law = SlabLaw(slab_table(self.correction.base, self.edge_radius_mm, radius), radius, self.square)
+        law = self._plain(radius)
         x, h = depth.reshape(-1, 1), thickness.reshape(-1, 1)
-        limit = law.limit(h)
-        unit = self.correction.apply(law, x, h, limit)
-        unit = np.where(x > limit * (1.0 + 1e-9), np.nan, unit)
-        return young * unit.reshape(depth.shape)
+        plain = DesignedForce(lambda at_mm, h_mm: law.force(at_mm, h_mm, 1.0, radius), radius)
+        return young * self.correction.apply(plain, x, h, law.depth_limit_mm(h, radius)).reshape(depth.shape)
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
         """Error of the table that is corrected; a calibration makes it no smaller, its own is the modulus's interval.
 
         See :class:`dummydesign.pad.force_law.ForceLaw`.
         """
-        radius = float(np.max(np.asarray(radius_mm, float)))
-        table: ForceLaw = slab_table(self.correction.base, self.edge_radius_mm, radius)
-        law = square_law(table, self.correction.base, self.edge_radius_mm > 0.0) if self.square else table
-        return law.relative_error(depth_mm, thickness_mm, radius_mm)
+        return self._plain(np.max(radius_mm)).relative_error(depth_mm, thickness_mm, radius_mm)
 
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
         """Depth to which the table holds. [mm]"""
-        radius = np.asarray(radius_mm, float)
-        table = slab_table(self.correction.base, self.edge_radius_mm, float(radius.max()))
-        return table.depth_limit_mm(np.asarray(thickness_mm, float), radius)
+        return self._plain(np.max(radius_mm)).depth_limit_mm(thickness_mm, radius_mm)
+
+    def _plain(self, radius_mm: float) -> ForceLaw:
+        """The law that is corrected."""
+        table = slab_table(self.correction.base, self.edge_radius_mm, float(radius_mm))
+        return square_law(table, self.correction.base, self.edge_radius_mm > 0.0) if self.square else table

@@ -10,19 +10,17 @@ from numpy.typing import NDArray
 
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.loop.data.reduction import UNLOADING
-from dummydesign.loop.data.trials import SAME_DEPTH, Presses, stack
+from dummydesign.loop.data.trials import SAME_DEPTH, Presses, planned_trace, stack
 from dummydesign.loop.fitting.candidates import USUAL_POSITION_MM
 from dummydesign.loop.fitting.fit import CampaignFit
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
+from dummydesign.loop.model.effect import SetupLaw
 from dummydesign.loop.model.forward_model import LAW_TERMS, SMOOTH_TERMS
 from dummydesign.measurement.campaign import Trial
-from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.sensor import Lowpass
-from dummydesign.measurement.trace import Trace
 from dummydesign.pad.tables.puck import shape_range
+from dummydesign.pad.tables.slab import load_table
 
 HOLD_S = 10.0  # of every planned press
-BACK_MM_S = 10.0
 LUBRICATED = "between plates lubricated with silicone oil"
 MADE, SCATTER, SAME_SPEED = 2, 3.0, 0.05
 """How often a press must have been made to be known; how many standard deviations of the contact two presses of one
@@ -88,20 +86,19 @@ class NextMeasurement:
         }
 
 
-def options(presses: Presses, law: object) -> list[PossiblePress]:
+def options(presses: Presses, law: SetupLaw) -> list[PossiblePress]:
     """A short list of feasible presses: known and new pads, speeds, depths, unloading, and circumstances."""
     geometry = {trial.pad: trial.geometry for trial in presses.trials}
     pads = [(geometry[pad], pad[1], True) for pad in presses.pads]
-    if isinstance(law, SlabLaw):
-        known = [thickness for _, thickness, _ in pads]
-        extra = [0.7 * known[0], 0.5 * (known[0] + known[-1]), 1.3 * known[-1]]
-        low, high = (law.radius_mm / ratio for ratio in reversed(law.table.ratio_range))
-        pads += [(pads[0][0], round(h, 1), False) for h in extra if low <= h <= high and round(h, 1) not in known]
-    elif isinstance(law, PuckLaw):
-        low, high = (law.diameter_mm / ratio for ratio in reversed(shape_range()))
-        heights = sorted({thickness for _, thickness, _ in pads})
-        extra = [round(share * heights[end], 1) for share, end in ((0.6, 0), (1.5, -1))]
-        pads += [(pads[0][0], h, False) for h in extra if low <= h <= high and h not in heights]
+    known = sorted({thickness for _, thickness, _ in pads})
+    new: list[float] = []
+    if law.shape == "slab":
+        new, ratios = [0.7 * known[0], 0.5 * (known[0] + known[-1]), 1.3 * known[-1]], load_table().ratio_range
+    elif law.shape == "cylinder":
+        new, ratios = [0.6 * known[0], 1.5 * known[-1]], (0.5 * shape_range()[0], 0.5 * shape_range()[1])
+    for h in (round(thickness, 1) for thickness in new):
+        if ratios[0] <= law.radius_mm / h <= ratios[1] and h not in known:
+            pads.append((pads[0][0], h, False))
     speeds = sorted({2.0, *(t.velocity_mm_s for t in presses.trials)})
     history = presses.history
     warm = float(np.nanmean(history.temperature_C)) if np.any(np.isfinite(history.temperature_C)) else None
@@ -113,7 +110,7 @@ def options(presses: Presses, law: object) -> list[PossiblePress]:
         for v in speeds
         for share in (0.1, 0.3, 0.45)
     ]
-    if isinstance(law, PuckLaw):
+    if law.shape == "cylinder":
         shape, h, pressed_before = pads[0]
         press = (float(h), float(speeds[0]), 0.45, True)
         out.append(PossiblePress(*press, LUBRICATED, *plain[1:], shape, pressed_before))
@@ -127,21 +124,6 @@ def options(presses: Presses, law: object) -> list[PossiblePress]:
         if age is not None:
             out.append(PossiblePress(*press, f"at {3 * age:.0f} days", 3600.0, warm, 3 * age, shape, True))
     return out
-
-
-def planned_trace(name: str, velocity_mm_s: float, depth_mm: float, hold_s: float, unloading: bool) -> Trace:
-    """Make the motion of a press without its force: from before contact, through the hold, and back where wanted."""
-    press = ramp_and_hold(velocity_mm_s, depth_mm, hold_s)
-    stop = float(press.time_s[-1]) - hold_s
-    fine = np.arange(-min(0.1, 20.0 / velocity_mm_s), stop + 0.4, max(1e-3, stop / 500.0))
-    hold = np.arange(fine[-1] + 0.02, stop + hold_s, 0.02)
-    end = float(hold[-1]) if len(hold) else float(fine[-1])
-    away = np.arange(end + 4e-3, end + (depth_mm + 2.0) / BACK_MM_S, 4e-3) if unloading else np.zeros(0)
-    time = np.r_[fine, hold, away]
-    x = np.interp(time, press.time_s, press.displacement_mm)
-    x = np.where(time < 0, velocity_mm_s * time, x)
-    x = np.where(time > end, depth_mm - BACK_MM_S * (time - end), x)
-    return Trace(name, time, x, np.zeros_like(time))
 
 
 def planned_presses(presses: Presses, lowpass: Lowpass | None, chosen: list[PossiblePress]) -> Presses:

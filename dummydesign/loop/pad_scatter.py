@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from dummydesign.core.serialise import Serialised
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit
-from dummydesign.loop.model.campaign_force_law import THICKNESS_SLOPE
-from dummydesign.loop.model.campaign_law import level_error
+from dummydesign.loop.model.campaign_law import THICKNESS_SLOPE, level_error
 from dummydesign.measurement.campaign import Trial
 
 FEWEST = 2

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,21 +17,21 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import write_text
 from dummydesign.core.progress import Progress, quiet
 from dummydesign.core.serialise import Serialised
-from dummydesign.core.user_library import toml_text, toml_value
+from dummydesign.core.user_library import toml_table
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
+from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.inference.noise import Noise
-from dummydesign.loop.data.trials import Presses, make_presses
+from dummydesign.loop.data.trials import Presses, make_presses, planned_trace
 from dummydesign.loop.effects.registry import known_effects
 from dummydesign.loop.fitting.fit import fit_at, start_vector
 from dummydesign.loop.fitting.noise import NoiseSizes
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.fitting.screening import change_by, project, starts_of
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
-from dummydesign.loop.model.campaign_law import pad_of, tabulated_law
+from dummydesign.loop.model.campaign_law import CampaignLaw, law_without_solve, pad_of
 from dummydesign.loop.model.effect import SetupLaw
 from dummydesign.loop.model.forward_model import simulate
 from dummydesign.loop.model.material import Material, material_of
-from dummydesign.loop.next_measurement import HOLD_S, LUBRICATED, PossiblePress, options, planned_presses, planned_trace
+from dummydesign.loop.next_measurement import HOLD_S, LUBRICATED, PossiblePress, options, planned_presses
 from dummydesign.loop.result import LoopResult
 from dummydesign.measurement.campaign import Campaign, Trial
 from dummydesign.measurement.campaign_plan import Planned
@@ -40,10 +40,6 @@ from dummydesign.pad.force_law import ForceCurve
 from dummydesign.pad.force_source import elastic_curve
 from dummydesign.pad.pad_under_punch import Pad, Puck
 from dummydesign.pad.predict import depth_for_steady_force, motion_on_curve
-
-if TYPE_CHECKING:
-    pass
-
 
 LEAST_HOLD_S = 1e-3
 
@@ -201,61 +197,59 @@ def write_plan(folder: str | Path, campaign: Campaign, presses: tuple[PlannedPre
 
 def _toml(campaign: Campaign, presses: tuple[PlannedPress, ...]) -> str:
     pad, punch, low = campaign.pad, campaign.punch, campaign.lowpass
-    shape = pad.shape if pad.shape == "cylinder" else str(pad.geometry)
-    lines = ["schema = 1", f"name = {toml_text(f'{campaign.name}, next')}"]
-    lines += _table(
-        "[pad]",
-        young_kPa_nominal=pad.young_kPa_nominal,
-        resin=pad.resin,
-        ratio=pad.ratio,
-        shape=shape,
-        length_mm=pad.length_mm,
-        width_mm=pad.width_mm,
-        diameter_mm=pad.diameter_mm,
-        base=pad.base,
-    )
-    lines += _table(
-        "[punch]",
-        shape=punch.shape,
-        side_mm=punch.side_mm,
-        diameter_mm=punch.diameter_mm,
-        contact=punch.contact,
-        edge_radius_mm=punch.edge_radius_mm or None,
-    )
+    content: dict[str, Any] = {
+        "schema": 1,
+        "name": f"{campaign.name}, next",
+        "pad": _known(
+            young_kPa_nominal=pad.young_kPa_nominal,
+            resin=pad.resin,
+            ratio=pad.ratio,
+            shape=pad.shape if pad.shape == "cylinder" else str(pad.geometry),
+            length_mm=pad.length_mm,
+            width_mm=pad.width_mm,
+            diameter_mm=pad.diameter_mm,
+            base=pad.base,
+        ),
+        "punch": _known(
+            shape=punch.shape,
+            side_mm=punch.side_mm,
+            diameter_mm=punch.diameter_mm,
+            contact=punch.contact,
+            edge_radius_mm=punch.edge_radius_mm or None,
+        ),
+        "sensor": _known(
+            lowpass_hz=low and low.cutoff_hz,
+            lowpass_order=low and low.order,
+            lowpass_passes=low and low.passes,
+            force_resolution_N=campaign.force_resolution_N or None,
+        ),
+        "trial": [_trial(press, pad.geometry) for press in presses],
+    }
+    notes = [f"{press.file}: {press.option.text}" for press in presses]
     if punch.shape == "profile":
-        lines.append("# file = the profile of the punch: copy it into this folder and name it here")
-    lines += _table(
-        "[sensor]",
-        lowpass_hz=low and low.cutoff_hz,
-        lowpass_order=low and low.order,
-        lowpass_passes=low and low.passes,
-        force_resolution_N=campaign.force_resolution_N or None,
+        notes.insert(0, "copy the profile of the punch into this folder and write file = NAME under [punch]")
+    return "".join(f"# {note}\n" for note in notes) + toml_table(content)
+
+
+def _trial(press: PlannedPress, usual: PadShape) -> dict[str, Any]:
+    option = press.option
+    return _known(
+        file=press.file,
+        thickness_mm=option.thickness_mm,
+        shape=None if option.geometry == usual else str(option.geometry),
+        velocity_mm_s=option.velocity_mm_s,
+        hold_s=HOLD_S,
+        target_force_N=round(press.target_force_N, 2),
+        repeat=press.repeat,
+        sequence=press.sequence,
+        rest_s=option.rest_s,
+        temperature_C=None if option.temperature_C is None else round(option.temperature_C, 1),
+        age_days=None if option.age_days is None else round(option.age_days, 1),
     )
-    for press in presses:
-        option = press.option
-        own = None if option.geometry == pad.geometry else str(option.geometry)
-        lines += _table(
-            "[[trial]]",
-            file=press.file,
-            thickness_mm=option.thickness_mm,
-            shape=own,
-            velocity_mm_s=option.velocity_mm_s,
-            hold_s=HOLD_S,
-            target_force_N=round(press.target_force_N, 2),
-            repeat=press.repeat,
-            sequence=press.sequence,
-            rest_s=option.rest_s,
-            temperature_C=None if option.temperature_C is None else round(option.temperature_C, 1),
-            age_days=None if option.age_days is None else round(option.age_days, 1),
-        )
-        lines.append(f"# {option.text}")
-    return "\n".join(lines) + "\n"
 
 
-def _table(head: str, **values: object) -> list[str]:
-    """Lines of a table of TOML, without the values that are None."""
-    known = {key: value for key, value in values.items() if value is not None}
-    return ["", head, *(f"{key} = {toml_value(one)}" for key, one in known.items())]
+def _known(**values: object) -> dict[str, Any]:
+    return {key: value for key, value in values.items() if value is not None}
 
 
 def _sheet(presses: tuple[PlannedPress, ...]) -> str:
@@ -302,7 +296,8 @@ class PlanPower(Serialised):
 @one_blas_thread()
 def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, seed: int = 1) -> PlanPower:
     """Work out what a plan can see."""
-    law = tabulated_law(campaign)
+    geometry, heights = campaign.pad.geometry, sorted({row.thickness_mm for row in plan})
+    law = law_without_solve(pad_of(campaign, h, 1.0, geometry) for h in heights)
     trials = planned_trials(plan, law, young_MPa, np.random.default_rng(seed))
     presses = make_presses(replace(campaign, trials=trials))
     problem = CampaignProblem(presses, law, prior=material_of(campaign).prior)
@@ -330,7 +325,7 @@ def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, 
 
 
 def planned_trials(
-    plan: tuple[Planned, ...], law: SlabLaw | PuckLaw, young_MPa: float, draw: np.random.Generator
+    plan: tuple[Planned, ...], law: CampaignLaw, young_MPa: float, draw: np.random.Generator
 ) -> tuple[Trial, ...]:
     """Trials of a plan with the motion that is to be made and no force."""
     trials = []
@@ -355,9 +350,9 @@ def planned_trials(
     return tuple(trials)
 
 
-def depth_for(law: SlabLaw | PuckLaw, thickness_mm: float, force_over_young_mm2: float) -> float:
-    """Depth at which a pad carries a force, at most what the force law knows. [mm]"""
-    deepest = float(np.min(law.limit(np.array([thickness_mm]))))
-    depths = np.linspace(0.0, 0.98 * deepest, 200)
-    force = law(depths[None, :], np.array([[thickness_mm]]))[0]
+def depth_for(law: CampaignLaw, thickness_mm: float, force_over_young_mm2: float) -> float:
+    """Depth at which a slab or puck carries a force, at most what the force law knows. [mm]"""
+    own = law.law_of(("", thickness_mm))
+    depths = np.linspace(0.0, 0.98 * own.limit_mm, 200)
+    force = own(depths[None], np.array([[thickness_mm]]))[0]
     return float(np.interp(force_over_young_mm2, force, depths))

@@ -58,7 +58,7 @@ def join(fit: CampaignFit, prior: Calibration, lack_ratio: float | None = None) 
     covariance (1 - K H) C; C is widened by a lack of fit as the posterior's is, and P is the prior's covariance
     with :data:`ARM_TOLERANCE` for the arms.
     """
-    from scipy.stats import chi2 as chi_square
+    from scipy.special import chdtrc
 
     known = prior.posterior
     assert known is not None
@@ -73,7 +73,7 @@ def join(fit: CampaignFit, prior: Calibration, lack_ratio: float | None = None) 
     here = turn @ fit.vector + np.array(zeros)
     away = known.mean[take] - here
     distance = float(away @ np.linalg.solve(together, away))
-    p = float(chi_square.sf(distance, len(names)))
+    p = float(chdtrc(len(names), distance))
     if p < CONFLICT_P:
         spread = np.sqrt(np.diag(together))
         order = np.argsort(-np.abs(away / spread))

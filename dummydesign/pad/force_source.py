@@ -14,6 +14,7 @@ from dummydesign.core.quantity import Quantity
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.interface import BASES, Interface
 from dummydesign.pad.force_law import (
+    NO_COST,
     ForceCurve,
     ForceLaw,
     PadCurve,
@@ -64,7 +65,34 @@ def elastic_curve(
         curve = _by_table(pad)
     else:
         curve = _by_elements(pad, deepest_mm, depths_mm)
-    return scale_curve(curve, corners_of(pad)) if has_square_factor(pad) else curve
+    return _under_corners(pad, curve)
+
+
+def solved_curve(pad: Pad | Puck, depths_mm: Array, cells: int | None = None) -> ForceCurve:
+    """Long-term force through given depths, solved by the elements that fit the pad (:func:`solve_points`)."""
+    return _under_corners(pad, _through(pad, solve_points(pad, depths_mm, cells)))
+
+
+def _under_corners(pad: Pad | Puck, curve: ForceCurve) -> ForceCurve:
+    return scale_curve(curve, corners_of(pad)) if isinstance(pad, Pad) and has_square_factor(pad) else curve
+
+
+def curve_without_solve(pad: Pad | Puck) -> ForceCurve | None:
+    """Long-term force of a slab in the response table, or in closed form of a puck that slips freely; else None."""
+    if isinstance(pad, Pad):
+        return elastic_curve(pad, "table") if _tabulated(pad) else None
+    from dummydesign.pad.tables.puck import DEEPEST, uniaxial
+
+    alpha = _exponent(pad)
+    if pad.plates != "frictionless" or pad.poisson < 0.5 or alpha is None:
+        return None
+    load = pad.young_MPa * np.pi * pad.radius_mm**2
+    return ForceCurve(
+        lambda depth: load * uniaxial(alpha, np.asarray(depth, float) / pad.thickness_mm),
+        lambda depth: np.zeros(np.shape(depth)),
+        DEEPEST * pad.thickness_mm,
+        dict(NO_COST),
+    )
 
 
 def corners_of(pad: Pad) -> Callable[[Array], tuple[Array, Array]]:
@@ -103,7 +131,7 @@ def has_square_factor(pad: Pad) -> bool:
     return _tabulated(replace(plain, edge_radius_mm=0.0))
 
 
-def _exponent(pad: Pad) -> float | None:
+def _exponent(pad: Pad | Puck) -> float | None:
     from dummydesign.pad.tables.elastic_law import exponent_of
 
     return exponent_of(pad.shape)

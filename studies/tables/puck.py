@@ -19,7 +19,6 @@ from dummydesign.pad.tables.puck import (
     DIAMETER_MM,
     HEIGHT_MM,
     OTHERS,
-    SHAPE_STEP,
     USUAL,
     PuckTable,
     grip,
@@ -39,6 +38,7 @@ FRICTIONS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7, np.inf)
 COMPRESSIONS = np.concatenate([[0.005, 0.01, 0.02], np.arange(0.04, 0.581, 0.02)])
 # Largest difference of ln B at which an earlier value is kept.
 AGREE = 0.02
+SHAPE_STEP = 1.3
 OTHER_SHAPES = tuple(0.5 * DIAMETER_MM / HEIGHT_MM * SHAPE_STEP**k for k in (-3, -2, -1, 1, 2, 3))
 
 

@@ -67,8 +67,8 @@ def slab_force(depth_mm: NDArray, thickness_mm: float, base: str) -> NDArray:
     depth = np.asarray(depth_mm, float)
     limit = float(table.depth_limit_mm(thickness_mm, RADIUS_MM))
     inside = np.minimum(depth, limit)
-    exponent = float(table.local_exponent(limit, thickness_mm, RADIUS_MM))
-    force = table.force(inside, thickness_mm, 1.0, RADIUS_MM) * (depth / inside) ** exponent
+    last, stiffness = table.force_and_stiffness(limit, thickness_mm, 1.0, RADIUS_MM)
+    force = table.force(inside, thickness_mm, 1.0, RADIUS_MM) * (depth / inside) ** (limit * stiffness / last)
     return SQUARE_OVER_ROUND[thickness_mm] * force
 
 

@@ -142,7 +142,11 @@ def test_a_red_pad_whose_peaks_are_off_is_said_to_relax_on_the_side_on_which_its
     monkeypatch.setattr(module, "ranges_of", lambda targets: band)
     limits = verdict_limits()
     text = module.why_red(
-        SimpleNamespace(targets=SimpleNamespace(limits=limits), best=SimpleNamespace(readings=readings))
+        SimpleNamespace(
+            targets=SimpleNamespace(limits=limits),
+            best=SimpleNamespace(readings=readings),
+            verdict=SimpleNamespace(castings={"over": 0.9, "out_of_reach": 0.0}),
+        )
     )
     people, own, factor = (
         float(one) for one in re.findall(r"(\d+\.\d+) times| pad's (\d+\.\d+)", text) for one in one if one
@@ -153,3 +157,21 @@ def test_a_red_pad_whose_peaks_are_off_is_said_to_relax_on_the_side_on_which_its
     assert [people, own] == pytest.approx([subject / 5.0, readings.peak_N[0] / 5.0], abs=0.006)
     limit = limits.stands_shortfall if strict else limits.shortfall if side > 0.0 else 1.0 / limits.over
     assert factor == pytest.approx((subject / limit - 5.0) / (readings.peak_N[0] - 5.0), abs=0.051)
+
+
+@pytest.mark.parametrize(("worst", "named"), [("out_of_reach", "--thickness"), ("over", "puck"), ("reads_low", "puck")])
+def test_a_pad_within_the_limits_whose_castings_fail_is_not_said_to_relax_wrongly(monkeypatch, worst, named):
+    """its peak is 2 % below all subjects, which a correction mends; what fails are castings"""
+    band = ranges()
+    readings = pad(0.98)
+    readings.depth_mm[:] = band.stiff_mm
+    monkeypatch.setattr(module, "ranges_of", lambda targets: band)
+    castings = {"stands_for": 0.3, "with_correction": 0.59, "reads_low": 0.01, "over": 0.03, "out_of_reach": 0.02}
+    text = module.why_red(
+        SimpleNamespace(
+            targets=SimpleNamespace(limits=verdict_limits()),
+            best=SimpleNamespace(readings=readings),
+            verdict=SimpleNamespace(castings={**castings, worst: 0.07}),
+        )
+    )
+    assert named in text and "relax" not in text and "7 %" in text

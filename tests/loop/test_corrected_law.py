@@ -17,6 +17,7 @@ from dummydesign.loop.model.forward_model import Active, BaseParameters
 from dummydesign.pad.tables.filleted import slab_table
 from dummydesign.pad.tables.slab import load_table
 from dummydesign.pad.tables.square import punch_law
+from tests.support.refusal import raises_code
 
 QUICK = ["--no-cad", "--no-verify"]
 RADIUS = 14.0 / np.sqrt(np.pi)
@@ -102,6 +103,17 @@ def test_the_terms_of_an_effect_are_the_arms_that_it_adds(plain):
 def test_the_law_error_of_the_pads_is_kept_and_depths_beyond_the_table_are_nan():
     np.testing.assert_allclose(force(law=0.02), 1.02 * force(), rtol=1e-12)
     assert np.isnan(CorrectedLaw(Correction(calibration())).force(19.9, 20.0, 0.025, RADIUS))
+
+
+@pytest.mark.parametrize("edge_mm", [0.0, 1.0])
+def test_it_answers_the_thicknesses_of_its_table_and_refuses_others(edge_mm):
+    law = CorrectedLaw(Correction(calibration(effect("strain_stiffening", coefficient=2.0))), True, edge_mm)
+    thinnest, thickest = (RADIUS / ratio for ratio in reversed(law.ratio_range))
+    inside = np.array([1.0001 * thinnest, 0.9999 * thickest])
+    assert np.isfinite(law.force(0.1 * inside, inside, 0.025, RADIUS)).all()
+    for outside in (0.99 * thinnest, 1.01 * thickest):
+        with raises_code("out_of_range"):
+            law.force(0.1 * outside, outside, 0.025, RADIUS)
 
 
 def test_modes_join_the_relaxation():

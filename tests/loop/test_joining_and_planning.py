@@ -13,25 +13,18 @@ from scipy.stats import chi2
 from dummydesign.loop import next_measurement as next_module
 from dummydesign.loop import planning
 from dummydesign.loop.calibration import Calibration, Model, Posterior, model_of, posterior_of
+from dummydesign.loop.data.trials import BACK_MM_S, planned_trace
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.problem import CampaignProblem
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 from dummydesign.loop.model.forward_model import LAW_TERMS, WAVES, Active, BaseParameters, LawError, parameter_names
 from dummydesign.loop.model.material import ARM_TOLERANCE, UNDECLARED
-from dummydesign.loop.next_measurement import (
-    BACK_MM_S,
-    HOLD_S,
-    LUBRICATED,
-    next_measurement,
-    options,
-    planned_presses,
-    planned_trace,
-)
+from dummydesign.loop.next_measurement import HOLD_S, LUBRICATED, next_measurement, options, planned_presses
 from dummydesign.loop.prior import _shared, check_prior, join, with_prior_effects
 from dummydesign.loop.selection.cross_validation import widened
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.pad.tables.slab import load_table
 from tests.support import puck_presses as pucks
+from tests.support.known_laws import puck_law, slab_law
 from tests.support.puck_presses import clean_fit
 from tests.support.refusal import raises_code
 
@@ -229,11 +222,11 @@ def test_options_are_the_campaigns_pads_at_all_speeds_and_three_depths_with_circ
 
 def test_new_slabs_are_thinner_between_and_thicker_as_far_as_the_table_reaches():
     presses = clean_fit().problem.presses
-    law = SlabLaw(load_table("bonded"), 7.9, False)
-    low, high = (7.9 / ratio for ratio in reversed(law.table.ratio_range))
+    law = slab_law(7.9)
+    low, high = (7.9 / ratio for ratio in reversed(load_table("bonded").ratio_range))
     new = sorted({one.thickness_mm for one in options(presses, law) if not one.known})
     assert new == [round(h, 1) for h in (5.6, 10.0, 15.6) if low <= h <= high]
-    thin = SlabLaw(law.table, 2.0 * 7.9, False)
+    thin = slab_law(2.0 * 7.9)
     reach = tuple(2.0 * one for one in (low, high))
     assert sorted({one.thickness_mm for one in options(presses, thin) if not one.known}) == [
         h for h in (5.6, 10.0, 15.6) if reach[0] <= h <= reach[1]
@@ -314,7 +307,7 @@ def test_a_plan_repeats_every_press_and_expects_the_force_near_the_end_of_its_ho
     base = found.base
     for one in plan:
         h = one.option.thickness_mm
-        steady = base.young_MPa * PuckLaw(pucks.DIAMETER_MM)(np.array([[0.3 * h]]), np.array([[h]]))[0, 0]
+        steady = base.young_MPa * puck_law(pucks.DIAMETER_MM)(np.array([[0.3 * h]]), np.array([[h]]))[0, 0]
         # after ten seconds the arm of 1.5 s has left e^-6.6 of its strength
         left = 1.0 + base.beta[1] * np.exp(-(HOLD_S - 0.1) / base.tau_s[1])
         assert one.target_force_N == pytest.approx(steady * left, rel=2e-3)
@@ -322,11 +315,11 @@ def test_a_plan_repeats_every_press_and_expects_the_force_near_the_end_of_its_ho
     assert [one.file for one in again] == [one.file for one in plan]
 
 
-@pytest.mark.parametrize("law", [PuckLaw(30.0), SlabLaw(load_table("bonded"), 7.9, True)])
+@pytest.mark.parametrize("law", [puck_law(30.0), slab_law(7.9, square=True)])
 def test_the_depth_for_a_force_is_the_one_that_gives_it_within_the_law(law):
     for h in (6.0, 14.0):
         thickness = np.array([[h]])
-        limit = float(np.min(law.limit(np.array([h]))))
+        limit = law.law_of(("", h)).limit_mm
         for depth in (0.05 * h, 0.2 * h):
             area = float(law(np.array([[depth]]), thickness)[0, 0])
             assert planning.depth_for(law, h, area) == pytest.approx(depth, rel=2e-3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,6 @@ import pytest
 from dummydesign.loop.calibration import Calibration, model_of
 from dummydesign.loop.data.trials import stack
 from dummydesign.loop.effects.registry import effect_named
-from dummydesign.loop.model.base_law import PuckLaw
 from dummydesign.loop.model.campaign_law import law_of, within_reach
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.model.material import material_of
@@ -55,18 +55,15 @@ def test_a_replay_is_the_models_readings_beside_the_samples():
     assert rows["rmse_N"] == said.total_rmse_N and rows["trials"][3]["peak_error_N"] == said.peak_error_N[3]
 
 
-class Short(PuckLaw):
-    """A puck that is known to two tenths of its height."""
-
-    def limit(self, thickness_mm):
-        return self.known * np.asarray(thickness_mm, float)
+def short(known):
+    """Pucks whose law is known to a share of their height."""
+    return SimpleNamespace(limit_of=lambda trials: known * np.array([trial.thickness_mm for trial in trials]))
 
 
 @pytest.mark.parametrize(("known", "left"), [(0.3 / 1.019, 16), (0.3 / 1.021, 8), (0.15 / 1.019, 8)])
 def test_presses_beyond_their_law_by_two_per_cent_are_left_out(known, left):
     presses = pucks.planned()
-    law = Short(pucks.DIAMETER_MM)
-    object.__setattr__(law, "known", known)
+    law = short(known)
     campaign, kept, words = within_reach(campaign_of(presses.trials), presses, law)
     assert len(campaign.trials) == len(kept.trials) == left and bool(words) is (left < 16)
     if left < 16:
@@ -77,8 +74,7 @@ def test_presses_beyond_their_law_by_two_per_cent_are_left_out(known, left):
 def test_too_few_presses_within_their_law_are_refused():
     trials = pucks.planned().trials
     deep = [trial for trial in trials if trial.trace.displacement_mm.max() > 0.2 * trial.thickness_mm]
-    law = Short(pucks.DIAMETER_MM)
-    object.__setattr__(law, "known", 0.2)
+    law = short(0.2)
     for flat, least, able in ((2, 2, True), (1, 2, False), (1, 1, True), (0, 1, False)):
         chosen = (*[one for one in trials if one not in deep][:flat], *deep[:2])
         presses = stack(chosen, None)
@@ -91,12 +87,13 @@ def test_too_few_presses_within_their_law_are_refused():
 
 def test_the_law_of_pucks_knows_what_is_not_known_of_their_heights_and_moduli():
     trials = pucks.planned().trials
-    assert (
-        law_of(campaign_of(trials)) == PuckLaw(pucks.DIAMETER_MM) and material_of(campaign_of(trials)).young_kPa == 50.0
-    )
+    law = law_of(campaign_of(trials))
+    depth, h = np.array([[1.0, 2.0]]), np.array([[9.0]])
+    assert law.shape == "cylinder" and np.array_equal(law(depth, h), pucks.LAW(depth, h))
+    assert material_of(campaign_of(trials)).young_kPa == 50.0
     read = [replace(trial, thickness_sd_mm=0.03 * trial.thickness_mm, young_factor_sd=0.04) for trial in trials]
     level, *rest = law_of(campaign_of(read)).error_priors
-    (own, spread), *others = PuckLaw(pucks.DIAMETER_MM).error_priors
+    (own, spread), *others = pucks.LAW.error_priors
     assert level == (pytest.approx(np.hypot(own, 0.05)), spread) and rest == list(others)
     with raises_code("missing", "pad.young_kPa_nominal"):
         material_of(campaign_of(trials, None))

@@ -178,9 +178,3 @@ def test_a_curve_of_the_pad_keeps_the_contract_of_curves():
         assert curve.stiffness(depth) == pytest.approx(table.stiffness(depth, 10.0, 0.03, RADIUS), rel=1e-6)
         assert curve.relative_error(depth) == pytest.approx(table.relative_error(depth, 10.0, RADIUS))
         assert (curve.provenance, curve.notes) == (table.provenance, ())
-
-
-def test_the_series_of_one_slab_is_that_of_the_table():
-    table = load_table()
-    ratio, x = np.array([[0.4], [0.79], [2.2]]), np.linspace(0.0, 0.4, 9) * np.ones((3, 1))
-    assert table.log_secant(x, ratio) == pytest.approx(table.log_stiffness(x, ratio)[0], rel=1e-12)

@@ -17,7 +17,7 @@ from dummydesign.api.campaigns import _empty_campaign
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.fitting.fit import start_vector
 from dummydesign.loop.fitting.problem import CampaignProblem
-from dummydesign.loop.model.campaign_law import law_of
+from dummydesign.loop.model.campaign_law import law_without_solve, pad_of
 from dummydesign.loop.planning import planned_trials
 from dummydesign.measurement.campaign_file import SetUp
 from dummydesign.measurement.campaign_plan import Planned
@@ -52,7 +52,8 @@ def press_campaign(folder: Path, seed: int = 1, young_kPa: float | None = None, 
     young = 1e-3 * (young_kPa or set_up.young_kPa)
     draw = np.random.default_rng([seed, 77])
     campaign = _empty_campaign(set_up, set_up.tables())
-    law = law_of(campaign)
+    heights = sorted({row.thickness_mm for row in plan})
+    law = law_without_solve(pad_of(campaign, h, 1.0, campaign.pad.geometry) for h in heights)
     trials = planned_trials(plan, law, young, draw)
     if coarse:
         trials = tuple(replace(t, trace=_thinned(t)) for t in trials)

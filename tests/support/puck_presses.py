@@ -10,16 +10,15 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.loop.data.trials import Presses, stack
+from dummydesign.loop.data.trials import Presses, planned_trace, stack
 from dummydesign.loop.fitting.fit import CampaignFit, fit_base, start_vector
 from dummydesign.loop.fitting.problem import CampaignProblem
-from dummydesign.loop.model.base_law import PuckLaw
-from dummydesign.loop.next_measurement import planned_trace
 from dummydesign.measurement.campaign import Trial
+from tests.support.known_laws import puck_law
 
 DIAMETER_MM, YOUNG_MPA, NOISE_N = 30.0, 0.05, 0.1
 STEP_S = 0.8371e-3  # between samples, no part of a millisecond
-LAW = PuckLaw(DIAMETER_MM)
+LAW = puck_law(DIAMETER_MM)
 
 
 def trial(

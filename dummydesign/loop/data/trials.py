@@ -14,6 +14,7 @@ from dummydesign.inference.noise import Bins
 from dummydesign.loop.data.reduction import UNLOADING, ReducedPress, has_hold, reduce_press
 from dummydesign.measurement.campaign import Campaign, Trial
 from dummydesign.measurement.clipping import find_clip
+from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 
@@ -140,7 +141,7 @@ class Presses:
         A fit asks for the same depths again and again: only effects of the motion change them.
         """
         if id(law) not in self._laws:
-            self._laws[id(law)] = law, memoised_law(law.on(self.trials) if hasattr(law, "on") else law)
+            self._laws[id(law)] = law, memoised_law(law.on(self.trials))
         return self._laws[id(law)][1]
 
     @property
@@ -276,3 +277,21 @@ def _cells(trials: tuple[Trial, ...], depth: NDArray) -> NDArray:
             keys.append((pad, speed, level))
         numbers.append(match[0] if match else len(keys) - 1)
     return np.array(numbers)
+
+
+BACK_MM_S = 10.0  # of the way back of a planned press
+
+
+def planned_trace(name: str, velocity_mm_s: float, depth_mm: float, hold_s: float, unloading: bool) -> Trace:
+    """Make the motion of a press without its force: from before contact, through the hold, and back where wanted."""
+    press = ramp_and_hold(velocity_mm_s, depth_mm, hold_s)
+    stop = float(press.time_s[-1]) - hold_s
+    fine = np.arange(-min(0.1, 20.0 / velocity_mm_s), stop + 0.4, max(1e-3, stop / 500.0))
+    hold = np.arange(fine[-1] + 0.02, stop + hold_s, 0.02)
+    end = float(hold[-1]) if len(hold) else float(fine[-1])
+    away = np.arange(end + 4e-3, end + (depth_mm + 2.0) / BACK_MM_S, 4e-3) if unloading else np.zeros(0)
+    time = np.r_[fine, hold, away]
+    x = np.interp(time, press.time_s, press.displacement_mm)
+    x = np.where(time < 0, velocity_mm_s * time, x)
+    x = np.where(time > end, depth_mm - BACK_MM_S * (time - end), x)
+    return Trace(name, time, x, np.zeros_like(time))

@@ -4,22 +4,20 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import fields, replace
 from functools import lru_cache
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.loop.data.trials import History, Presses, stack
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
-from dummydesign.loop.model.effect import HOOKS, OWNERS, PADS, SETUP, Effect, Parameter, SetupLaw, UnitForce, Values
+from dummydesign.loop.data.trials import History, Presses, planned_trace, stack
+from dummydesign.loop.model.campaign_law import law_without_solve
+from dummydesign.loop.model.effect import HOOKS, OWNERS, PADS, SETUP, Effect, Parameter, SetupLaw, Values
 from dummydesign.loop.model.forward_model import Active, BaseParameters, readings, simulate
 from dummydesign.measurement.campaign import Trial
-from dummydesign.measurement.trace import Trace
-from dummydesign.pad.tables.slab import load_table
+from dummydesign.pad.pad_under_punch import Pad, Puck
 
 SHAPES = tuple(PADS)
 UNITS = ("mm", "N", "s", "deg", "kg", "K")
@@ -209,44 +207,22 @@ def _values_text(values: Values) -> str:
     return ", ".join(f"{name} = {value:g}" for name, value in values.items())
 
 
-@dataclass(frozen=True)
-class ReferenceCap:
-    """A cap on a layer, after Hertz with a first correction for the layer: stands for all pads that are solved.
-
-    It offers whatever an effect may ask of a solved pad, in closed form.
-    """
-
-    cap_mm: float = 20.0
-    radius_mm: float = 7.9
-    shape: str = "shaped"
-    offers: frozenset[str] = frozenset({"flat_faces", "base_that_can_slip", "bulk_that_gives"})
-
-    def __call__(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-        """F / E [mm2]."""
-        depth = np.maximum(depth_mm, 0.0)
-        return 16.0 / 9.0 * np.sqrt(self.cap_mm) * depth**1.5 * (1.0 + np.sqrt(self.cap_mm * depth) / thickness_mm)
-
-    def sliding(self) -> UnitForce:
-        """A base that slides, half the layer's part."""
-        return lambda d, h: 0.5 * (self(d, h) + self(d, 1e9 + 0.0 * np.asarray(h)))
-
-    def compressibility_coefficient(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-        """c of a compressible pad."""
-        return 1.0 + np.maximum(depth_mm, 0.0) / thickness_mm
-
-
 @lru_cache(maxsize=3)
 def reference_presses(shape: str) -> tuple[Presses, SetupLaw]:
     """Eight presses of two pads at two speeds with unloading, temperatures, ages and rests, and their base law."""
-    laws: dict[str, tuple[Any, tuple[float, float], float]] = {
-        "shaped": (ReferenceCap(), (8.0, 15.0), 0.3),
-        "slab": (SlabLaw(load_table("bonded"), 7.9, True), (5.0, 15.0), 0.3),
-        "cylinder": (PuckLaw(50.0), (30.0, 40.0), 0.2),
+    filleted = Pad(10.0, 1.0, 7.9, edge_radius_mm=0.8)
+    pads: dict[str, tuple[Pad | Puck, tuple[float, float], float]] = {
+        "shaped": (filleted, (8.0, 15.0), 0.3),
+        "slab": (replace(filleted, edge_radius_mm=0.0, sides_mm=(14.0, 14.0)), (5.0, 15.0), 0.3),
+        "cylinder": (Puck(30.0, 1.0, 50.0), (30.0, 40.0), 0.2),
     }
-    law, thicknesses, share = laws[shape]
+    pad, thicknesses, share = pads[shape]
+    law = law_without_solve(replace(pad, thickness_mm=h) for h in thicknesses)
     trials: list[Trial] = []
     for order, (repeat, thickness, speed) in enumerate(product((1, 2), thicknesses, (10.0, 250.0))):
-        trace = _trace(f"reference_{order}", share * thickness * (1.0 - 0.3 * (repeat - 1)), speed, law, thickness)
+        depth = share * thickness * (1.0 - 0.3 * (repeat - 1))
+        trace = planned_trace(f"reference_{order}", speed, depth, 3.0, True)
+        elastic = law(trace.displacement_mm[None], np.array([[thickness]]))[0]
         trials.append(
             Trial(
                 trace.name,
@@ -259,28 +235,9 @@ def reference_presses(shape: str) -> tuple[Presses, SetupLaw]:
                 60.0 if order % 2 else 3600.0,
                 21.0 + order,
                 9.0 * repeat,
-                trace,
+                replace(trace, force_N=BASE.young_MPa * elastic),
             )
         )
     presses = stack(tuple(trials), None)
     vars(presses)["flat_top_N"] = 0.5 * float(simulate(presses, law, BASE).max())  # as if their readings were clipped
     return presses, law
-
-
-def _trace(name: str, depth_mm: float, speed_mm_s: float, law: UnitForce, thickness_mm: float) -> Trace:
-    """A ramp from 0.1 s before contact with an even brake, three seconds of hold, and the way back at 10 mm/s."""
-    brake = min(speed_mm_s / 2e4, depth_mm / speed_mm_s)
-    straight = depth_mm / speed_mm_s - 0.5 * brake
-    stop = straight + brake
-    fine = np.arange(-0.1, stop + 0.3, 1e-3)
-    hold = np.arange(fine[-1] + 0.01, stop + 3.0, 0.01)
-    back = np.arange(hold[-1] + 0.005, hold[-1] + (depth_mm + 2.0) / 10.0, 0.005)
-    time = np.r_[fine, hold, back]
-    x = np.where(
-        time < straight,
-        speed_mm_s * time,
-        depth_mm - 0.5 * speed_mm_s / brake * np.clip(stop - time, 0.0, None) ** 2,
-    )
-    x = np.where(time > hold[-1], depth_mm - 10.0 * (time - hold[-1]), x)
-    force = BASE.young_MPa * law(np.maximum(x, 0.0)[None], np.array([[thickness_mm]]))[0]
-    return Trace(name, time + 0.1, x, force)

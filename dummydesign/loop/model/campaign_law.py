@@ -1,11 +1,10 @@
-"""The force law of a campaign, how deep it reaches, and the modulus expected before a fit."""
+"""The force law of a campaign, how deep it reaches, and how well it is known before a fit."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any, cast
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,39 +15,130 @@ from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS, PAD_LENGTH
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.loop.data.trials import Presses, stack
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
-from dummydesign.loop.model.campaign_force_law import (
-    ROUGHNESS,
-    THICKNESS_SLOPE,
-    CampaignForceLaw,
-    SolvedCurve,
-    error_priors,
-)
-from dummydesign.loop.model.effect import SetupLaw
+from dummydesign.loop.model.campaign_pad_law import CampaignPadLaw
+from dummydesign.loop.model.effect import SetupLaw, UnitForce
 from dummydesign.loop.model.material import material_of
-from dummydesign.measurement.campaign import Campaign, PunchSpec, Trial
-from dummydesign.pad.force_source import has_square_factor
+from dummydesign.measurement.campaign import Campaign, Trial
+from dummydesign.pad.force_source import curve_without_solve, has_square_factor
 from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.pad.pad_under_punch import Pad, Puck
-from dummydesign.pad.tables.slab import load_table
 
+SLAB_ERROR = ((0.005, 0.35), (0.015, 0.35), (0.008, 0.4), (0.001, 0.7))
+"""Error of a law per thickness in level, slope and curvature at d/h = 0.4, and waves: median size and spread of its
+logarithm.
+Slabs: half a per cent from pad to pad, and at depth what the table and the square-punch factor state, each known
+within a factor of two (0.35 = ln 2 / 1.96); waves: slabs of 6, 10 and 16 mm under a filleted punch differ from GetFEM's
+by 0.05 to 0.09 % (root mean square) beside a parabola in depth, known within a factor of four. Pucks: the closed form
+is exact for the neo-Hookean law; the allowance is for the law."""
+OUTLINE_ERROR = 0.01  # error of taking a square for the circle of its area on a pad whose own factor is not solved
+THICKNESS_SLOPE = 1.0
+"""-d ln F / d ln h of a usual pad (0.7 at 15 mm, 1.4 at 5 mm), for the error of a measured thickness."""
+ROUGHNESS = 0.0015
+"""Relative roughness over depth of a pad whose contact grows cell by cell: crowns of 7, 10 and 14 mm on 24 and on 32
+cells differ by 0.12 to 0.18 % (root mean square) beside a parabola in depth. Taken for other growing contacts too."""
 # A press may end so much deeper than its law: the last secant is good for that.
 BEYOND = 1.02
 LEAST_LEFT = 2
 
 
-def limit_of(law: SetupLaw, trials: Sequence[Trial], thickness_mm: NDArray) -> NDArray:
-    """Depth to which the law of each trial's pad holds, shape (T,). [mm]"""
-    if isinstance(law, CampaignForceLaw):
-        return law.limit_of(trials)
-    return cast(SlabLaw | PuckLaw, law).limit(thickness_mm)
+def error_priors(
+    relative_error: float = 0.0, outline: bool = False, thickness: float = 0.0, rough: bool = False
+) -> tuple:
+    """Median size and spread of the law error: the usual one with the stated error of a force and of thickness."""
+    stated, shape = 0.5 * relative_error, OUTLINE_ERROR if outline else 0.0
+    more = (
+        (stated, shape, THICKNESS_SLOPE * thickness),
+        (stated, shape),
+        (0.5 * stated,),
+        (ROUGHNESS if rough else 0.0,),
+    )
+    return tuple((float(np.linalg.norm([size, *added])), spread) for (size, spread), added in zip(SLAB_ERROR, more))
+
+
+@dataclass(frozen=True, eq=False)
+class CampaignLaw:
+    """The law of each pad of a campaign, by its shape as typed (empty for a slab or a puck) and its thickness.
+
+    ``rows`` are the pads of the rows of depths that it is asked at; without them they are the pads of the first shape
+    that are as thick.
+    """
+
+    pads: dict[tuple[str, float], CampaignPadLaw]
+    error_priors: tuple = SLAB_ERROR
+    rows: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def shape(self) -> str:
+        """``slab`` where all are slabs under a sharp edge in the response table, ``cylinder``, else ``shaped``."""
+        if any(isinstance(law.pad, Puck) for law in self.pads.values()):
+            return "cylinder"
+        return "slab" if all(law.sharp for law in self.pads.values()) else "shaped"
+
+    @property
+    def offers(self) -> frozenset[str]:
+        """What every pad offers."""
+        return frozenset.intersection(*(law.offers for law in self.pads.values()))
+
+    @property
+    def radius_mm(self) -> float:
+        """Radius of the punch, or of the circle of its area; of a puck. [mm]"""
+        return next(iter(self.pads.values())).radius_mm
+
+    def law_of(self, pad: tuple[str, float]) -> CampaignPadLaw:
+        """The law of a pad; where none is of its own, that of the nearest in thickness, at its thickness if that needs
+        no solve."""
+        if pad in self.pads:
+            return self.pads[pad]
+        shape, thickness = pad
+        own = [known for known in self.pads if known[0] == shape]
+        return self.pads[min(own, key=lambda known: abs(math.log(known[1] / thickness)))].at(thickness)
+
+    def on(self, trials: Sequence[Trial]) -> CampaignLaw:
+        """The law of these trials, row by row."""
+        return replace(self, rows=tuple(trial.pad for trial in trials))
+
+    def limit_of(self, trials: Sequence[Trial]) -> NDArray:
+        """Depth to which the law of each trial's pad holds, shape (T,). [mm]"""
+        return np.array([self.law_of(trial.pad).limit_mm for trial in trials])
+
+    def __call__(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        """F / E [mm2] at depths (T, N) of pads of thicknesses (T, 1)."""
+        return self._by_pad(depth_mm, thickness_mm, CampaignPadLaw.__call__)
+
+    def sliding(self) -> UnitForce:
+        """The same pads on a base that slides."""
+        return lambda depth, h: self(depth, h) * np.exp(self._read(depth, h, lambda law: law.log_sliding))
+
+    def compressibility_coefficient(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        """c of a compressible pad, F / (1 + (1 - 2 nu) c)."""
+        return self._read(depth_mm, thickness_mm, lambda law: law.bulk_coefficient)
+
+    def edge_factor(self, edge_radius_mm: float, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        """Force under a punch with a fillet over that of the sharp one."""
+        return np.exp(self._read(depth_mm, thickness_mm, lambda law: law.log_filleted(edge_radius_mm)))
+
+    def _read(self, depth_mm: NDArray, thickness_mm: NDArray, values: Callable[[CampaignPadLaw], NDArray]) -> NDArray:
+        """Values that each pad keeps over depth."""
+        return self._by_pad(depth_mm, thickness_mm, lambda law, depth, _: law.read(values(law), depth))
+
+    def _by_pad(self, depth_mm: NDArray, thickness_mm: NDArray, of: Callable[..., NDArray]) -> NDArray:
+        depth, first = np.asarray(depth_mm, float), next(iter(self.pads))[0]
+        thickness = np.broadcast_to(np.asarray(thickness_mm, float), (len(depth), 1))
+        own = thickness[:, 0].tolist()
+        rows = self.rows or [(first, h) for h in own]
+        laws = [self.law_of(pad).at(h) for pad, h in zip(rows, own)]
+        out = np.empty_like(depth)
+        for law in dict.fromkeys(laws):
+            same = [row for row, other in enumerate(laws) if other is law]
+            out[same] = of(law, depth[same], thickness[same])
+        return out
 
 
 def within_reach(
     campaign: Campaign, presses: Presses, law: SetupLaw, least: int = LEAST_LEFT
 ) -> tuple[Campaign, Presses, str]:
     """A campaign without the presses that go deeper than their law."""
-    limit = limit_of(law, presses.trials, presses.thickness_mm)
+    limit = law.limit_of(presses.trials)
     deep = presses.depth_mm > BEYOND * limit
     if not deep.any():
         return campaign, presses, ""
@@ -70,69 +160,28 @@ DEPTHS = (0.3, 0.45, MAX_DEPTH_OVER_THICKNESS)
 MARGIN = 1.1
 
 
-def law_of(campaign: Campaign, progress: Progress = quiet) -> SlabLaw | PuckLaw | CampaignForceLaw:
-    """Choose the force law that a campaign declares."""
-    if not campaign.trials:
-        return tabulated_law(campaign)
+def law_of(campaign: Campaign, progress: Progress = quiet) -> CampaignLaw:
+    """The force law that a campaign declares."""
     by_shape: dict[str, list[Trial]] = {}
     for trial in campaign.trials:
         by_shape.setdefault(trial.pad[0], []).append(trial)
-    laws = {shape: _law(campaign, trials, progress) for shape, trials in by_shape.items()}
-    if len(laws) == 1:
-        return laws.popitem()[1]
-    pads: dict[tuple[str, float], Any] = {}
-    for trial in campaign.trials:
-        law = laws[trial.pad[0]]
-        pads[trial.pad] = law.law_of(trial.pad) if isinstance(law, CampaignForceLaw) else law
-    return CampaignForceLaw(
-        pads, "shaped", tuple(max(terms) for terms in zip(*(law.error_priors for law in laws.values())))
-    )
+    laws: dict[tuple[str, float], CampaignPadLaw] = {}
+    priors = []
+    for trials in by_shape.values():
+        own = _laws(campaign, trials, progress)
+        priors.append(_error_of(list(own.values()), trials))
+        laws |= own
+    return CampaignLaw(laws, tuple(max(terms) for terms in zip(*priors)))
 
 
-def tabulated_law(campaign: Campaign) -> SlabLaw | PuckLaw:
-    """The law of a campaign that is only planned: one that needs no solve."""
-    law, pad = _without_solve(campaign, campaign.pad.geometry, ()), campaign.pad
-    if law is not None:
-        return law
-    shape = pad.shape if pad.geometry.plain else str(pad.geometry)
-    raise InputError(
-        f"a pad of shape = {shape} on base = {pad.base} under a {_named(campaign.punch)} has no tabulated force; "
-        "'dummydesign loop' solves this pad once it is pressed",
-        "not_tabulated",
-        "pad",
-    )
-
-
-def _named(punch: PunchSpec) -> str:
-    edge = f" with edge_radius_mm = {punch.edge_radius_mm:g}" if punch.edge_radius_mm else ""
-    return f"{punch.shape} punch{edge}, contact = {punch.contact},"
-
-
-def _without_solve(campaign: Campaign, geometry: PadShape, trials: Sequence[Trial]) -> SlabLaw | PuckLaw | None:
-    """The law of pads of one shape in closed form or by the response table of slabs; None where there is none."""
-    pad, punch = campaign.pad, campaign.punch
-    if pad.shape == "cylinder":
-        return PuckLaw(pad.diameter_mm or 0.0) if punch.contact == "frictionless" else None
-    if not geometry.plain or pad.base not in BASES or punch.contact != "bonded":
-        return None
-    table = load_table(pad.base)
-    low, high = (punch.radius_mm / ratio for ratio in reversed(table.ratio_range))
-    if punch.profile_mm is not None or punch.edge_radius_mm or not all(low <= t.thickness_mm <= high for t in trials):
-        return None
-    return SlabLaw(table, punch.radius_mm, punch.shape == "square")
-
-
-def _law(campaign: Campaign, trials: Sequence[Trial], progress: Progress) -> SlabLaw | PuckLaw | CampaignForceLaw:
-    cylinder, geometry = campaign.pad.shape == "cylinder", trials[0].geometry
-    thickness_error = float(np.sqrt(np.mean([level_error(t) ** 2 for t in trials]))) / THICKNESS_SLOPE
-    law = _without_solve(campaign, geometry, trials)
-    if law is not None and thickness_error:
-        return replace(law, error_priors=error_priors(law.error_priors, 0.0, False, thickness_error))
-    if law is not None:
-        return law
-    if not cylinder:
-        check_round(geometry)
-    return _solved(campaign, trials, "cylinder" if cylinder else "shaped", thickness_error, progress)
+def law_without_solve(pads: Iterable[Pad | Puck]) -> CampaignLaw:
+    """The law of slabs or pucks that are only planned: they may need no solve."""
+    laws = [CampaignPadLaw(pad, MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm) for pad in pads]
+    for law in laws:
+        if law.known is None:
+            message = f"the {law.name} has no tabulated force; 'dummydesign loop' solves it once it is pressed"
+            raise InputError(message, "not_tabulated", "pad")
+    return CampaignLaw({("", law.pad.thickness_mm): law for law in laws})
 
 
 def level_error(trial: Trial) -> float:
@@ -154,39 +203,34 @@ def check_round(geometry: PadShape) -> None:
     )
 
 
-def _solved(
-    campaign: Campaign, trials: Sequence[Trial], shape: str, thickness_error: float, progress: Progress
-) -> CampaignForceLaw:
-    """The law of the pads of one shape, solved for every thickness."""
-    pad, punch, geometry = campaign.pad, campaign.punch, trials[0].geometry
-    offers: set[str] = set()
-    grows = False
-    if shape == "shaped":
-        flat, glued = punch.profile_mm is None, pad.base == "bonded" and punch.contact == "bonded"
-        if flat and glued:
-            offers = {"bulk_that_gives"} if geometry.bone_height_mm else {"base_that_can_slip", "bulk_that_gives"}
-        if flat and geometry.flat_top:
-            offers.add("flat_faces")
-        grows = not (flat and geometry.flat_top and pad.base in BASES and punch.contact == "bonded")
-    curves: dict[tuple[str, float], SolvedCurve] = {}
-    groups = _groups(sorted({trial.thickness_mm for trial in trials}))
-    for number, group in enumerate(groups):
+def _laws(campaign: Campaign, trials: Sequence[Trial], progress: Progress) -> dict[tuple[str, float], CampaignPadLaw]:
+    """The laws of the pads of one shape; those that have to be solved, for every group of thicknesses."""
+    geometry, cylinder = trials[0].geometry, campaign.pad.shape == "cylinder"
+    check_round(geometry)
+    young = 1.0 if campaign.pad.base in BASES or cylinder else 1e-3 * material_of(campaign).young_kPa
+    pads = {h: pad_of(campaign, h, young, geometry) for h in sorted({trial.thickness_mm for trial in trials})}
+    solved = [h for h, pad in pads.items() if curve_without_solve(pad) is None]
+    groups = _groups(solved)
+    laws: dict[tuple[str, float], CampaignPadLaw] = {}
+    for number, group in enumerate([*groups, *([h] for h in pads if h not in solved)], 1):
+        pad = replace(pads[group[0]], thickness_mm=float(np.mean(group)))
         own = [trial for trial in trials if trial.thickness_mm in group]
-        young = 1.0 if pad.base in BASES or shape == "cylinder" else 1e-3 * material_of(campaign).young_kPa
-        made = pad_of(campaign, float(np.mean(group)) if len(group) > 1 else group[0], young, geometry)
-        if isinstance(made, Pad) and not punch.edge_radius_mm and not made.geometry.crowned:
-            made = replace(made, sides_mm=None)
-        what = "puck" if isinstance(made, Puck) else f"{geometry} pad"
-        progress(f"force law of the {what} of {made.thickness_mm:g} mm ({number + 1} of {len(groups)})")
-        share = MARGIN * max(float(t.trace.displacement_mm.max()) / t.thickness_mm for t in own)
-        deepest = next((depth for depth in DEPTHS if depth >= share), DEPTHS[-1]) * made.thickness_mm
-        curve = SolvedCurve(made, deepest, frozenset(offers))
-        curves |= {trial.pad: curve for trial in own}
-    error = max(curve.relative_error for curve in curves.values())
-    corners = all(isinstance(curve.pad, Pad) and has_square_factor(curve.pad) for curve in curves.values())
-    outline = punch.shape == "square" and not corners
-    priors = error_priors(SlabLaw.error_priors, error, outline, thickness_error, ROUGHNESS if grows else 0.0)
-    return CampaignForceLaw(dict(curves), shape, priors)
+        share = MARGIN * max(float(trial.trace.displacement_mm.max()) / trial.thickness_mm for trial in own)
+        deepest = next((depth for depth in DEPTHS if depth >= share), DEPTHS[-1]) * pad.thickness_mm
+        law = CampaignPadLaw(pad, deepest)
+        if number <= len(groups):
+            progress(f"force law of the {law.name} ({number} of {len(groups)})")
+        laws |= {trial.pad: law for trial in own}
+    return laws
+
+
+def _error_of(laws: Sequence[CampaignPadLaw], trials: Sequence[Trial]) -> tuple:
+    """The error of the laws of pads of one shape before a fit; of slabs and pucks without a solve the usual one."""
+    stated = max((law.relative_error for law in laws if not law.sharp), default=0.0)
+    square = [law.pad for law in laws if isinstance(law.pad, Pad) and law.pad.sides_mm]
+    thickness = float(np.sqrt(np.mean([level_error(trial) ** 2 for trial in trials]))) / THICKNESS_SLOPE
+    outline = not all(map(has_square_factor, square))
+    return error_priors(stated, outline, thickness, any(law.grows for law in laws))
 
 
 def _groups(thickness_mm: list[float]) -> list[list[float]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from dummydesign.loop.data.trials import Presses
+    from dummydesign.measurement.campaign import Trial
     from dummydesign.pad.material.relaxation import PronyTerm
 
 HOOKS = ("motion", "pad", "batch", "sensor")
@@ -96,8 +97,7 @@ UnitForce = Callable[[NDArray, NDArray], NDArray]
 
 
 class SetupLaw(Protocol):
-    """What the law of a set-up offers: the base law of all trials of a campaign, by its call and ``limit``, or by
-    ``on`` and ``limit_of`` of the trials where each pad has a law of its own."""
+    """What the law of a set-up offers, see :class:`dummydesign.loop.model.campaign_law.CampaignLaw`."""
 
     @property
     def shape(self) -> str:
@@ -110,6 +110,16 @@ class SetupLaw(Protocol):
     @property
     def error_priors(self) -> tuple:
         """Median size and spread of level, slope and curvature of its error."""
+
+    @property
+    def radius_mm(self) -> float:
+        """Radius of the punch, or of the circle of its area; of a puck. [mm]"""
+
+    def on(self, trials: Sequence[Trial]) -> UnitForce:
+        """The law of these trials, row by row."""
+
+    def limit_of(self, trials: Sequence[Trial]) -> NDArray:
+        """Depth to which the law of each trial's pad holds, shape (T,). [mm]"""
 
 
 def wrap(law: UnitForce, changed: UnitForce) -> UnitForce:

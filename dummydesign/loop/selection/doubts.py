@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from dummydesign.loop.data.trials import Presses, stack
 from dummydesign.loop.fitting.by_trial import UNDECLARED_HZ, Own, cutoffs, gains, of_pads, zeros
 from dummydesign.loop.fitting.fit import CampaignFit, fit_base
-from dummydesign.loop.model.campaign_law import BEYOND, limit_of, within_reach
+from dummydesign.loop.model.campaign_law import BEYOND, within_reach
 from dummydesign.loop.selection.doubt_words import (
     Doubt,
     OddGroup,
@@ -257,7 +257,7 @@ def as_pads(labels: Labels, use: NDArray) -> list[PadReading]:
         columns[:, 1], columns[:, 2] = share, share**2
         columns[:, shared:] = np.concatenate([np.tile(level, (len(share), 1)), share[:, None] * level], axis=1)
         difference, z = gain.value - columns @ near.middle, near.z(gain.value, columns, gain.error)
-        limit = limit_of(labels.fit.problem.law, (pad,), np.array([pad.thickness_mm]))
+        limit = labels.fit.problem.law.limit_of((pad,))
         out.append(PadReading(pad, difference, z, gain.left, presses.depth_mm <= BEYOND * float(np.min(limit))))
     return out
 

@@ -14,7 +14,7 @@ from dummydesign.core.errors import InputError, out_of_range
 Array = np.ndarray
 
 DIAMETER_MM, HEIGHT_MM = 50.0, 30.0
-SHAPE_STEP = 1.3
+DEEPEST = 0.8  # compression over height to which the closed form is used
 USUAL, OTHERS = "puck-50x30.json", "puck-shapes.json"
 COMMAND = "python -m studies.tables.puck"
 
@@ -63,8 +63,8 @@ def _locate(grid: Array, value: float) -> tuple[int, float]:
 
 def uniaxial(alpha: float, compression: Array) -> Array:
     """Nominal stress over E of a one-term Ogden solid: 2 / (3 alpha) (l^(-alpha/2 - 1) - l^(alpha - 1))."""
-    stretch = 1.0 - compression
-    return 2.0 / (3.0 * alpha) * (stretch ** (-0.5 * alpha - 1.0) - stretch ** (alpha - 1.0))
+    log = np.log1p(-compression)
+    return 2.0 / (3.0 * alpha) * (np.expm1((-0.5 * alpha - 1.0) * log) - np.expm1((alpha - 1.0) * log))
 
 
 @lru_cache(maxsize=1)

@@ -121,17 +121,6 @@ class ResponseTable(ForceAndStiffness):
         slope = series.chebder(self.coefficients, axis=0) * 2.0 / (self.depth_range[1] - self.depth_range[0])
         return series.chebval2d(u, v, self.coefficients), series.chebval2d(u, v, slope)
 
-    def log_secant(self, x: Array, ratio: Array) -> Array:
-        """ln s as :meth:`log_stiffness` gives it, faster: one series for each slab."""
-        u, v = self._coordinates(x, ratio[..., 0])
-        across = np.polynomial.chebyshev.chebvander(v, self.coefficients.shape[1] - 1)
-        series = (across @ self.coefficients.T).T[..., None]
-        # Clenshaw's recurrence
-        later, last = np.zeros_like(u), np.zeros_like(u)
-        for coefficient in series[:0:-1]:
-            later, last = 2.0 * u * later - last + coefficient, later
-        return u * later - last + series[0]
-
     def _ratio(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         ratio = np.asarray(radius_mm, dtype=float) / np.asarray(thickness_mm, dtype=float)
         check_ratio(ratio, self.ratio_range, "use --fidelity axisymmetric outside the table")
@@ -155,13 +144,6 @@ class ResponseTable(ForceAndStiffness):
     def notes(self) -> tuple[str, ...]:
         """No notes."""
         return ()
-
-    def local_exponent(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
-        """Exponent d ln F / d ln d = 1 + x d(ln s)/dx of the force; 1 at first touch."""
-        ratio = self._ratio(thickness_mm, radius_mm)
-        x = np.asarray(depth_mm, dtype=float) / np.asarray(thickness_mm, dtype=float)
-        _, slope = self.log_stiffness(np.clip(x, *self.depth_range), ratio)
-        return np.where(x > self.depth_limit(ratio) * (1.0 + 1e-9), np.nan, 1.0 + x * slope)
 
     def depth_limit(self, ratio: ArrayLike) -> Array:
         """Largest valid d / h at a / h."""

@@ -216,9 +216,16 @@ def same_shape(subjects: tuple[Subject, ...]) -> None:
                 subject.parameters.law,
                 first.law,
             )
-        if len(subject.parameters.gamma_N_per_mm3) != len(first.gamma_N_per_mm3):
-            message = f"subject '{subject.name}' has another number of elements than '{subjects[0].name}'"
-            raise InputError(message, "inconsistent", "elements")
+        own, wanted = (1 + 2 * len(one.gamma_N_per_mm3) for one in (subject.parameters, first))
+        if own != wanted:
+            raise InputError(
+                f"subject '{subject.name}' has {own} elements, '{subjects[0].name}' {wanted}: "
+                "fit all subjects with the same number, such as 'fit --elements 5'",
+                "inconsistent",
+                "elements",
+                own,
+                wanted,
+            )
     if first.velocities_mm_s:
         share_a_speed({subject.name: subject.parameters.velocities_mm_s for subject in subjects})
 

@@ -6,19 +6,18 @@ import numpy as np
 import pytest
 
 from dummydesign.loop.effects.registry import effect_named
-from dummydesign.loop.model.base_law import SlabLaw
 from dummydesign.loop.run import close_loop
 from dummydesign.loop.selection.cross_validation import effect_intervals
 from dummydesign.measurement.campaign_file import read_campaign
-from dummydesign.pad.tables.slab import load_table
 from tests.support import independent_generator
+from tests.support.known_laws import slab_law
 
 FILLET_MM, RADIUS_MM = 0.5, 7.9  # of the punch of GetFEM's curves
 
 
 @pytest.mark.parametrize("thickness_mm", [6.0, 10.0, 16.0])
 def test_the_force_under_a_rounded_edge_is_that_of_another_code(thickness_mm):
-    law, h = SlabLaw(load_table("bonded"), RADIUS_MM, False), np.array([[thickness_mm]])
+    law, h = slab_law(RADIUS_MM), np.array([[thickness_mm]])
     depth = thickness_mm * np.array([[0.005, 0.02, 0.05, 0.1, 0.15, 0.2]])
     sharp = law(depth, h)
     other = independent_generator._layer(thickness_mm, depth[0])
@@ -28,7 +27,7 @@ def test_the_force_under_a_rounded_edge_is_that_of_another_code(thickness_mm):
 
 
 def test_a_smaller_edge_is_nearer_to_the_sharp_one_and_none_is_none():
-    law, h = SlabLaw(load_table("bonded"), RADIUS_MM, False), np.array([[8.0]])
+    law, h = slab_law(RADIUS_MM), np.array([[8.0]])
     depth = np.linspace(0.01, 1.6, 40)[None]
     factors = [law.edge_factor(edge, depth, h) for edge in (0.0, 0.05, 0.2, 0.6, 2.0)]
     assert np.all(factors[0] == 1.0)

@@ -12,7 +12,7 @@ from dummydesign.inference.noise import Noise
 from dummydesign.loop.fitting.fit import fit, fit_base, start_vector
 from dummydesign.loop.fitting.noise import NoiseSizes, contrasts, estimate_slow_noise, repeat_pairs
 from dummydesign.loop.fitting.problem import CampaignProblem
-from dummydesign.loop.model.base_law import SLAB_ERROR
+from dummydesign.loop.model.campaign_law import SLAB_ERROR
 from dummydesign.loop.selection.cross_validation import errors, jackknife, lack_of_fit
 from dummydesign.loop.selection.residuals import dependences, run_checks
 from dummydesign.loop.selection.verdict import GAIN_FLOOR, gain_threshold

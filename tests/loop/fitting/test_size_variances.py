@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.loop.fitting.noise import SizeLikelihood
-from dummydesign.loop.model.base_law import SLAB_ERROR
+from dummydesign.loop.model.campaign_law import SLAB_ERROR
 
 COUNTS = (3, 4, 2, 2, 2)
 SIZES = np.array([0.05, 0.02, 0.03, 0.04])

@@ -10,9 +10,9 @@ import pytest
 from dummydesign.geometry.shapes.boned import Boned
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
-from dummydesign.loop.model import campaign_force_law
-from dummydesign.loop.model.campaign_force_law import SolvedCurve
-from dummydesign.loop.model.campaign_law import law_of
+from dummydesign.loop.model import campaign_pad_law
+from dummydesign.loop.model.campaign_law import CampaignLaw, law_of
+from dummydesign.loop.model.campaign_pad_law import CampaignPadLaw
 from dummydesign.measurement.campaign import check_edge
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.pad.axisymmetric.shaped_pad import least_fillet_mm, solve_shaped_pad
@@ -33,7 +33,7 @@ def campaign(campaigns):
 def unit(pad: Pad, deepest: float, share) -> np.ndarray:
     """F / E of a pad at depths over its thickness."""
     depth = pad.thickness_mm * np.array(share)
-    return SolvedCurve(pad, deepest * pad.thickness_mm)(depth[None], np.array([[pad.thickness_mm]]))[0]
+    return CampaignPadLaw(pad, deepest * pad.thickness_mm)(depth[None], np.array([[pad.thickness_mm]]))[0]
 
 
 @pytest.mark.slow
@@ -72,10 +72,11 @@ def test_fillets_smaller_than_can_be_followed_join_those_that_are_without_a_jump
 def test_what_effects_change_of_a_crown_under_a_fillet_is_solved_with_the_fillet(monkeypatch):
     """On a base that slides a crown under a large fillet is softer, by another share than under the sharp edge."""
     # Before the contact is at the edge the shares differ by 0.8 %; the usual (10, 13) cells add 0.3 %.
-    monkeypatch.setattr(campaign_force_law, "RATIO_CELLS", (16, 20))
+    monkeypatch.setattr(campaign_pad_law, "RATIO_CELLS", (16, 20))
     share = {}
     for edge in (0.0, 2.0):
-        curve = SolvedCurve(Pad(7.0, 1.0, RADIUS_MM, geometry=CROWN, edge_radius_mm=edge), 2.1)
+        pad = Pad(7.0, 1.0, RADIUS_MM, geometry=CROWN, edge_radius_mm=edge)
+        curve = CampaignLaw({(str(CROWN), 7.0): CampaignPadLaw(pad, 2.1)})
         depth, h = np.array([[0.5, 2.0]]), np.array([[7.0]])
         share[edge] = (curve.sliding()(depth, h) / curve(depth, h))[0]
     assert np.all(share[2.0] < 0.9)

@@ -10,33 +10,27 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.progress import quiet
 from dummydesign.geometry.punch import ball_profile
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.loop.effects.learned import FADE, Learned, SmoothChange, at_nodes, fading, followed
 from dummydesign.loop.effects.registry import effect_named
-from dummydesign.loop.model import campaign_force_law, campaign_law
-from dummydesign.loop.model.base_law import SLAB_ERROR, PuckLaw, SlabLaw
-from dummydesign.loop.model.campaign_force_law import (
-    DENSE,
-    POINTS,
-    ROUGHNESS,
-    THICKER,
-    BoundLaw,
-    CampaignForceLaw,
-    SolvedCurve,
-    error_priors,
-)
+from dummydesign.loop.model import campaign_law, campaign_pad_law
+from dummydesign.loop.model.campaign_law import ROUGHNESS, SLAB_ERROR, CampaignLaw, error_priors
+from dummydesign.loop.model.campaign_pad_law import DENSE, POINTS, THICKER, CampaignPadLaw
 from dummydesign.loop.pad_scatter import carried_share, pad_scatter, recorded_ln, recorded_spread
 from dummydesign.loop.result import worth_of
+from dummydesign.pad.first_touch import low_end
+from dummydesign.pad.force_law import PadCurve, interpolate_curve
 from dummydesign.pad.pad_under_punch import Pad, Puck
-from dummydesign.pad.tables.slab import load_table
 from tests.support import puck_presses as pucks
+from tests.support.known_laws import puck_law, slab_law
 from tests.support.puck_presses import clean_fit
 
 CROWN = read_shape("crowned:radius=20,height=3,foot=11")
 
 
-class Known(SolvedCurve):
+class Known(CampaignPadLaw):
     """A crowned pad whose force is 3 d^1.5 (1 + d / 10) h^-0.8, as if it had been solved."""
 
     @staticmethod
@@ -44,8 +38,10 @@ class Known(SolvedCurve):
         return 3.0 * depth**1.5 * (1.0 + 0.1 * depth) * (10.0 / thickness) ** 0.8
 
     @cached_property
-    def _points(self):
-        return self.depths_mm, self.area(self.depths_mm, self.pad.thickness_mm), np.linspace(0.01, 0.03, POINTS)
+    def curve(self):
+        force = self.pad.young_MPa * self.area(self.depths_mm, self.pad.thickness_mm)
+        solved = PadCurve(self.depths_mm, force, np.linspace(0.01, 0.03, POINTS) * force, {})
+        return interpolate_curve(solved, low_end(self.pad, self.depths_mm, force, np.full(POINTS, 0.01)))
 
 
 @pytest.fixture
@@ -71,8 +67,7 @@ def test_a_solved_curve_gives_its_force_at_every_depth_and_goes_on_with_its_last
     np.testing.assert_allclose(curve(beyond, h), Known.area(3.0, 10.0) * (beyond / 3.0) ** 1.5, rtol=1e-6)
     assert not curve(np.array([[-1.0, 0.0]]), h).any()
     assert curve.relative_error == pytest.approx(0.02)
-    np.testing.assert_array_equal(curve.limit(np.array([8.0, 10.0])), [curve.limit_mm] * 2)
-    assert len(curve.dense_mm) == DENSE and curve.dense_mm[0] == 0.0 and curve.dense_mm[-1] == pytest.approx(3.0)
+    assert len(curve.dense_mm) == DENSE and curve.dense_mm[0] < 1e-5 and curve.dense_mm[-1] == pytest.approx(3.0)
     assert np.all(np.diff(curve.depths_mm, 2) > 0.0) and curve.depths_mm[0] < 0.05
 
 
@@ -120,8 +115,9 @@ def test_where_one_side_cannot_be_solved_the_other_gives_the_slope(curve, monkey
 
 def test_sliding_and_bulk_change_the_force_by_what_was_solved(curve):
     depth, h = np.array([[0.5, 2.0]]), np.array([[10.0]])
-    np.testing.assert_allclose(curve.sliding()(depth, h), 0.9 * curve(depth, h), rtol=1e-9)
-    np.testing.assert_allclose(curve.compressibility_coefficient(depth, h), 2.0 + depth, rtol=1e-4)
+    law = CampaignLaw({("c", 10.0): curve})
+    np.testing.assert_allclose(law.sliding()(depth, h), 0.9 * curve(depth, h), rtol=1e-9)
+    np.testing.assert_allclose(law.compressibility_coefficient(depth, h), 2.0 + depth, rtol=1e-4)
 
 
 def test_a_rounded_tip_begins_as_hertz_and_powers_are_those_of_the_touch():
@@ -132,30 +128,22 @@ def test_a_rounded_tip_begins_as_hertz_and_powers_are_those_of_the_touch():
         assert secant[0] == pytest.approx(np.log(16.0 / 9.0 * np.sqrt(CROWN.tip_radius_mm)), abs=1e-4)
     assert known.power == CROWN.first_exponent
     assert Known(Puck(10.0, 1.0, 20.0), 3.0).power == 1.0
-    np.testing.assert_allclose(np.diff(Known(Puck(10.0, 1.0, 20.0), 3.0).dense_mm), 3.0 / (DENSE - 1))
+    np.testing.assert_allclose(np.diff(Known(Puck(10.0, 1.0, 20.0), 3.0).dense_mm), 3.0 / (DENSE - 1), rtol=1e-3)
     slides = replace(pad, condition="frictionless")
     assert Known(slides, 3.0).depths_mm[0] == pytest.approx(0.18) and len(Known(slides, 3.0).depths_mm) == POINTS
 
 
-@pytest.mark.parametrize("change", [{"thickness_mm": 11.5}, {"base": "sliding"}, {"poisson": 0.48}])
-def test_changes_of_glued_slabs_are_those_of_their_tables(change):
-    pad = Pad(10.0, 1.0, 7.9)
-    curve = SolvedCurve(pad, 3.0)
-    curve.__dict__["_points"] = (curve.depths_mm, np.ones(POINTS), np.zeros(POINTS))
-    found = curve._log_ratio(**change)
-    at = 300
-    depth, h = curve.dense_mm[at], np.array([[10.0]])
-    law = SlabLaw(load_table("bonded"), 7.9, False)
-    own = law(np.array([[depth]]), h)[0, 0]
-    if "thickness_mm" in change:
-        wanted = np.log(law(np.array([[depth]]), np.array([[11.5]]))[0, 0] / own)
-        assert found[at] < 0.0
-    elif "base" in change:
-        wanted = np.log(law.sliding()(np.array([[depth]]), h)[0, 0] / own)
-    else:
-        wanted = -np.log1p((1.0 - 2.0 * 0.48) * law.compressibility_coefficient(np.array([[depth]]), h)[0, 0])
-    assert found[at] == pytest.approx(wanted, rel=1e-9) and found.shape == (DENSE,)
-    assert found[at] < 0.0 and np.isfinite(found).all()
+def test_changes_of_thickness_of_solved_pads_follow_a_slab_whose_thicknesses_are_known(monkeypatch):
+    """A slab as if it had been solved: within 15 % its change with thickness is that of the table to 0.1 %."""
+    known = slab_law(7.9)
+    for h in (6.0, 10.0, 20.0):
+        law, depth = known.law_of(("", h)), h * np.array([[0.05, 0.2, 0.35]])
+        first, second = law.with_thickness
+        for other in (h / 1.15, 0.93 * h, 1.06 * h, 1.14 * h):
+            change = np.log(other / h)
+            found = law.read(first, depth) * change + law.read(second, depth) * change**2
+            wanted = np.log(known(depth, np.array([[other]])) / known(depth, np.array([[h]])))
+            np.testing.assert_allclose(found, wanted, atol=1e-3)
 
 
 def test_changes_of_shaped_pads_are_smoothed_ratios_of_coarse_solves(monkeypatch):
@@ -169,13 +157,13 @@ def test_changes_of_shaped_pads_are_smoothed_ratios_of_coarse_solves(monkeypatch
         factor = 1.0 if pad.base == "bonded" else np.exp(-0.2 + 0.1 * depth[:count] + scatter)
         return factor * depth[:count] ** 1.5
 
-    monkeypatch.setattr(campaign_force_law, "_coarse", coarse)
+    monkeypatch.setattr(campaign_pad_law, "_coarse", coarse)
     known = Known(Pad(10.0, 1.0, 7.0, geometry=CROWN), 3.0)
     found = known._log_ratio(base="sliding")
     assert set(used) == {10, 13}
     inside = known.dense_mm > 0.1
     np.testing.assert_allclose(found[inside], (-0.2 + 0.1 * known.dense_mm)[inside], atol=0.009)
-    monkeypatch.setattr(campaign_force_law, "_coarse", lambda pad, depth, cells: depth[:12])
+    monkeypatch.setattr(campaign_pad_law, "_coarse", lambda pad, depth, cells: depth[:12])
     with pytest.raises(NoAnswerError, match="another base"):
         known._log_ratio(base="sliding")
 
@@ -193,37 +181,35 @@ def test_a_coarse_solve_is_in_millimetres_and_per_unit_of_youngs_modulus(monkeyp
     depth = np.array([0.2, 1.0, 2.0, 7.0])
     for poisson in (0.5, 0.48):
         pad = Pad(10.0, 1.0, 7.0, geometry=CROWN, poisson=poisson)
-        area = campaign_force_law._solve_coarse(pad, depth, 13)["area_mm2"]
+        area = campaign_pad_law._solve_coarse(pad, depth, 13)["area_mm2"]
         np.testing.assert_allclose(area, 2.0 * depth[:3] / 10.0 * 100.0 / (2.0 * (1.0 + poisson)))
         np.testing.assert_allclose(asked["shares"], depth[:3] / 10.0)
         assert asked["first"] == pytest.approx(0.02) and asked["cells"] == 13
 
 
 def test_a_law_of_several_pads_takes_each_on_its_own_and_a_new_one_as_the_nearest_in_ratio(curve):
-    thin, thick = replace(curve), Known(SimpleNamespace(**{**vars(curve.pad), "thickness_mm": 20.0}), 6.0)
-    law = CampaignForceLaw({("", 10.0): thin, ("", 20.0): thick, ("c", 11.0): thick}, "shaped", SLAB_ERROR)
+    thin, thick = replace(curve), Known(replace(curve.pad, thickness_mm=20.0), 6.0)
+    law = CampaignLaw({("", 10.0): thin, ("", 20.0): thick, ("c", 11.0): thick})
     for h, own in ((10.0, thin), (13.9, thin), (14.4, thick), (90.0, thick), (1.0, thin)):
         assert law.law_of(("", h)) is own
-    assert law.law_of(("c", 1.0)) is thick and law.offers == frozenset()
+    assert law.law_of(("c", 1.0)) is thick and law.offers == frozenset() and law.shape == "shaped"
     trials = [SimpleNamespace(pad=("", h), thickness_mm=h) for h in (20.0, 10.0, 20.0)]
     np.testing.assert_allclose(law.limit_of(trials), [6.0, 3.0, 6.0])
     bound = law.on(trials)
     depth, h = np.array([[1.0, 2.0], [0.5, 1.0], [2.0, 3.0]]), np.array([[20.0], [10.0], [20.0]])
-    assert isinstance(bound, BoundLaw)
     np.testing.assert_allclose(bound(depth, h), Known.area(depth, h), rtol=2e-4)
     np.testing.assert_allclose(bound.sliding()(depth, h), 0.9 * bound(depth, h), rtol=1e-9)
     np.testing.assert_allclose(bound.compressibility_coefficient(depth, h), 2.0 + depth, rtol=1e-3)
 
 
 def test_errors_of_a_law_add_in_squares():
-    (level, a), (slope, b), (curved, c), (wave, d) = error_priors(SLAB_ERROR, 0.02, True, 0.03, 0.004)
+    (level, a), (slope, b), (curved, c), (wave, d) = error_priors(0.02, True, 0.03, True)
     own = [size for size, _ in SLAB_ERROR]
     assert level == pytest.approx(np.sqrt(own[0] ** 2 + 0.01**2 + 0.01**2 + 0.03**2))
     assert slope == pytest.approx(np.sqrt(own[1] ** 2 + 0.01**2 + 0.01**2))
-    assert curved == pytest.approx(np.hypot(own[2], 0.005)) and wave == pytest.approx(np.hypot(own[3], 0.004))
+    assert curved == pytest.approx(np.hypot(own[2], 0.005)) and wave == pytest.approx(np.hypot(own[3], ROUGHNESS))
     assert (a, b, c, d) == tuple(spread for _, spread in SLAB_ERROR)
-    for (size, spread), (plain, same) in zip(error_priors(SLAB_ERROR, 0.0, False, 0.0), SLAB_ERROR):
-        assert (size, spread) == (pytest.approx(plain), same)
+    assert error_priors() == SLAB_ERROR
 
 
 def trial(thickness=10.0, sd=None, factor_sd=0.0, depth=2.0, geometry=CROWN, factor=1.0, **more):
@@ -251,34 +237,42 @@ def test_thicknesses_within_six_per_cent_share_a_curve():
     assert campaign_law._groups([10.0, 10.59, 10.61, 20.0, 21.1]) == [[10.0, 10.59], [10.61], [20.0, 21.1]]
 
 
-@pytest.mark.parametrize(("depth", "share"), [(2.70, 0.3), (2.75, 0.45), (4.05, 0.45), (4.2, None)])
-def test_a_pad_is_solved_to_the_first_depth_beyond_what_was_pressed_by_a_tenth(monkeypatch, depth, share):
-    made = []
-
-    class Stub(SimpleNamespace):
-        relative_error = 0.02
-
-    def solved(pad, deepest, offers):
-        made.append((deepest, offers))
-        return Stub(pad=pad)
-
-    monkeypatch.setattr(campaign_law, "SolvedCurve", solved)
+def set_up(base="bonded", contact="bonded", side_mm=None):
+    """A campaign's pad and punch of 7.9 mm, without its trials."""
     punch = SimpleNamespace(
-        profile_mm=None, contact="bonded", shape="square", radius_mm=7.9, edge_radius_mm=0.0, side_mm=14.0
+        profile_mm=None, contact=contact, radius_mm=7.9, edge_radius_mm=0.0, side_mm=side_mm, shape="square"
     )
-    pad = SimpleNamespace(base="bonded", shape="slab", length_mm=60.0, width_mm=50.0, diameter_mm=None)
-    campaign = SimpleNamespace(pad=pad, punch=punch)
-    law = campaign_law._solved(campaign, [trial(9.0, depth=0.1), trial(9.0, depth=0.9 * depth)], "shaped", 0.0, print)
+    pad = SimpleNamespace(
+        base=base,
+        shape="slab",
+        length_mm=60.0,
+        width_mm=50.0,
+        diameter_mm=None,
+        resin=None,
+        ratio=None,
+        young_kPa_nominal=30.0,
+    )
+    return SimpleNamespace(pad=pad, punch=punch)
+
+
+@pytest.fixture
+def stated(monkeypatch):
+    """Every pad that is solved states an error of 2 %."""
+    monkeypatch.setattr(CampaignPadLaw, "relative_error", 0.02)
+
+
+@pytest.mark.parametrize(("depth", "share"), [(2.70, 0.3), (2.75, 0.45), (4.05, 0.45), (4.2, None)])
+def test_a_pad_is_solved_to_the_first_depth_beyond_what_was_pressed_by_a_tenth(stated, depth, share):
+    square, trials = set_up(side_mm=14.0), [trial(9.0, depth=0.1), trial(9.0, depth=0.9 * depth)]
+    (law,) = set(campaign_law._laws(square, trials, quiet).values())
     wanted = share or campaign_law.MAX_DEPTH_OVER_THICKNESS
-    assert made[0][0] == pytest.approx(9.0 * wanted)
-    assert law.error_priors == error_priors(SLAB_ERROR, 0.02, False, 0.0, ROUGHNESS)
+    assert law.deepest_mm == pytest.approx(9.0 * wanted)
+    assert campaign_law._error_of([law], trials) == error_priors(0.02, rough=True)
     # a square on a pad whose own factor is not tabulated is taken for the circle of its area
-    two_layers = read_shape("layered:top=3,modulus_ratio=0.3")
-    layered = campaign_law._solved(campaign, [trial(9.0, geometry=two_layers)], "shaped", 0.0, print)
-    assert layered.error_priors == error_priors(SLAB_ERROR, 0.02, True, 0.0)
-    other = SimpleNamespace(pad=pad, punch=SimpleNamespace(**{**vars(punch), "shape": "round"}))
-    round_law = campaign_law._solved(other, [trial(9.0)], "shaped", 0.0, print)
-    assert round_law.error_priors == error_priors(SLAB_ERROR, 0.02, False, 0.0, ROUGHNESS)
+    layered = [trial(9.0, geometry=read_shape("layered:top=3,modulus_ratio=0.3"))]
+    for side_mm in (14.0, None):
+        own = list(campaign_law._laws(set_up(side_mm=side_mm), layered, quiet).values())
+        assert campaign_law._error_of(own, layered) == error_priors(0.02, side_mm is not None)
 
 
 def test_learned_changes_interpolate_between_knots_and_fade_evenly():
@@ -348,7 +342,7 @@ def test_what_can_be_followed_is_read_off_bins_that_carry_force():
 def scattered(level, *trials):
     pads = tuple(dict.fromkeys(one.pad for one in trials))
     presses = SimpleNamespace(trials=trials, pads=pads)
-    problem = SimpleNamespace(presses=presses, law=PuckLaw(30.0))
+    problem = SimpleNamespace(presses=presses, law=puck_law(30.0))
     return SimpleNamespace(problem=problem, sizes=SimpleNamespace(level=level))
 
 
@@ -385,7 +379,7 @@ def test_errors_of_readings_are_root_mean_squares_and_named_where_they_make_half
 
 
 def test_beyond_what_the_law_can_have_a_level_is_the_pads_own():
-    median, spread = PuckLaw(30.0).error_priors[0]
+    median, spread = puck_law(30.0).error_priors[0]
     limit = median * np.exp(1.959964 * spread)
     assert limit == pytest.approx(2.0 * median, rel=0.02)
     plain = trial()
@@ -429,31 +423,12 @@ SLIPS, GIVES, FLAT = "base_that_can_slip", "bulk_that_gives", "flat_faces"
         ("layered:top=3,modulus_ratio=0.3", "friction:0.3", "bonded", {FLAT}, True),
     ],
 )
-def test_a_solved_pad_offers_what_its_faces_and_its_base_allow(monkeypatch, shape, base, contact, offers, grows):
+def test_a_solved_pad_offers_what_its_faces_and_its_base_allow(stated, shape, base, contact, offers, grows):
     """Slip where it is glued on a whole base, a bulk where it is glued, flat faces where it is flat; a contact that
     grows cell by cell is rough."""
-    made = []
-
-    def solved(pad, deepest, own):
-        made.append((own, pad.young_MPa))
-        return SimpleNamespace(pad=pad, relative_error=0.01)
-
-    monkeypatch.setattr(campaign_law, "SolvedCurve", solved)
-    punch = SimpleNamespace(
-        profile_mm=None, contact=contact, shape="round", radius_mm=7.9, edge_radius_mm=0.0, side_mm=None
-    )
-    pad = SimpleNamespace(
-        base=base,
-        shape="slab",
-        length_mm=60.0,
-        width_mm=50.0,
-        diameter_mm=None,
-        resin=None,
-        ratio=None,
-        young_kPa_nominal=30.0,
-    )
     pressed = trial(9.0, geometry=read_shape(shape))
-    law = campaign_law._solved(SimpleNamespace(pad=pad, punch=punch), [pressed], "shaped", 0.0, lambda text: None)
-    assert made[0][0] == offers and (law.error_priors[3][0] > SLAB_ERROR[3][0]) is grows
+    (law,) = campaign_law._laws(set_up(base, contact), [pressed], quiet).values()
+    assert law.offers == offers and law.grows is grows
+    assert (campaign_law._error_of([law], [pressed])[3][0] > SLAB_ERROR[3][0]) is grows
     # on a base that rubs the modulus decides how the pad slides: 30 kPa
-    assert made[0][1] == pytest.approx(0.03 if base.startswith("friction") else 1.0)
+    assert law.pad.young_MPa == pytest.approx(0.03 if base.startswith("friction") else 1.0)

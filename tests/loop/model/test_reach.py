@@ -13,7 +13,7 @@ from tests.support.refusal import raises_code
 
 def ends_at(share: float) -> SimpleNamespace:
     """A law that holds to a share of every pad's thickness."""
-    return SimpleNamespace(limit=lambda thickness_mm: share * thickness_mm)
+    return SimpleNamespace(limit_of=lambda trials: share * np.array([trial.thickness_mm for trial in trials]))
 
 
 @pytest.fixture(scope="module")

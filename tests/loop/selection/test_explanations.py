@@ -9,7 +9,6 @@ import pytest
 
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit_base
-from dummydesign.loop.model.base_law import PuckLaw
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.next_measurement import LUBRICATED, options
 from dummydesign.loop.result import answer_of, result_dict
@@ -18,6 +17,7 @@ from dummydesign.loop.selection.explanations import explain, one_shape, repeat_d
 from dummydesign.pad.tables.puck import shape_range
 from tests.support import puck_presses
 from tests.support.drawn_pucks import DIAMETER_MM, Rubber, draw_rubber, press_pucks
+from tests.support.known_laws import puck_law
 
 FAMILY = tuple(map(effect_named, ("plate_friction", "strain_stiffening", "sensor_curve")))
 RUBBED = Rubber("ogden", 2.0, 0.05, 0.3)
@@ -29,7 +29,7 @@ def rubbed(tmp_path_factory):
     from dummydesign.loop.data.trials import make_presses
 
     campaign = press_pucks(tmp_path_factory.mktemp("pucks") / "one", RUBBED, (30.0,), np.random.default_rng(71))
-    return fit_base(make_presses(campaign), PuckLaw(DIAMETER_MM), 0.04)
+    return fit_base(make_presses(campaign), puck_law(DIAMETER_MM), 0.04)
 
 
 def test_the_difference_of_repeats_is_their_standard_deviation(rubbed):
@@ -129,7 +129,7 @@ def test_drawn_pucks_of_one_height_have_their_cause_in_the_answer(tmp_path):
         campaign = press_pucks(tmp_path / str(number), rubber, (30.0,), chance)
         from dummydesign.loop.data.trials import make_presses
 
-        found = explain(fit_base(make_presses(campaign), PuckLaw(DIAMETER_MM), 0.04), FAMILY, single=True)
+        found = explain(fit_base(make_presses(campaign), puck_law(DIAMETER_MM), 0.04), FAMILY, single=True)
         causes = {"friction": {"plate_friction"}, "stiffening": {"strain_stiffening"}}
         if found is None or (found.names and not causes.get(kind, set()) <= set(found.names)):
             wrong.append((kind, rubber, None if found is None else found.names))

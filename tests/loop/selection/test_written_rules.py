@@ -19,12 +19,13 @@ from dummydesign.loop.data.trials import SAME_DEPTH
 from dummydesign.loop.effects.learned import SmoothChange
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.noise import NoiseSizes
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
+from dummydesign.loop.model.campaign_law import SLAB_ERROR
 from dummydesign.loop.next_measurement import SAME_SPEED
 from dummydesign.loop.selection import nonparametric_effect, search, verdict
 from dummydesign.loop.selection.holdout_test import LeftOut, deepest, fastest, predicts_worse
 from dummydesign.loop.selection.residuals import Dependence, ResidualCheck, ResidualDiagnostics
 from dummydesign.loop.selection.verdict import Needed
+from tests.support.known_laws import puck_law, slab_law
 
 RULES = Path(__file__).parents[3] / "docs" / "data" / "loop-rules.csv"
 ROWS = list(csv.DictReader(RULES.read_text(encoding="utf-8").splitlines()))
@@ -45,7 +46,7 @@ def cases(limit: float):
 
 
 def stage(over=1.0, ratio=None, p=None, score=0.0, floor=0.03):
-    priors = SlabLaw.error_priors
+    priors = SLAB_ERROR
     law = SimpleNamespace(error_priors=priors)
     sizes = SimpleNamespace(floor_N=floor, law=tuple(median for median, _ in priors))
     fit = SimpleNamespace(sizes=sizes, score=score, problem=SimpleNamespace(law=law))
@@ -59,7 +60,7 @@ def test_the_error_of_the_force_law_starts_at_what_is_written():
         for text in ("level # %", "slope # %", "curvature # % at", "waves over depth # %")
     ]
     presses = SimpleNamespace(presses=[SimpleNamespace(white_N=one) for one in (0.03, 0.04)])
-    for law in (SlabLaw, PuckLaw):
+    for law in (slab_law(7.9), puck_law(30.0)):
         sizes = NoiseSizes.first(presses, law.error_priors)
         assert sizes.law == pytest.approx(wanted)
         # a factor of two is the end of the 95 % interval of the logarithm: 1.2 to 2.5 to be called so
@@ -336,7 +337,7 @@ def test_an_effect_whose_interval_holds_zero_needs_the_written_multiple(monkeypa
 def test_a_law_that_would_have_to_be_far_worse_than_stated_explains_nothing(plain_noise):
     times = written("unexplained", "force law # standard deviations above")
     nothing = ResidualDiagnostics([], [])
-    for term, (median, spread) in enumerate(SlabLaw.error_priors):
+    for term, (median, spread) in enumerate(SLAB_ERROR):
         for share, far in cases(times):
             base, after = stage(), stage()
             sizes = list(after.fit.sizes.law)

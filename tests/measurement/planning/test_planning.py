@@ -17,7 +17,7 @@ import pytest
 from dummydesign.cli.entry import run
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.fitting.fit import fit_base
-from dummydesign.loop.model.campaign_law import tabulated_law
+from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.selection.doubts import ODD_SPEED, labels_of
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.measurement.campaign_plan import DEFAULT_FORCES_N, FRESH_REST_S, PlanSettings, file_name, make_plan
@@ -196,7 +196,7 @@ def test_presses_are_planned_at_speeds_that_are_reached_and_are_taken_at_those_a
         presses = make_presses(read_campaign(folder))
         # repeats of a condition are one cell
         assert np.bincount(presses.cell).tolist() == [2] * 4
-        fit = fit_base(presses, tabulated_law(read_campaign(folder)), 1e-3 * young)
+        fit = fit_base(presses, law_of(read_campaign(folder)), 1e-3 * young)
         assert np.abs(labels_of(presses, fit).ln_speed).max() < 0.5 * ODD_SPEED
     (folder / "campaign.toml").write_text(text.replace("velocity_mm_s = 10.0", "velocity_mm_s = 20.0"))
     wrong = {one["file"] for one in check_campaign(folder).wrong if "mm/s" in one["message"]}

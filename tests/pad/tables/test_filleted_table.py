@@ -37,12 +37,6 @@ def test_stiffness_is_the_slope_of_the_force():
     assert table.stiffness(depth, 10.0, 0.025, RADIUS_MM) == pytest.approx((high - low) / (2e-5 * depth), rel=1e-4)
 
 
-def test_one_series_for_each_slab_gives_what_the_series_of_all_gives():
-    table = load_filleted("bonded", 0.07)
-    x, ratio = np.array([[0.05, 0.2, 0.4], [0.1, 0.3, 0.5]]), np.array([[0.6], [1.4]])
-    assert table.log_secant(x, ratio) == pytest.approx(table.log_stiffness(x, ratio)[0], abs=1e-12)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("thickness", "fillet", "base"), [(6.5, 0.4, "bonded"), (13.0, 0.9, "sliding")])
 def test_a_fillet_between_those_of_the_table_is_within_its_stated_error(thickness, fillet, base):

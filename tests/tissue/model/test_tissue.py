@@ -11,6 +11,8 @@ from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.parameters import Parameters
 from dummydesign.tissue.model.ranges import force_range
+from dummydesign.tissue.model.subject import Subject
+from dummydesign.tissue.model.tissue import same_shape
 from dummydesign.tissue.model.tissue_file import readable_tissues, tissue_toml
 from tests.support.refusal import raises_code
 
@@ -102,6 +104,14 @@ def test_dampers_between_known_speeds_are_interpolated_in_logarithms():
     assert middle == pytest.approx([np.sqrt(a * b) for a, b in zip(person.dampers_at(10), person.dampers_at(250))])
     assert person.dampers_at(1.0) == person.dampers_at(10.0)
     assert person.dampers_at(900.0) == person.dampers_at(250.0)
+
+
+def test_subjects_of_another_number_of_elements_are_told_which_number_to_fit():
+    law = subject(0.1)
+    more = Parameters("ode", 0.1, (*law.gamma_N_per_mm3, 0.1), tuple((v, (*c, 0.1)) for v, c in law.c_N_s_per_mm))
+    with raises_code("inconsistent", "elements") as refused:
+        same_shape(tuple(Subject(name, one, {}) for name, one in (("anna", law), ("ben", more))))
+    assert (refused.value.value, refused.value.allowed) == (7, 5) and "--elements 5" in str(refused.value)
 
 
 @pytest.mark.parametrize("site", SITES)

@@ -38,7 +38,7 @@ class PlateFriction(Effect):
             return reason
         for thickness, depth in zip(presses.thickness_mm, presses.depth_mm):
             try:
-                solved = table_for(root_law(law).diameter_mm, float(thickness)).compression[-1]
+                solved = table_for(2.0 * root_law(law).radius_mm, float(thickness)).compression[-1]
             except InputError as outside:
                 return str(outside)
             if depth > solved * thickness:
@@ -47,7 +47,7 @@ class PlateFriction(Effect):
         return ""
 
     def law(self, law: UnitForce, values: Values) -> UnitForce:
-        diameter, held = root_law(law).diameter_mm, float(grip(values["friction"]))
+        diameter, held = 2.0 * root_law(law).radius_mm, float(grip(values["friction"]))
 
         def rubbed(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
             share = np.clip(depth_mm / thickness_mm, 0.0, 0.95)

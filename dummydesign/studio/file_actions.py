@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -59,41 +59,6 @@ def thing(words: Markup, root: Path, path: str, kind: str, then: Then) -> ui.ele
     return row
 
 
-def drop_zone(
-    took: Callable[[events.UploadEventArguments], Awaitable[None]],
-    refused: Callable[[str, str], None],
-    test: str,
-    begins: Callable[[], object] = lambda: None,
-) -> None:
-    """A place to drop files; ``refused`` is called with a name and the reason, ``begins`` once a drop."""
-    last_ms = -1e9
-
-    def begun(ms: float) -> None:
-        nonlocal last_ms
-        # what is refused and what is taken of one drop come in the same moment of the browser's clock
-        if abs(ms - last_ms) > 50.0:
-            begins()
-        last_ms = ms
-
-    def rejected(event: events.GenericEventArguments) -> None:
-        ms, entries = event.args
-        begun(float(ms))
-        for name, reason in entries:
-            refused(str(name), REASONS.get(str(reason), "was dropped twice"))
-
-    def failed(event: events.GenericEventArguments) -> None:
-        for name in event.args:
-            refused(str(name), "did not arrive: drop it again")
-
-    upload = ui.upload(on_upload=took, multiple=True, auto_upload=True, max_file_size=LARGEST_BYTES)
-    upload.props('flat data-test="drop"').add_slot("header", HEADER.replace("TEST", test))
-    upload.on("rejected", rejected, js_handler=REJECTED)
-    upload.on("added", lambda event: begun(float(event.args)), js_handler=ADDED)
-    upload.on("failed", failed, js_handler="(info) => emit(info.files.map((file) => file.name))")
-    # a list that is kept would refuse the same file the next time
-    upload.on("finish", lambda: upload.reset())
-
-
 class DropList:
     """A place to drop files; what became of each file of the last drop is listed under it."""
 
@@ -109,14 +74,32 @@ class DropList:
         self._taken: tuple[ui.html, list[str]] | None = None
         if words:
             html('<p class="note">{}</p>', words)
+        self._last_ms = -1e9
         with widgets.area(f"drop-{test}"):
-            drop_zone(
-                self._took,
-                lambda name, why: self.tell(f"{name} was refused: it {why}", refused=True),
-                "choose",
-                lambda: self.listed.clear(),
-            )
+            upload = ui.upload(on_upload=self._took, multiple=True, auto_upload=True, max_file_size=LARGEST_BYTES)
+        upload.props('flat data-test="drop"').add_slot("header", HEADER.replace("TEST", "choose"))
+        upload.on("rejected", self._rejected, js_handler=REJECTED)
+        upload.on("added", lambda event: self._begun(float(event.args)), js_handler=ADDED)
+        upload.on("failed", self._failed, js_handler="(info) => emit(info.files.map((file) => file.name))")
+        # a list that is kept would refuse the same file the next time
+        upload.on("finish", lambda: upload.reset())
         self.listed = widgets.area(f"drop-{test}-said", live=True)
+
+    def _begun(self, ms: float) -> None:
+        # what is refused and what is taken of one drop come in the same moment of the browser's clock
+        if abs(ms - self._last_ms) > 50.0:
+            self.listed.clear()
+        self._last_ms = ms
+
+    def _rejected(self, event: events.GenericEventArguments) -> None:
+        ms, entries = event.args
+        self._begun(float(ms))
+        for name, reason in entries:
+            self.tell(f"{name} was refused: it {REASONS.get(str(reason), 'was dropped twice')}", refused=True)
+
+    def _failed(self, event: events.GenericEventArguments) -> None:
+        for name in event.args:
+            self.tell(f"{name} was refused: it did not arrive: drop it again", refused=True)
 
     async def _took(self, event: events.UploadEventArguments) -> None:
         content = await event.file.read()

@@ -32,8 +32,16 @@ def plain_name(name: str) -> str:
     return name
 
 
+def check_there(root: Path) -> None:
+    """Refuse a project folder that was renamed or moved: nothing is written in its old place."""
+    if not root.is_dir():
+        message = f"the project folder '{root}' was renamed or moved: give it its name back, or start the studio in it"
+        raise InputError(message, "file_not_found", "folder", str(root))
+
+
 def inside(root: Path, path: str) -> Path:
     """A path of the project, from its folder on."""
+    check_there(root)
     try:
         home = root.resolve()
         target = (home / path).resolve()

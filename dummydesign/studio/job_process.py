@@ -1,5 +1,7 @@
 """The process that runs a command of the studio: ``python -m dummydesign.studio.job_process FOLDER [LOCK]``.
 
+It is started in the project folder, and FOLDER is named from there: a project folder that is renamed is followed.
+
 LOCK is the number of an open file that holds the folder's lock already, handed on by the studio. The process outlives
 page and studio, holds the lock as long as it runs, ends its command when a file ``stop`` appears, and writes
 ``status.json`` at the end. Its command holds the lock too, so that one whose runner was killed is still known.
@@ -48,7 +50,7 @@ def main(folder: Path, handed_on: int | None = None) -> int:
     signals: list[int] = []
     signal.signal(signal.SIGTERM, lambda number, frame: signals.append(number))
     start = time.time()
-    environment = {**os.environ, VARIABLE: str((folder / PROGRESS).resolve())}
+    environment = {**os.environ, VARIABLE: str(folder / PROGRESS)}
     commands = [*asked.get("first", []), asked["words"]]
     status, stopped = 0, False
     for number, words in enumerate(commands, 1):
@@ -56,7 +58,6 @@ def main(folder: Path, handed_on: int | None = None) -> int:
         with open(folder / answer_name(number, len(commands)), "wb") as answer, open(folder / ERRORS, "wb") as errors:
             child = subprocess.Popen(
                 [sys.executable, "-m", "dummydesign", *words, "--json"],
-                cwd=asked["cwd"],
                 stdout=answer,
                 stderr=errors,
                 stdin=subprocess.DEVNULL,

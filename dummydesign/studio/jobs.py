@@ -28,7 +28,7 @@ from dummydesign.core.manifest import sha256_of
 from dummydesign.core.user_library import find
 from dummydesign.geometry.punch import PROFILE
 from dummydesign.studio import job_process as runner
-from dummydesign.studio.file_transfer import inside
+from dummydesign.studio.file_transfer import check_there, inside
 
 
 def shown(words: Sequence[str]) -> str:
@@ -69,8 +69,10 @@ SETTINGS = "materials/"
 def changed_inputs(root: Path, manifest: Path) -> list[str]:
     """Files that are gone or have another content than when a command read them."""
     with suppress(OSError, ValueError, KeyError, TypeError):
-        read = read_json(manifest)["files_read"]
-        return [str(one["name"]) for one in read if sha256_of(_path_of(root, str(one["name"]))) != one["sha256"]]
+        read = [(str(one["name"]), one["sha256"]) for one in read_json(manifest)["files_read"]]
+        paths = [_path_of(root, name) for name, _ in read]
+        # one that was gone already when its sum was taken has none, then as now
+        return [name for (name, sha), path in zip(read, paths) if sha256_of(path) != sha or not path.exists()]
     return []
 
 
@@ -191,8 +193,8 @@ def start(root: Path, name: str, *commands: Sequence[str]) -> Job:
         folder = home / f"{max(numbers, default=0) + 1:04d}-{name}"
         folder.mkdir()
         try:
-            asked = {"name": name, "first": commands[:-1], "words": commands[-1], "cwd": str(root)}
-            write_text(folder / runner.COMMAND, json.dumps(asked | {"start": time.time()}))
+            asked = {"name": name, "first": commands[:-1], "words": commands[-1], "start": time.time()}
+            write_text(folder / runner.COMMAND, json.dumps(asked))
             _spawn(root, folder)
         except (OSError, InputError):
             shutil.rmtree(folder, ignore_errors=True)
@@ -230,7 +232,13 @@ def _spawn(root: Path, folder: Path) -> None:
     with lock or nullcontext(), open(folder / "runner.txt", "wb") as output:
         _CHILDREN.append(
             subprocess.Popen(
-                [sys.executable, "-m", "dummydesign.studio.job_process", str(folder), *map(str, handed_on)],
+                [
+                    sys.executable,
+                    "-m",
+                    "dummydesign.studio.job_process",
+                    str(folder.relative_to(root)),
+                    *map(str, handed_on),
+                ],
                 cwd=root,
                 stdin=subprocess.DEVNULL,
                 stdout=output,
@@ -275,6 +283,7 @@ def _state(folder: Path, started: float) -> tuple[str, float]:
 
 def all_jobs(root: Path, name: str = "*") -> list[Job]:
     """Return all commands of a project, or of a step, the oldest first; pages ask for them twice a second."""
+    check_there(root)
     jobs = []
     folders = (root / HOME / "jobs").glob(f"[0-9]*-{name}")
     # by their numbers: the ten-thousandth has a digit more

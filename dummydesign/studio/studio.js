@@ -23,7 +23,11 @@ function plotDrawn(div) {
     PNG: () => Plotly.toImage(div, { format: 'png', scale: 2, width: div.clientWidth, height: div.clientHeight }),
     CSV: () => {
       const { data, layout } = div.spec, rows = [['series', name(layout.xaxis), name(layout.yaxis)].map(word)];
-      for (const one of data) (one.x || []).forEach((x, k) => rows.push([word(one.name), x, one.y?.[k]]));
+      for (const [n, one] of data.entries()) {
+        // a band is two curves, of which the upper one has the name
+        const named = one.name ? one : data[n + 1] || one, end = named.fill ? (named === one ? ', high' : ', low') : '';
+        (one.x || []).forEach((x, k) => rows.push([word(`${named.name ?? ''}${end}`), x, one.y?.[k]]));
+      }
       return URL.createObjectURL(new Blob([rows.map((row) => row.join()).join('\n') + '\n'], { type: 'text/csv' }));
     },
   };

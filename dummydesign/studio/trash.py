@@ -14,7 +14,6 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import read_json, unwritable, write_bytes, write_text, writing
@@ -154,21 +153,14 @@ def parts_of(root: Path, path: str) -> list[Path]:
     target = root / path
     if not (target.exists() or target.is_symlink()):
         raise InputError(f"'{path}' is not there (any more)", "file_not_found", "path", path)
-    if not _is_tissue(path):
+    if not (path.startswith("tissue/") and path.endswith(".toml")):
         return [target]
     manifest = target.with_name(f"{target.stem}-{MANIFEST}")
-    names = [name for name in _sums(manifest) if name.startswith(target.stem) and "/" not in name]
+    sums = read_json(manifest).get("sha256")
+    known = sums if isinstance(sums, dict) else {}
+    names = [name for name in known if name.startswith(target.stem) and "/" not in name]
     others = [target.with_name(name) for name in dict.fromkeys([manifest.name, *names]) if name != target.name]
     return [target, *(one for one in others if one.is_file())]
-
-
-def _is_tissue(path: str) -> bool:
-    return path.startswith("tissue/") and path.endswith(".toml")
-
-
-def _sums(manifest: Path) -> dict[str, Any]:
-    sums = read_json(manifest).get("sha256")
-    return sums if isinstance(sums, dict) else {}
 
 
 def _move(pairs: Sequence[tuple[Path, Path]]) -> None:

@@ -20,6 +20,7 @@ from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.project.folder import Project, project_of
 from dummydesign.report import page as report_page
 from dummydesign.report.plot import plots_js
+from dummydesign.studio.file_transfer import check_there
 from dummydesign.studio.jobs import changed_inputs
 from dummydesign.studio.jobs import shown as as_typed
 from dummydesign.studio.markup import Markup, filled, joined
@@ -72,6 +73,7 @@ def lay_out(
     ui.add_head_html(page_head())
     problem, project, state = "", None, None
     try:
+        check_there(root)
         project = project_of(root)
         state = read_state(project, query) if project else None
     except (InputError, OSError) as refused:
@@ -242,32 +244,19 @@ class NumberField(ui.input):
 
 
 class Form:
-    """Fields by name, each with a name for tests."""
+    """Fields by name, laid out where they are made, each with a name for tests."""
 
-    def __init__(self, test: str, kept: Mapping[str, str] | None = None) -> None:
-        self.fields: dict[str, Any] = {}
+    def __init__(self, test: str, laid: Mapping[str, ui.element], kept: Mapping[str, str] | None = None) -> None:
         self._test, self._kept = test, kept or {}
+        self.lay(laid)
 
-    def add(self, name: str, field: ui.element, test: str = "") -> None:
-        """Add a field; what is kept for it takes the place of its value."""
-        field.props["data-test"] = test or f"{self._test}-{name}"
-        if name in self._kept:
-            cast(ValueElement, field).set_value(self._kept[name])
-        self.fields[name] = field
-
-    def text(self, name: str, label: str, value: object = "", hint: str = "") -> None:
-        """Add a field for text."""
-        self.add(name, ui.input(label, value=str(value)).props(f'hint="{hint}"' if hint else ""))
-
-    def number(
-        self, name: str, label: str, value: float | None = None, low: float = 0.0, high: float = 1e6, hint: str = ""
-    ) -> None:
-        """Add a field for a number."""
-        self.add(name, NumberField(label, value, low, high, hint=hint))
-
-    def choice(self, name: str, label: str, known: Mapping[str, str], value: str) -> None:
-        """Add a field to choose from value to words."""
-        self.add(name, select(label, known, value))
+    def lay(self, laid: Mapping[str, ui.element]) -> None:
+        """Take these fields in the place of all others; what is kept for one takes the place of its value."""
+        self.fields: dict[str, Any] = dict(laid)
+        for name, field in laid.items():
+            field.props.setdefault("data-test", f"{self._test}-{name}")
+            if name in self._kept:
+                cast(ValueElement, field).set_value(self._kept[name])
 
     def values(self) -> dict[str, Any]:
         """Values by name; InputError for a number that is not allowed."""

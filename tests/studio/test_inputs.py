@@ -34,6 +34,13 @@ def test_tissue_and_resin_of_a_search_are_compared_with_what_they_are_now(tmp_pa
     assert changed_inputs(tmp_path, kept) == ["tissue tissue/my # 1.toml"]
 
 
+def test_a_file_that_was_gone_before_its_sum_was_taken_has_changed(tmp_path):
+    """Renamed between reading and the end of a command; a folder, which has no sum, has not."""
+    (tmp_path / "moulds").mkdir()
+    kept = manifest(tmp_path, {}, ("campaigns/first/a.csv", tmp_path / "gone.csv"), ("moulds", tmp_path / "moulds"))
+    assert changed_inputs(tmp_path, kept) == ["campaigns/first/a.csv"]
+
+
 def test_a_folder_that_another_command_wrote_since_does_not_hold_the_answer(tmp_path):
     answer = {"inputs": {"ratio": 15.0, "out": "designs/a"}}
     assert not holds_answer(tmp_path, "designs/a", answer)

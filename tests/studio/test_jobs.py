@@ -13,8 +13,10 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import acquire_lock, is_locked
+from dummydesign.project.folder import make_project
 from dummydesign.studio import job_process as runner
 from dummydesign.studio import jobs
+from dummydesign.studio.trash import keep_file
 from tests.support import lab_project as lab
 from tests.support.refusal import raises_code
 
@@ -72,6 +74,34 @@ def test_several_commands_that_are_stopped_start_no_other(tmp_path):
     job = jobs.start(tmp_path, "two", slow, ["tissues", "list"])
     jobs.stop(job)
     assert wait_for(job.folder, "stopped").answer_of(2) == {}
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a folder in use cannot be renamed there")
+def test_a_project_folder_that_is_renamed_during_its_commands_keeps_their_answers(tmp_path):
+    root, renamed = tmp_path / "thumb", tmp_path / "thumb 2"
+    root.mkdir()
+    job = jobs.start(root, "two", ["tissues", "list"], ["resins", "list"])
+    root.rename(renamed)
+    with raises_code("file_not_found", "folder") as refused:
+        jobs.all_jobs(root)
+    assert "\n" not in str(refused.value) and str(root) in str(refused.value)
+    with raises_code("file_not_found", "folder"):
+        jobs.start(root, "list", ["tissues", "list"])
+    with raises_code("file_not_found", "folder"):
+        keep_file(root, root / "measured", "a.csv", b"1")
+    assert not root.exists()
+    found = wait_for(renamed / job.folder.relative_to(root), "done")
+    assert [found.answer_of(number)["schema"] for number in (1, 2)] == ["dummydesign.tissues/1", "dummydesign.resins/1"]
+
+
+def test_a_file_that_is_renamed_before_a_command_reads_it_is_named_in_a_line_and_stays(tmp_path):
+    root = make_project(tmp_path / "thumb").root
+    (root / "measured" / "a.csv").write_text("time_s,displacement_mm,force_N\n0,0,0\n", encoding="utf-8")
+    job = jobs.start(root, "import", ["import", "measured/a.csv", "--out", "measured/import-a"])
+    (root / "measured" / "a.csv").rename(root / "measured" / "b.csv")
+    error = wait_for(job.folder, "failed").error
+    assert "measured/a.csv" in error and "\n" not in error
+    assert [path.name for path in (root / "measured").iterdir()] == ["b.csv"]
 
 
 def test_what_is_wrong_is_the_line_of_the_command(tmp_path):

@@ -9,7 +9,7 @@ import pytest
 
 from dummydesign.studio import trash as bin
 from tests.support import lab_project as lab
-from tests.support.studio import choose, opened, unfold
+from tests.support.studio import choose, opened, saved, saved_series, unfold
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -232,6 +232,12 @@ def test_a_cast_pad_is_compared_by_its_presses_and_its_record_is_kept(page, stud
     page.wait_for_selector(f"{by('found-compare')} {by('verdict')}")
     assert page.locator(f"{by('found-compare')} table tbody tr").count() == 4
     assert page.locator(by("correction")).count() == 1
+    plots = f"{by('found-compare')} {by('compared-plots')}"
+    page.wait_for_function(f"document.querySelectorAll('{plots} .js-plotly-plot').length === 3")
+    curves = saved_series(page, plots)
+    assert curves["dummy"] > 20 and curves["measured at the end of the hold"] == 2
+    assert curves["subjects of forefinger, low"] == curves["subjects of forefinger, high"] > 1
+    assert saved(page, plots, "png").startswith(b"\x89PNG")
     choose(page, "pad", "campaigns/first: slab, 15 mm, 4 presses")
     page.wait_for_function("!document.querySelector('[data-test=found-compare] [data-test=verdict]')")
     assert Path(root / "designs" / "compare-forefinger" / "report.html").is_file()

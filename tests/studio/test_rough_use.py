@@ -11,7 +11,7 @@ from dummydesign.core.user_library import find
 from dummydesign.project.folder import change_project, read_project
 from dummydesign.studio import jobs
 from tests.support import lab_project as lab
-from tests.support.studio import choose, opened, unfold
+from tests.support.studio import choose, opened, saved, saved_series, unfold
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -118,6 +118,10 @@ def test_the_designs_that_are_chosen_are_drawn_over_each_other(page, studio):
     unfold(page, "earlier")
     drawn = f"{by('compared')} .js-plotly-plot"
     page.wait_for_selector(drawn)
+    assert saved_series(page, by("compared")) == {"good": 3, "red": 3} | {
+        f"subjects of forefinger, {end}": 2 for end in ("low", "high")
+    }
+    assert saved(page, by("compared"), "png").startswith(b"\x89PNG")
     choose(page, "to-compare", "designs/good")
     page.keyboard.press("Escape")
     gone(page, drawn)

@@ -13,7 +13,7 @@ from dummydesign.project.folder import change_project, make_project, read_projec
 from dummydesign.studio import job_process as runner
 from dummydesign.studio import jobs
 from tests.support import lab_project as lab
-from tests.support.studio import browser, choose, opened, running, unfold
+from tests.support.studio import browser, choose, opened, running, saved, unfold
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -138,16 +138,11 @@ def test_a_search_of_another_question_is_not_shown_as_ones_own(page, studio):
 
 def test_every_large_plot_is_saved_as_picture_and_values(page, studio):
     design(page, studio, "shape=slab&thickness_mm=9&ratio=15")
-    page.wait_for_selector(f"{by('plots')} {by('save-csv')}")
-    with page.expect_download() as saved:
-        page.locator(f"{by('plots')} {by('save-csv')}").first.click()
-    lines = saved.value.path().read_text(encoding="utf-8").splitlines()
+    lines = saved(page, by("plots"), "csv").decode("utf-8").splitlines()
     assert lines[0] == '"series","depth [mm]","steady force [N]"'
     pad = [line.split(",") for line in lines if line.startswith('"this pad"')]
     assert len(pad) > 20 and all(float(force) >= 0.0 for *_, force in pad)
-    with page.expect_download() as saved:
-        page.locator(f"{by('plots')} {by('save-png')}").first.click()
-    assert saved.value.path().read_bytes().startswith(b"\x89PNG")
+    assert saved(page, by("plots"), "png").startswith(b"\x89PNG")
 
 
 def test_a_project_without_a_tissue_chooses_none(page, tmp_path):

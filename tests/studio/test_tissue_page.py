@@ -59,9 +59,13 @@ def page(studio):
 
 def fit_anna(page, name="anna"):
     page.wait_for_selector(by("traces"))
-    for _ in range(2):
-        page.locator('.q-chip:has-text("bert") .q-chip__icon--remove').first.click()
-        page.wait_for_timeout(300)
+    # presses of several people: none is chosen before
+    page.locator(by("traces")).click()
+    options = page.get_by_role("option").filter(has_text="anna")
+    for number in range(2):
+        options.nth(number).click()
+    page.wait_for_function("document.querySelectorAll('.q-chip').length === 2")
+    page.keyboard.press("Escape")
     page.locator(f"input{by('fit-name')}").fill(name)
     page.wait_for_selector(f".command code >> text=tissue/{name}.toml")
     page.locator(by("run-fit")).click()
@@ -116,14 +120,33 @@ def test_a_deleted_tissue_stays_chosen_and_comes_back(page, studio):
     page.locator(by("delete")).click()
     page.wait_for_selector(f"{by('tissue')} >> text=tissue/anna.toml (missing)")
     assert list((root / "tissue").iterdir()) == [] and read_project(root).tissue == "tissue/anna.toml"
+    gone = ".problem >> text='tissue/anna.toml' is not there"
+    page.wait_for_selector(gone)
+    page.evaluate("window.before = true")
     page.locator(by("use")).click()
-    page.wait_for_function("document.querySelectorAll('.problem').length === 2")
+    page.wait_for_function("window.before === undefined")
+    page.wait_for_selector(gone)
+    assert page.locator(".problem").count() == 1 and read_project(root).tissue == "tissue/anna.toml"
     page.reload()
     page.wait_for_selector(f"{by('tissue')} >> text=tissue/anna.toml (missing)")
     assert "tissue=tissue%2Fanna.toml" in page.url
     page.locator(by("undo-last")).click()
     page.wait_for_selector(by("delete"))
     assert (root / "tissue" / "anna-report.html").is_file()
+
+
+def test_that_no_tissue_is_chosen_is_said_once(page, tmp_path):
+    root = make_project(tmp_path / "none").root
+    with running(root, tmp_path / "home") as found:
+        page.goto(found.address)
+        visit(page, f"{found.home}tissue")
+        for _ in range(2):  # at once, and after a click that needs a tissue
+            page.wait_for_selector(".problem >> text=No tissue is chosen")
+            assert page.get_by_text("No tissue is chosen").count() == 1
+            page.evaluate("window.before = true")
+            page.locator(by("use")).click()
+            page.wait_for_function("window.before === undefined")
+    assert read_project(root).tissue is None
 
 
 def test_a_tissue_in_use_by_a_running_command_is_not_deleted(page, studio):

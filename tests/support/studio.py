@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import csv
 import http.client
+import math
 import os
 import re
 import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -150,3 +153,18 @@ def choose(page, test, name):
     """Choose what a field offers."""
     page.locator(test_id(test)).click()
     page.get_by_role("option", name=name, exact=True).click()
+
+
+def saved(page, place, kind):
+    """Save the first plot of a place as ``csv`` or ``png``; return the content of the file."""
+    page.wait_for_selector(f"{place} {test_id(f'save-{kind}')}")
+    with page.expect_download() as found:
+        page.locator(f"{place} {test_id(f'save-{kind}')}").first.click()
+    return found.value.path().read_bytes()
+
+
+def saved_series(page, place):
+    """Number of points of each series in the CSV of the first plot of a place."""
+    rows = list(csv.reader(saved(page, place, "csv").decode("utf-8").splitlines()))[1:]
+    assert all(math.isfinite(float(number)) for row in rows for number in row[1:] if number)
+    return Counter(row[0] for row in rows)

@@ -20,7 +20,7 @@ from dummydesign.studio.file_actions import DropList, manage, undo_bar
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.markup import Markup, filled, joined
 from dummydesign.studio.state import State, page_link
-from dummydesign.studio.widgets import html, open_page
+from dummydesign.studio.widgets import NumberField, html, open_page
 
 
 def show_campaigns(project: Project, state: State, query: Mapping[str, str]) -> None:
@@ -284,13 +284,11 @@ class PlanForm:
         known = {
             one.folder: f"{one.folder.partition('/')[2]}: {one.label}" for one in reversed(project_index.moulds(root))
         }
-        self.form = form = widgets.Form("replan" if replaced else "plan")
         with widgets.fields():
-            if not replaced:
-                self.name = ui.input("Name", value=select_options.free_name(root, "campaigns", "first")).props(
-                    'data-test="plan-name"'
-                )
-                self.name.on_value_change(self.renew)
+            laid: dict[str, ui.element] = {
+                "name": ui.input("Name", value=select_options.free_name(root, "campaigns", "first"))
+            }
+            laid["name"].set_visibility(not replaced)
             self.source = widgets.select(
                 "Pads are those of",
                 {one: one for one in ((MOULDED, TYPED) if known else (TYPED,))},
@@ -299,17 +297,22 @@ class PlanForm:
             )
         self.moulds = widgets.select_several("Moulds", known, usual, f"{name}-moulds")
         with widgets.fields() as self.typed:
-            form.text("pads", "Pads, thickness [mm]", given["pads"])
-            form.text("shape", "Shape with its lengths", given["shape"])
-            form.text("pad", "Outline, length x width [mm]", given["pad"])
-            form.choice("resin", "Resin", select_options.resins(), given["resin"])
-            form.number("ratio", "Ratio", given["ratio"])
+            laid |= {
+                "pads": ui.input("Pads, thickness [mm]", value=given["pads"]),
+                "shape": ui.input("Shape with its lengths", value=given["shape"]),
+                "pad": ui.input("Outline, length x width [mm]", value=given["pad"]),
+                "resin": widgets.select("Resin", select_options.resins(), given["resin"]),
+                "ratio": NumberField("Ratio", given["ratio"]),
+            }
         with widgets.fields():
-            form.text("speeds", "Speeds [mm/s]", given["speeds"])
-            form.text("forces", "Steady forces [N]", given["forces"])
-            form.number("repeats", "Repeats", given["repeats"], 1, 9)
-            form.text("ages", "Age of the pads on each day [days]", given["ages"])
-            form.number("hold", "Hold [s]", given["hold"], 1, 600)
+            laid |= {
+                "speeds": ui.input("Speeds [mm/s]", value=given["speeds"]),
+                "forces": ui.input("Steady forces [N]", value=given["forces"]),
+                "repeats": NumberField("Repeats", given["repeats"], 1, 9),
+                "ages": ui.input("Age of the pads on each day [days]", value=given["ages"]),
+                "hold": NumberField("Hold [s]", given["hold"], 1, 600),
+            }
+        self.form = widgets.Form("replan" if replaced else "plan", laid)
         self.work = JobPanel(
             root,
             name,
@@ -319,7 +322,7 @@ class PlanForm:
             self.belongs,
             needs="trials",
         )
-        form.on_change(self.renew)
+        self.form.on_change(self.renew)
         widgets.on_change(self.renew, self.source, self.moulds)
         self.renew()
 
@@ -339,7 +342,7 @@ class PlanForm:
         if given["repeats"] % 1.0:
             raise InputError(f"repeats = {given['repeats']:g}: type a whole number", "malformed", "repeats")
         given |= {"moulds": moulds, "punch": self.punch}
-        folder = self.replaced or f"campaigns/{file_transfer.plain_name((self.name.value or '').strip())}"
+        folder = self.replaced or f"campaigns/{file_transfer.plain_name((given['name'] or '').strip())}"
         return [
             "campaign",
             "new",

@@ -267,16 +267,15 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
     before = kept.own.get(MOULD, "")
     typed = {name.removeprefix(TYPED): text for name, text in kept.own.items()}
     chosen = widgets.select("Mould it was cast in", known, before if before in known else first, "record-mould")
-    others, gauged = widgets.Form("record", typed), widgets.Form("gauge", typed)
+    gauged = widgets.Form("gauge", {}, typed)
     with ui.element("div").classes("pair"):
         map_of = html("")
         with ui.element("div"):
             html("<b>Thickness at each point</b>")
             points = widgets.fields()
             with widgets.fields():
-                for name, (label, hint) in OTHERS.items():
-                    others.number(name, label, hint=hint)
-                others.text("note", "Note", hint="optional")
+                laid = {name: NumberField(label, hint=hint) for name, (label, hint) in OTHERS.items()}
+                others = widgets.Form("record", {**laid, "note": ui.input("Note").props('hint="optional"')}, typed)
             button = ui.element("div")
 
     def words() -> list[str]:
@@ -300,8 +299,8 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
             _records(root, chosen.value)
 
     def renew() -> None:
-        kept.keep(**{f"{TYPED}{name}": text for name, text in (gauged.kept() | others.kept()).items()})
-        kept.keep(**{MOULD: chosen.value})
+        read = {f"{TYPED}{name}": text for name, text in (gauged.kept() | others.kept()).items()}
+        kept.keep(**read, **{MOULD: chosen.value})
         draw_map()
         work.renew()
 
@@ -325,11 +324,14 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
         )
 
     def new_mould() -> None:
-        gauged.fields.clear()
         with widgets.fresh(points):
-            for number, one in enumerate(project_index.gauge_points(root / chosen.value), 1):
-                gauged.number(one.name, f"{number} {one.name} [mm]", hint=f"{one.low_mm:.4g} to {one.high_mm:.4g}")
-                gauged.fields[one.name].on_value_change(renew)
+            gauged.lay(
+                {
+                    one.name: NumberField(f"{n} {one.name} [mm]", hint=f"{one.low_mm:.4g} to {one.high_mm:.4g}")
+                    for n, one in enumerate(project_index.gauge_points(root / chosen.value), 1)
+                }
+            )
+        gauged.on_change(renew)
         draw_map()
         list_records()
         work.renew()

@@ -72,10 +72,8 @@ class MeasuredPage:
             lambda job, mine: self._list_imports(),
             needs="files",
         )
-        self._open = widgets.Form("open")
         with widgets.fold("Columns, units and signs (only where a reading asks for them)"), widgets.fields():
-            for name, text in OPEN.items():
-                self._open.text(name, text)
+            self._open = widgets.Form("open", {name: ui.input(text) for name, text in OPEN.items()})
         self._change = widgets.fold("Delete files", "change-files", self._list_files)
         self._choose(chosen)
         self._open.on_change(self._renew)
@@ -141,14 +139,11 @@ class MeasuredPage:
                 thing(filled("<span>{}</span>", name), self._root, f"measured/{name}", "file", self._moved)
 
     def _moved(self, old: str, new: str) -> None:
-        """Follow a file that was renamed, replaced, deleted or brought back; what was chosen stays chosen."""
-        before, now = Path(old).name, Path(new).name
-        names = list(self._chosen.value)
-        if before in names and not now:
-            self._let_go.add(before)
-        elif before not in names and before in self._let_go:
-            names.append(now)
-        self._choose([now if one == before else one for one in names])
+        """Follow a file that was deleted or brought back: one that was chosen is chosen again."""
+        name, chosen = Path(old).name, list(self._chosen.value)
+        if name in chosen and not new:
+            self._let_go.add(name)
+        self._choose([*chosen, name] if new and name in self._let_go and name not in chosen else chosen)
         self._renew()
         self._list_files()
 

@@ -19,7 +19,7 @@ from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, holds_answer, options
 from dummydesign.studio.markup import Markup, filled, joined
 from dummydesign.studio.state import State, design_state, design_summary, page_link
-from dummydesign.studio.widgets import html, keep_state, open_page
+from dummydesign.studio.widgets import NumberField, html, keep_state, open_page
 
 OUTLINE_MM, OUTLINES_MM = (150.0, 120.0), (20.0, 300.0)
 OPTIONS = ("thickness", "length", "width", "shape", "preset", "resin", "ratio")
@@ -34,17 +34,19 @@ class MouldPage:
         mine = [one for one in project_index.moulds(self.root) if one.is_of(state)]
         length_mm, width_mm = (mine[-1].length_mm, mine[-1].width_mm) if mine else OUTLINE_MM
         preset = mine[-1].preset if mine and mine[-1].preset in project_index.PRESETS else "open"
-        self.form = form = widgets.Form("mould")
         with ui.element("div").classes("pair"):
             fields, self.section = widgets.fields(), html("")
         with fields:
-            form.add("thickness", widgets.NumberField("Thickness [mm]", state.thickness_mm, *THICKNESS_MM), "thickness")
-            form.number("length", "Length [mm]", length_mm, *OUTLINES_MM)
-            form.number("width", "Width [mm]", width_mm, *OUTLINES_MM)
-            form.number("ratio", "Ratio", state.ratio)
-            form.text("shape", "Shape", state.shape)
-            form.choice("resin", "Resin", select_options.resins(), state.resin)
-            form.choice("preset", "Kind of mould", project_index.PRESETS, preset)
+            laid = {
+                "thickness": NumberField("Thickness [mm]", state.thickness_mm, *THICKNESS_MM, test="thickness"),
+                "length": NumberField("Length [mm]", length_mm, *OUTLINES_MM),
+                "width": NumberField("Width [mm]", width_mm, *OUTLINES_MM),
+                "ratio": NumberField("Ratio", state.ratio),
+                "shape": ui.input("Shape", value=state.shape),
+                "resin": widgets.select("Resin", select_options.resins(), state.resin),
+                "preset": widgets.select("Kind of mould", project_index.PRESETS, preset),
+            }
+        self.form = widgets.Form("mould", laid)
         self.work = JobPanel(
             self.root,
             "mould",
@@ -56,7 +58,7 @@ class MouldPage:
             needs="pour",
         )
         self.others = widgets.area()
-        form.on_change(self.renew)
+        self.form.on_change(self.renew)
         self.show_pad()
 
     def words(self) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from nicegui import ui
@@ -37,11 +37,13 @@ def make_new(root: Path) -> None:
         "<p>Turn presses on people into a pad that feels the same: its resin, its shape and its mould. "
         "A project is a folder with everything about one such pad.</p>"
     )
-    form = widgets.Form("new")
     with widgets.fields():
-        form.add("name", ui.input("Name", value=root.name), "name")
-        form.add("tissue", widgets.select("Tissue", {"": "decide later", **select_options.tissues(root)}, ""), "tissue")
-        form.choice("resin", "Resin", select_options.resins(), STANDARD_RESIN)
+        laid = {
+            "name": ui.input("Name", value=root.name).props("data-test=name"),
+            "tissue": widgets.select("Tissue", {"": "decide later", **select_options.tissues(root)}, "", "tissue"),
+            "resin": widgets.select("Resin", select_options.resins(), STANDARD_RESIN),
+        }
+    form = widgets.Form("new", laid)
 
     def given() -> dict[str, str | None]:
         return {name: text or None for name, text in form.kept().items()}
@@ -52,19 +54,14 @@ def make_new(root: Path) -> None:
 
     problem = ui.element("div")
 
-    def make() -> None:
+    def begin(make: Callable[[], object]) -> None:
         with widgets.problems_in(problem):
-            make_project(root, **given())
-            ui.navigate.to(address("/"))
-
-    def example() -> None:
-        with widgets.problems_in(problem):
-            make_example(root)
+            make()
             ui.navigate.to(address("/"))
 
     with ui.element("div").classes("links"):
-        widgets.button("Make the project", make, "make", main=True)
-        widgets.button("Open an example instead", example, "example")
+        widgets.button("Make the project", lambda: begin(lambda: make_project(root, **given())), "make", main=True)
+        widgets.button("Open an example instead", lambda: begin(lambda: make_example(root)), "example")
         html('<span class="source">with presses of a forefinger and a pressed campaign, both simulated</span>')
     line = widgets.area()
     form.on_change(renew)

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from nicegui import ui
+
 from dummydesign.core.errors import InputError
 from dummydesign.core.user_library import entries
 from dummydesign.project.folder import Project, project_of
@@ -14,7 +16,7 @@ from dummydesign.studio import jobs, select_options, widgets
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.trash import choose_for_project
-from dummydesign.studio.widgets import html, keep_state, open_page
+from dummydesign.studio.widgets import NumberField, html, keep_state, open_page
 
 OWN = ("puck", "diameter", "height", "mixed", "name", "base")
 """Choices of this page in the address."""
@@ -40,24 +42,18 @@ class PuckPage:
         bases = {"": "the batch itself, or the built-in one", **select_options.resins()}
         base = start.get("base", "")
         name = start.get("name") or select_options.free_library_name("resin", "my-batch")
-        self._form = form = widgets.Form(
-            "puck", {name: start[name] for name in ("diameter", "height", "mixed") if name in start}
-        )
+        shown = select_options.offered(known, first, f"{first} (missing)" if first else "choose it")
         with widgets.fields():
-            form.add(
-                "puck",
-                widgets.select(
-                    "Press of the puck",
-                    select_options.offered(known, first, f"{first} (missing)" if first else "choose it"),
-                    first,
-                ),
-                "puck",
-            )
-            form.number("diameter", "Diameter [mm]", None, *SIZES_MM)
-            form.number("height", "Height [mm]", None, *SIZES_MM)
-            form.number("mixed", "Mixing ratio", state.ratio)
-            form.text("name", "Name of the batch", name)
-            form.choice("base", "Resin whose law is updated", bases, base if base in bases else "")
+            laid = {
+                "puck": widgets.select("Press of the puck", shown, first, "puck"),
+                "diameter": NumberField("Diameter [mm]", None, *SIZES_MM),
+                "height": NumberField("Height [mm]", None, *SIZES_MM),
+                "mixed": NumberField("Mixing ratio", state.ratio),
+                "name": ui.input("Name of the batch", value=name),
+                "base": widgets.select("Resin whose law is updated", bases, base if base in bases else ""),
+            }
+        kept = {field: text for field, text in start.items() if field in ("diameter", "height", "mixed")}
+        self._form = widgets.Form("puck", laid, kept)
         self._work = JobPanel(
             project.root,
             "puck",
@@ -67,7 +63,7 @@ class PuckPage:
             ended=lambda job, mine: self._list(),
             needs="young_kPa",
         )
-        form.on_change(self._renew)
+        self._form.on_change(self._renew)
         self._own = widgets.area()
         self._list()
 

@@ -18,9 +18,9 @@ from dummydesign.studio import figures, file_transfer, jobs, project_index, sele
 from dummydesign.studio.file_actions import manage
 from dummydesign.studio.job_panel import JobPanel, Steps
 from dummydesign.studio.markup import Markup, joined
-from dummydesign.studio.state import NO_TISSUE, State, absolute, page_link
+from dummydesign.studio.state import State, absolute, page_link
 from dummydesign.studio.trash import choose_for_project
-from dummydesign.studio.widgets import html, keep_state, open_page
+from dummydesign.studio.widgets import html, open_page
 from dummydesign.tissue.model.parameters import arm_names, parameter_words
 
 CHOOSE = "choose one"
@@ -33,13 +33,13 @@ class TissuePage:
 
     def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
         self.root, self.query = project.root, query
-        self._project, self._state = project, state
-        self._own = {name: query[name] for name in OWN if name in query}
+        self._project = project
+        self.kept = widgets.Kept(state, **{name: query[name] for name in OWN if name in query})
         with widgets.fields():
             self._chosen = widgets.select("Tissue that the dummy imitates", {}, "", "tissue")
             with ui.element("div"):
                 widgets.button("Design a pad for it", lambda: self.use(self.tissue), "use", main=True)
-        self._problem, fits = widgets.area(), widgets.area()
+        fits = widgets.area()
         self._shown = widgets.area("tissue-shown")
         if self.tissue.startswith("tissue/"):
             fits = widgets.area()
@@ -57,7 +57,7 @@ class TissuePage:
     @property
     def tissue(self) -> str:
         """The chosen tissue."""
-        return self._state.tissue
+        return self.kept.state.tissue
 
     def _choose_shown(self) -> None:
         if self._chosen.value != self.tissue:
@@ -65,30 +65,23 @@ class TissuePage:
 
     def choose(self, tissue: str) -> None:
         """Choose a tissue: it is shown, and the address keeps it."""
-        was_missing = self._state.missing
-        self._state = self._state.changed(tissue=tissue, aim="average")
-        if was_missing:
+        before = self.kept.state
+        self.kept.state = before.changed(tissue=tissue, aim="average")
+        if before.missing:
             # what the page says at its top is no longer true
-            open_page("/tissue", self._state)
+            open_page("/tissue", self.kept.state)
         else:
             self._renew()
-            self.keep()
-
-    def keep(self, **own: str) -> None:
-        """Keep what is chosen in the address; choices of this page alone by name."""
-        self._own |= own
-        keep_state(self._state, **self._own)
+            self.kept.keep()
 
     def use(self, tissue: str) -> None:
         """Make a tissue the project's, and go on to the design."""
-        self._problem.clear()
-        if not tissue:
-            raise InputError(NO_TISSUE, "missing", "tissue")
-        if tissue not in select_options.tissues(self.root):
-            with self._problem:
-                _tell_missing(tissue)
+        state = self.kept.state
+        after = state if tissue == self.tissue else state.changed(tissue=tissue, aim="average")
+        if tissue not in select_options.tissues(self.root) and not (self.root / tissue).is_file():
+            # the page says at its top that there is none, or that it is gone
+            open_page("/tissue", after)
             return
-        after = self._state if tissue == self.tissue else self._state.changed(tissue=tissue, aim="average")
         choose_for_project(
             project_of(self.root) or self._project, tissue=tissue, aim=None if after.aim == "average" else after.aim
         )
@@ -102,22 +95,14 @@ class TissuePage:
         shown = f"{self.tissue} (missing)" if self.tissue else CHOOSE
         known = select_options.offered(select_options.tissues(self.root), self.tissue, shown)
         self._chosen.set_options(known, value=self.tissue)
-        self._problem.clear()
         with widgets.fresh(self._shown):
             if self.tissue.startswith("tissue/") and (self.root / self.tissue).is_file():
                 manage(self.root, self.tissue, "tissue", self._moved)
             _show_tissue(self.root, self.tissue)
 
     def _moved(self, old: str, new: str) -> None:
-        """Follow a tissue that was renamed or brought back; one that was deleted stays chosen and is missing."""
-        if new and old == self.tissue:
-            self._state = self._state.changed(tissue=new)
-        self._renew()
-        self.keep()
-
-
-def _tell_missing(tissue: str) -> None:
-    widgets.tell_problem(f"'{tissue}' is not there. Choose another tissue, or bring its file back.")
+        """A tissue that was deleted stays chosen: the page says at its top that it is gone."""
+        open_page("/tissue", self.kept.state)
 
 
 def _show_tissue(root: Path, name: str) -> None:
@@ -125,11 +110,8 @@ def _show_tissue(root: Path, name: str) -> None:
     from dummydesign.design.scoring.targets import make_targets
     from dummydesign.tissue import load_tissue
 
-    if not name:
-        return
-    if name.endswith(".toml") and not (root / name).is_file():
-        _tell_missing(name)
-        return
+    if not name or (name.endswith(".toml") and not (root / name).is_file()):
+        return  # said at the top of the page
     try:
         tissue = load_tissue(absolute(root, name))
         targets = make_targets(tissue, "average", Sampling())
@@ -150,6 +132,7 @@ def _show_tissue(root: Path, name: str) -> None:
     html("{}", joined('<p class="source">{}</p>', ([note] for note in tissue.notes)))
 
 
+LOWPASS = "Filter of the force, HZ[:ORDER[:PASSES]] (optional)"
 SEPARATOR = "\n"
 POOR = 10.0
 """Residual over noise from which a fit is called poor."""
@@ -168,17 +151,20 @@ def fit_panel(page: TissuePage) -> None:
         "Presses of one subject", known, [path for path in start if path in known], "traces"
     )
     picked.set_enabled(bool(known))
-    with ui.element("div").classes("fields"):
-        name = ui.input("Name of the tissue", value=start_name).props('data-test="fit-name"')
-        contact = widgets.select("Where each press touched", CONTACT, touched, "fit-contact")
-        lowpass = ui.input("Filter of the force, HZ[:ORDER[:PASSES]] (optional)")
+    with widgets.fields():
+        laid = {
+            "name": ui.input("Name of the tissue", value=start_name),
+            "contact": widgets.select("Where each press touched", CONTACT, touched),
+            "lowpass": ui.input(LOWPASS),
+        }
+    form = widgets.Form("fit", laid)
 
     def words() -> list[str]:
         if not picked.value:
             raise InputError("Choose the presses to fit.", "missing", "trace")
-        kept = file_transfer.plain_name(f"{(name.value or '').strip() or 'mine'}.toml")
-        given = {"contact": contact.value, "lowpass": lowpass.value, "out": f"tissue/{kept}"}
-        return ["fit", *picked.value, *jobs.options(given)]
+        given = form.values()
+        kept = file_transfer.plain_name(f"{(given.pop('name') or '').strip() or 'mine'}.toml")
+        return ["fit", *picked.value, *jobs.options({**given, "out": f"tissue/{kept}"})]
 
     def belongs(job: jobs.Job, chosen: list[str]) -> bool:
         """Whether a fit is of the chosen presses and name, and its tissue is still there."""
@@ -204,10 +190,11 @@ def fit_panel(page: TissuePage) -> None:
     )
 
     def renew() -> None:
-        page.keep(presses=SEPARATOR.join(picked.value or []), name=name.value or "", touched=contact.value)
+        typed = form.kept()
+        page.kept.keep(presses=SEPARATOR.join(picked.value or []), name=typed["name"], touched=typed["contact"])
         work.renew()
 
-    widgets.on_change(renew, picked, name, contact, lowpass)
+    widgets.on_change(renew, picked, *form.fields.values())
 
 
 def _start(page: TissuePage, known: dict[str, str]) -> tuple[list[str], str, str]:
@@ -317,12 +304,14 @@ class _People:
                 name = ui.input(f"Person of {words}", value=start.get(path, "")).style("width:100%")
                 self._fields[path] = name.props('dense data-test="person"')
                 name.props["data-press"] = words
-        with ui.element("div").classes("fields"):
-            self._name = ui.input("Name of the tissue", value=start_name).props('data-test="people-name"')
-            self._elements = widgets.select("Elements of the law", ELEMENTS, "5")
-            self._lowpass = ui.input("Filter of the force, HZ[:ORDER[:PASSES]] (optional)")
-            self._lowpass.props('data-test="people-lowpass"')
-            self._replace = ui.checkbox("Replace my tissue of this name").props('data-test="people-replace"')
+        with widgets.fields():
+            laid = {
+                "name": ui.input("Name of the tissue", value=start_name),
+                "elements": widgets.select("Elements of the law", ELEMENTS, "5"),
+                "lowpass": ui.input(LOWPASS),
+                "replace": ui.checkbox("Replace my tissue of this name"),
+            }
+        self._form = widgets.Form("people", laid)
         self._work = JobPanel(
             page.root,
             "people",
@@ -335,11 +324,11 @@ class _People:
             check=self._check,
             main=False,
         )
-        widgets.on_change(self._renew, *self._fields.values(), self._name, self._elements, self._lowpass, self._replace)
+        widgets.on_change(self._renew, *self._fields.values(), *self._form.fields.values())
 
     def _renew(self) -> None:
         people = "\n".join(f"{path}\t{name}" for path, name in self._assigned().items())
-        self._page.keep(people=people, group=self._name.value or "")
+        self._page.kept.keep(people=people, group=self._form.values()["name"] or "")
         self._work.renew()
 
     def _guess(self) -> None:
@@ -365,26 +354,28 @@ class _People:
         return people
 
     def _tissue(self) -> str:
-        name = (self._name.value or "").strip()
+        name = (self._form.values()["name"] or "").strip()
         if not NAME.fullmatch(name):
             raise InputError(f"The tissue name '{name}' {NOT_ALLOWED}", "bad_name", "tissue", name)
         return str(name)
 
     def _fits(self) -> Steps:
         people, name = self._people(), self._tissue()
-        given = {"elements": self._elements.value, "mode": "per-speed", "lowpass": self._lowpass.value}
+        typed = self._form.values()
+        law = {"elements": typed["elements"], "mode": "per-speed", "lowpass": typed["lowpass"]}
         return [
-            ["fit", *presses, *jobs.options(given | {"out": f"tissue/{name}/{person}.toml", "replace": True})]
+            ["fit", *presses, *jobs.options(law | {"out": f"tissue/{name}/{person}.toml", "replace": True})]
             for person, presses in people.items()
         ]
 
     def _words(self) -> list[str]:
-        name, replaced = self._tissue(), jobs.options({"replace": self._replace.value})
+        name, replaced = self._tissue(), jobs.options({"replace": self._form.values()["replace"]})
         return ["tissues", "add", name, *(f"tissue/{name}/{person}.toml" for person in self._people()), *replaced]
 
     def _check(self) -> None:
         """Refuse a name that is taken before anything is fitted."""
-        select_options.check_name("tissue", self._name.value or "", bool(self._replace.value))
+        given = self._form.values()
+        select_options.check_name("tissue", given["name"] or "", bool(given["replace"]))
 
     def _read(self) -> tuple[dict[str, str], str]:
         """People and name: of the address, of the chain that made the chosen tissue, or none."""

@@ -3,28 +3,72 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import Punch
-from dummydesign.report.vector_sheet import INK, RULE, SOFT, Box, Item, Path, Point, Text
 
+Point = tuple[float, float]
 SCALES = (20.0, 15.0, 10.0, 8.0, 6.0, 5.0, 4.0, 3.0, 2.5, 2.0, 1.5, 1.0, 0.8, 0.5, 0.4, 0.3, 0.25, 0.2, 0.1)
 SIDE_MM, ABOVE_MM, BELOW_MM = 17.0, 8.0, 14.0
 """Room for dimensions at each side, for the punch above the tip, and for base and widths below. [mm]"""
-SIZE_PT, HEAD_MM, TAIL_MM = 7.5, 1.6, 1.2
+SIZE_MM, HEAD_MM, TAIL_MM = 2.6, 1.6, 1.2
+SIZE = (111.6, 58.0)
+"""Width and height of the drawing. [mm]"""
+INK, SOFT, RULE = "#1b232b", "#4f5b66", "#c9d1d8"
 GEL, LOWER_GEL, HARD, STEEL = "#dbe8f5", "#b9cfe4", "#8d99a5", "#e3e7eb"
 POINTS = 401
 
 
+@dataclass(frozen=True)
+class Path:
+    """A run of straight pieces, or the area inside when it is filled; colours are CSS, lengths in mm."""
+
+    points: Sequence[Point]
+    stroke: str | None = INK
+    fill: str | None = None
+    width_mm: float = 0.25
+    dash_mm: tuple[float, ...] = ()
+
+    def svg(self) -> str:
+        """The path as an element of SVG; an area is closed."""
+        points = "L".join(f"{x:.2f} {y:.2f}" for x, y in self.points)
+        dash = f' stroke-dasharray="{" ".join(f"{d:g}" for d in self.dash_mm)}"' if self.dash_mm else ""
+        line = f' stroke="{self.stroke}" stroke-width="{self.width_mm:g}"{dash}' if self.stroke else ""
+        return f'<path d="M{points}{"Z" if self.fill else ""}" fill="{self.fill or "none"}"{line}/>'
+
+
+@dataclass(frozen=True)
+class Text:
+    """Words at the start, middle or end of their line; y is that of the base line."""
+
+    x_mm: float
+    y_mm: float
+    words: str
+    anchor: str = "start"
+    colour: str = INK
+
+    def svg(self) -> str:
+        """The words as an element of SVG."""
+        return (
+            f'<text x="{self.x_mm:.2f}" y="{self.y_mm:.2f}" font-size="{SIZE_MM}" font-family="Liberation Sans" '
+            f'text-anchor="{self.anchor}" fill="{self.colour}">{escape(self.words)}</text>'
+        )
+
+
+Item = Path | Text
+
+
 def pad_section(
     shape: PadShape, thickness_mm: float, pad_mm: tuple[float, float], punch: Punch, condition: str = ""
-) -> Callable[[Box], list[Item]]:
-    """Return what draws the section of a pad into a box.
+) -> dict[str, Any]:
+    """Return the section of a pad as SVG, with its height [mm] and words for those who cannot see it.
 
     Parameters
     ----------
@@ -37,13 +81,18 @@ def pad_section(
     condition : str
         How the pad lies on its base, written under it.
     """
-    return partial(_section, shape, thickness_mm, pad_mm, punch, condition)
+    drawn = "".join(item.svg() for item in section_items(shape, thickness_mm, pad_mm, punch, condition))
+    wide, high = SIZE
+    svg = f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide}mm" height="{high}mm" viewBox="0 0 {wide} {high}">'
+    alt = f"Section of the pad, {shape.title}, {thickness_mm:g} mm thick, under the punch {punch.text}."
+    return {"svg": f"{svg}{drawn}</svg>", "high": high, "alt": alt}
 
 
-def _section(
-    shape: PadShape, thickness_mm: float, pad_mm: tuple[float, float], punch: Punch, condition: str, box: Box
+def section_items(
+    shape: PadShape, thickness_mm: float, pad_mm: tuple[float, float], punch: Punch, condition: str = ""
 ) -> list[Item]:
-    left, high, right, low = box
+    """What the section of a pad is drawn of; see :func:`pad_section`."""
+    left, high, (right, low) = 0.0, 0.0, SIZE
     edge = 0.5 * (pad_mm[1] if shape.runs_out else pad_mm[0])
     foot = _foot(shape, edge)
     half = min(max(1.35 * foot, 1.4 * punch.half_width_mm, 1.2 * thickness_mm, 8.0), edge)
@@ -60,13 +109,13 @@ def _section(
         return tuple(at(float(a), float(b)) for a, b in zip(x, heights))
 
     ends = (at(half, 0.0), at(-half, 0.0))
-    items: list[Item] = [Path((*run(face), *ends), None, GEL, closed=True)]
+    items: list[Item] = [Path((*run(face), *ends), None, GEL)]
     layers = shape.layers()
     if layers is not None:
         lower = thickness_mm - layers[0]
-        items.append(Path((at(-half, lower), at(half, lower), *ends), SOFT, LOWER_GEL, 0.2, closed=True))
+        items.append(Path((at(-half, lower), at(half, lower), *ends), SOFT, LOWER_GEL, 0.2))
     if bone.max() > 0.0:
-        items.append(Path((*run(bone), *ends), INK, HARD, 0.25, closed=True))
+        items.append(Path((*run(bone), *ends), INK, HARD, 0.25))
     items += _dimensions(shape, thickness_mm, float(face[-1]), foot, half, at)
     items += [Path(run(face), INK, width_mm=0.45), *_base(at(-half, 0.0), at(half, 0.0))]
     for side in (-half, half):
@@ -80,7 +129,7 @@ def _section(
     items.append(Path((at(0.0, 0.0), (axis, high)), SOFT, None, 0.15, (3.0, 0.8, 0.6, 0.8)))
     items += _radius(shape, thickness_mm, foot, half, at)
     words = f"scale {scale:g}:1" if scale >= 1.0 else f"scale 1:{1.0 / scale:g}"
-    items.append(Text(left, low - 1.0, f"{condition}; {words}" if condition else words, SIZE_PT, colour=SOFT))
+    items.append(Text(left, low - 1.0, f"{condition}; {words}" if condition else words, colour=SOFT))
     return items
 
 
@@ -128,8 +177,8 @@ def _punch(punch: Punch, at: Callable[[float, float], Point], thickness_mm: floa
     (first, _), (last, _) = points[0], points[-1]
     kind, _, size = punch.text.partition(":")
     words = "punch" if kind == "profile" else f"punch {size} x {size}" if punch.square else f"{kind} punch {size}"
-    label = Text(last + 1.5, top + 3.2, words, SIZE_PT, colour=SOFT)
-    return [Path((*points, (last, top), (first, top)), SOFT, STEEL, 0.2, closed=True), label]
+    label = Text(last + 1.5, top + 3.2, words, colour=SOFT)
+    return [Path((*points, (last, top), (first, top)), SOFT, STEEL, 0.2), label]
 
 
 def _dimensions(
@@ -177,7 +226,7 @@ def _radius(
     end = at(-0.85 * half, 0.0)[0] - 2.0, at(0.0, thickness_mm)[1] - 3.5
     return [
         Path((at(-share, float(height)), end), SOFT, width_mm=0.15),
-        Text(end[0], end[1] - 0.6, f"R {_number(radius)}", SIZE_PT, anchor="middle"),
+        Text(end[0], end[1] - 0.6, f"R {_number(radius)}", anchor="middle"),
     ]
 
 
@@ -189,7 +238,7 @@ def _number(value: float) -> str:
 def _arrow(tip: Point, turn: float) -> Path:
     """A head that points to its tip; the angle is that of its shaft. [rad]"""
     sides = [(tip[0] + HEAD_MM * math.cos(turn + way), tip[1] + HEAD_MM * math.sin(turn + way)) for way in (-0.2, 0.2)]
-    return Path((tip, *sides), None, INK, closed=True)
+    return Path((tip, *sides), None, INK)
 
 
 def _measure(top: Point, bottom: Point, x: float, side: str, words: str) -> list[Item]:
@@ -206,7 +255,7 @@ def _measure(top: Point, bottom: Point, x: float, side: str, words: str) -> list
     down, up = 0.5 * math.pi, -0.5 * math.pi
     items += [_arrow((x, high), down if inside else up), _arrow((x, low), up if inside else down)]
     anchor = "start" if side == "right" else "end"
-    return [*items, Text(x + 1.2 * reach, 0.5 * (high + low) + 0.9, words, SIZE_PT, anchor=anchor)]
+    return [*items, Text(x + 1.2 * reach, 0.5 * (high + low) + 0.9, words, anchor=anchor)]
 
 
 def _width(left: Point, right: Point, y: float, words: str) -> list[Item]:
@@ -214,4 +263,4 @@ def _width(left: Point, right: Point, y: float, words: str) -> list[Item]:
     items: list[Item] = [Path(((x, up + 0.6), (x, y + TAIL_MM)), RULE, width_mm=0.2) for x, up in (left, right)]
     items.append(Path(((left[0], y), (right[0], y)), INK, width_mm=0.18))
     items += [_arrow((left[0], y), 0.0), _arrow((right[0], y), math.pi)]
-    return [*items, Text(0.5 * (left[0] + right[0]), y + 3.2, words, SIZE_PT, anchor="middle")]
+    return [*items, Text(0.5 * (left[0] + right[0]), y + 3.2, words, anchor="middle")]

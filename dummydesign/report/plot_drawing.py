@@ -53,8 +53,8 @@ def draw_plot(
     shown.sort(key=lambda one: ("band", "bars", "line", "dots").index(one.kind))
     bars = next((one for one in shown if one.kind == "bars"), None)
     x_all, y_all = (np.concatenate([[]] + [one.extent()[side] for one in shown]) for side in (0, 1))
-    x_axis = _Axis.of(x_all, plot.x_range, plot.zero and bars is None and not plot.log_x, plot.log_x)
-    y_axis = _Axis.of(y_all, y_range or plot.y_range, plot.zero and bars is None)
+    x_axis = _Axis(x_all, plot.x_range, plot.zero and bars is None and not plot.log_x, plot.log_x)
+    y_axis = _Axis(y_all, y_range or plot.y_range, plot.zero and bars is None)
     across = [(at, f"{value:g}") for at, value in x_axis.ticks(MOST_ACROSS)]
     across = across[::2] if len(across) > MOST_ACROSS + 1 else across
     across[-1:] = [(at, f"{number}{unit}") for at, number in across[-1:]]
@@ -81,21 +81,22 @@ def draw_plot(
 
 
 class _Axis:
-    """Ends of an axis; calling it gives the share of the axis at which values lie."""
+    """An axis over values: from its given ends, else with a margin, from zero where it may be.
 
-    def __init__(self, low: float, high: float, log: bool) -> None:
-        self.low, self.high, self.log = low, high, log
+    Calling it gives the shares of the axis at which values lie.
+    """
 
-    @classmethod
-    def of(cls, values: NDArray, given: tuple[float, float] | None, zero: bool, log: bool = False) -> _Axis:
-        """The range that is given, else that of the values with a margin; from zero where it may be."""
-        if given is not None:
-            return cls(*(math.log10(end) if log else float(end) for end in given), log)
-        known = values[np.isfinite(values) & ((values > 0.0) | (not log))]
+    def __init__(
+        self, values: NDArray, given: tuple[float, float] | None, zero: bool = False, log: bool = False
+    ) -> None:
+        known = values[np.isfinite(values) & (values > (0.0 if log else -np.inf))] if given is None else np.array(given)
         known = np.log10(known) if log else known
-        low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
-        margin = 0.05 * (high - low) or 0.05 * abs(high) or 1.0
-        return cls(0.0 if zero and low >= 0.0 else low - margin, high + margin, log)
+        self.low, self.high = (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
+        self.log = log
+        if given is None or self.low == self.high:
+            margin = 0.05 * (self.high - self.low) or 0.05 * abs(self.high) or 1.0
+            self.low = 0.0 if zero and self.low >= 0.0 else self.low - margin
+            self.high += margin
 
     def __call__(self, values: NDArray) -> NDArray:
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -163,7 +163,7 @@ def page(
     verdict: Mapping[str, Any] | None = None,
     steps: Sequence[str] | None = None,
 ) -> str:
-    """Lay out one page; where steps are given, what to do next, it begins with a list of contents."""
+    """Lay out one page; where steps are given, what to do next, a list of contents follows them."""
     style = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
     sections = list(sections)
     body = "".join(section.to_html(f"part-{number}") for number, section in enumerate(sections, 1))
@@ -178,12 +178,12 @@ def page(
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{escape(title)}</title><style>{style}</style></head><body><main>"
-        + ("" if steps is None else _contents([section.title for section in sections], bool(cited)))
         + _banner(verdict)
         + f'<h1>{escape(title)}</h1><p class="lead">{escape(lead)}</p>'
         + (f'<div class="facts">{boxes}</div>' if boxes else "")
         + warned
         + _steps(steps or ())
+        + ("" if steps is None else _contents([section.title for section in sections], bool(cited)))
         + body
         + cited
         + folded_glossary(f"{lead} {boxes} {warned} {body}")
@@ -198,11 +198,10 @@ def page(
 
 def _contents(titles: Sequence[str], sources: bool) -> str:
     """Links to the parts of a page."""
-    parts = [("summary", "Summary"), *((f"part-{number}", title) for number, title in enumerate(titles, 1))]
+    parts = [(f"part-{number}", title) for number, title in enumerate(titles, 1)]
     parts += [("sources", "Sources")] if sources else []
     links = "".join(f'<li><a href="#{anchor}">{escape(title)}</a></li>' for anchor, title in parts)
-    listed = f'<nav class="contents" aria-label="Contents"><h2>Contents</h2><ol>{links}</ol></nav>'
-    return f'{listed}<div id="summary"></div>'
+    return f'<nav class="contents" aria-label="Contents"><h2>Contents</h2><ol>{links}</ol></nav>'
 
 
 def _steps(steps: Sequence[str]) -> str:

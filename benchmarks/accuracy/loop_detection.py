@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import io
 import json
 import sys
 import time
@@ -214,42 +215,33 @@ def table(limits: list[DetectionLimit]) -> str:
     return "\n".join(f"| {' | '.join(row)} |" for row in rows) + "\n"
 
 
-PANEL_MM, ACROSS, LETTERS_PT = (45.0, 36.0), 4, 6.0
+ACROSS = 4
 
 
 def figure(limits: list[DetectionLimit]) -> str:
     """The chance to be found over the size, a panel for each effect, as SVG."""
-    from dummydesign.report.plot import Plot, Series
-    from dummydesign.report.plot_drawing import plot_drawing
-    from dummydesign.report.vector_sheet import Text, VectorSheet
+    import matplotlib
 
-    wide, high = PANEL_MM
-    sheet = VectorSheet(
-        "Chance that the loop names a single effect first, over its size",
-        ACROSS * wide,
-        -(-len(limits) // ACROSS) * high,
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    plt.rcParams.update(
+        {"svg.hashsalt": "loop-detection", "font.size": 7, "axes.spines.top": False, "axes.spines.right": False}
     )
-    for number, one in enumerate(limits):
-        left, top = number % ACROSS * wide + 2.0, number // ACROSS * high + 2.0
+    rows = -(-len(limits) // ACROSS)
+    drawn, panels = plt.subplots(rows, ACROSS, figsize=(7.2, 1.5 * rows), layout="constrained", squeeze=False)
+    for panel in panels.flat[len(limits) :]:
+        panel.set_visible(False)
+    for panel, one in zip(panels.flat, limits):
         named = np.repeat([1.0, 0.0], [len(one.hits), len(one.misses)])
-        series = [Series.line("", *one.curve), Series.dots("", [*one.hits, *one.misses], named)]
-        unit = UNITS.get(one.name, "")
-        plot = Plot(
-            one.name,
-            one.name,
-            one.name,
-            f"size [{unit or '1'}]",
-            "",
-            "size",
-            "chance",
-            series,
-            log_x=True,
-            x_range=(0.8 * one.range[0], 1.25 * one.range[1]),
-            y_range=(-0.08, 1.08),
-        )
-        sheet.items.append(Text(left, top + 3.0, one.name.replace("_", " "), LETTERS_PT + 1.0, "bold"))
-        sheet.items += plot_drawing(plot, LETTERS_PT)((left, top + 2.0, left + wide - 5.0, top + high - 4.0))
-    return sheet.svg().replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" ', 1) + "\n"
+        panel.semilogx(*one.curve, linewidth=1.2)
+        panel.plot([*one.hits, *one.misses], named, "s", markersize=2)
+        panel.set(title=one.name.replace("_", " "), xlabel=f"size [{UNITS.get(one.name, '') or '1'}]")
+        panel.set(xlim=(0.8 * one.range[0], 1.25 * one.range[1]), ylim=(-0.08, 1.08))
+        panel.minorticks_off()
+    stream = io.StringIO()
+    drawn.savefig(stream, format="svg", metadata={"Date": None})
+    return stream.getvalue()
 
 
 def main() -> None:

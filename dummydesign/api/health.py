@@ -21,7 +21,8 @@ from dummydesign.core.user_library import user_folder
 NEEDED = ("numpy", "scipy", "scikit-fem", "threadpoolctl")
 PARTS = (
     ("mould", ("cadquery", "trimesh", "networkx", "lxml", "ezdxf", "reportlab"), "", "moulds and drawings"),
-    ("pictures", ("matplotlib",), "", "first pages of reports, pictures of curves"),
+    ("pages", ("typst",), "", "report.pdf, the first page of a report"),
+    ("pictures", ("matplotlib",), "", "pictures of curves"),
     ("fields", ("pyvista",), "", "pictures of moulds, fields for ParaView, bones of many triangles"),
     ("studio", ("nicegui",), "dummydesign[studio]", "the pages in the browser"),
     ("tables", ("pandas", "xarray"), "dummydesign[tables]", "data frames in Python"),

@@ -20,7 +20,7 @@ from dummydesign.core.files import csv_text, write_bytes, write_text
 from dummydesign.core.serialise import parameter_rows
 from dummydesign.core.user_library import data_folder, read_toml
 from dummydesign.mold.files.solid_view import stack, view_html
-from dummydesign.report.front_page import PAPER_MM, FrontPage, lay_out
+from dummydesign.report.front_page import FrontPage, lay_out
 from dummydesign.report.plot import COLUMNS, Plot, plot_scripts, plots_html
 
 NOT_READ = re.compile(r"<(script|style|title|desc)\b.*?</\1>|<[^>]+>", re.DOTALL)
@@ -161,9 +161,9 @@ def page(
     scripts: Sequence[str] = (),
     tables: str = "report",
     verdict: Mapping[str, Any] | None = None,
-    front: str = "",
+    steps: Sequence[str] | None = None,
 ) -> str:
-    """Lay out one page; with a front, which prints on a sheet of its own, a list of contents follows it."""
+    """Lay out one page; where steps are given, what to do next, a list of contents follows them."""
     style = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
     sections = list(sections)
     body = "".join(section.to_html(f"part-{number}") for number, section in enumerate(sections, 1))
@@ -178,12 +178,12 @@ def page(
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{escape(title)}</title><style>{style}</style></head><body><main>"
-        + (f'<section class="front" aria-label="First page">{front}</section>' if front else "")
-        + (_contents([section.title for section in sections], bool(cited)) if front else "")
         + _banner(verdict)
         + f'<h1>{escape(title)}</h1><p class="lead">{escape(lead)}</p>'
         + (f'<div class="facts">{boxes}</div>' if boxes else "")
         + warned
+        + _steps(steps or ())
+        + ("" if steps is None else _contents([section.title for section in sections], bool(cited)))
         + body
         + cited
         + folded_glossary(f"{lead} {boxes} {warned} {body}")
@@ -198,11 +198,17 @@ def page(
 
 def _contents(titles: Sequence[str], sources: bool) -> str:
     """Links to the parts of a page."""
-    parts = [("summary", "Summary"), *((f"part-{number}", title) for number, title in enumerate(titles, 1))]
+    parts = [(f"part-{number}", title) for number, title in enumerate(titles, 1)]
     parts += [("sources", "Sources")] if sources else []
     links = "".join(f'<li><a href="#{anchor}">{escape(title)}</a></li>' for anchor, title in parts)
-    listed = f'<nav class="contents" aria-label="Contents"><h2>Contents</h2><ol>{links}</ol></nav>'
-    return f'{listed}<div id="summary"></div>'
+    return f'<nav class="contents" aria-label="Contents"><h2>Contents</h2><ol>{links}</ol></nav>'
+
+
+def _steps(steps: Sequence[str]) -> str:
+    """What to do next; commands in the letters of a terminal."""
+    typed = (f"<code>{escape(one)}</code>" if one.startswith("dummydesign ") else escape(one) for one in steps)
+    listed = "".join(f"<li>{one}</li>" for one in typed)
+    return f'<section class="steps"><h2>What to do next</h2><ol>{listed}</ol></section>' if listed else ""
 
 
 def _banner(verdict: Mapping[str, Any] | None) -> str:
@@ -228,7 +234,7 @@ def write_report(
 ) -> dict[str, str]:
     """Write ``report.html`` and the values of all plots (``report.csv``); see :func:`page` for the other parts.
 
-    A front is the page's first sheet, and ``report.pdf`` where the library that writes PDF is installed.
+    A front is ``report.pdf``, where Typst is installed; its steps are in the page as well.
 
     Examples
     --------
@@ -250,10 +256,9 @@ def write_report(
     """
     files = {}
     if front is not None:
-        sheet = lay_out(front)
-        parts["front"] = sheet.svg()
+        parts["steps"] = front.steps
         with suppress(ImportError):
-            files["first_page"] = str(write_bytes(folder / f"{stem}.pdf", sheet.pdf(PAPER_MM)))
+            files["first_page"] = str(write_bytes(folder / f"{stem}.pdf", lay_out(front)))
     rows = [row for section in sections for plot in section.plots for row in plot.rows()]
     if rows:
         files["report_values"] = str(write_text(folder / f"{stem}.csv", csv_text(COLUMNS, rows)))

@@ -14,7 +14,7 @@ MM = 25.4 / 72.0
 
 def pages_mm(data: bytes) -> list[tuple[float, float]]:
     """Width and height of every page. [mm]"""
-    boxes = re.findall(rb"/MediaBox \[ ?0 0 ([\d.]+) ([\d.]+) ?\]", data)
+    boxes = re.findall(rb"/MediaBox ?\[ ?0 0 ([\d.]+) ([\d.]+) ?\]", data)
     return [(float(w) * MM, float(h) * MM) for w, h in boxes]
 
 

@@ -13,8 +13,18 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeVar
 
+from studies.marked_page import MarkedPage, wrapped
+
+ROOT = Path(__file__).resolve().parents[1]
+
 R = TypeVar("R", bound=Any)
 """A dataclass with the fields ``seed`` and ``number``."""
+
+
+def write_evidence(name: str, made: str) -> None:
+    """Write a study's part of the page of evidence."""
+    page = MarkedPage(Path("docs", "evidence.md"), f"<!-- {name} begin -->", f"<!-- {name} end -->")
+    page.write(ROOT, wrapped(made))
 
 
 def read_rows(path: Path) -> list[dict]:

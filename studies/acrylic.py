@@ -2,7 +2,7 @@
 
 VHB_DIR has eleven curves of loading and unloading of VHB 4910 (Hossain, Vu and Steinmann 2012, digitised by the authors
 of ConstitutiveANN/vCANN, MIT); PREDICTION_DIR is their folder ``Code/Results_VHB4910/*/prediction``. Neither is part of
-this repository. Writes ``docs/data/acrylic.csv`` and the table of ``docs/acrylic.md``.
+this repository. Writes ``docs/data/acrylic.csv`` and the table of ``docs/real-data.md``.
 
 As in their network, the curves to a stretch of 3.0 are fitted (0.01 and 0.05 1/s) and the nine others are predicted.
 The model is the loop's: elastic stress, two linear arms, and times that go with a power of the rate.
@@ -25,8 +25,8 @@ from studies.marked_page import MarkedPage
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 ROWS = Path("docs", "data", "acrylic.csv")
-PAGE = MarkedPage(Path("docs", "acrylic.md"), "<!-- acrylic begin -->", "<!-- acrylic end -->")
-FITTED, RATES, REFERENCE = 3.0, (0.01, 0.03, 0.05), 0.03
+PAGE = MarkedPage(Path("docs", "real-data.md"), "<!-- acrylic begin -->", "<!-- acrylic end -->")
+FITTED, REFERENCE = 3.0, 0.03
 SAMPLES = 600  # of each curve, as in the network's data
 NETWORK = "network of the authors (vCANN)"
 MODELS = {
@@ -135,17 +135,15 @@ def scatter(curves: Sequence[Curve], stretch: float = 1.4) -> float:
 
 
 def table(rows: Sequence[dict[str, object]], exponents: dict[str, tuple[float, float]], curves: Sequence[Curve]) -> str:
-    """A line a model: errors of the two fitted curves and of the nine others, by rate."""
-    at_rates = " | ".join(f"{rate} 1/s" for rate in RATES)
+    """A line a model: errors of the two fitted curves and of the nine others."""
     lines = [
-        f"| model | law's exponent | rate's exponent | fitted | predicted, all | {at_rates} |",
-        "|---|---|---|---|---|---|---|---|",
+        "| model | law's exponent | rate's exponent | fitted | predicted |",
+        "|---|---|---|---|---|",
     ]
     for model in dict.fromkeys(str(row["model"]) for row in rows):
         own = [row for row in rows if row["model"] == model]
         new = [row for row in own if not row["fitted"]]
         groups = [[row for row in own if row["fitted"]], new]
-        groups += [[row for row in new if row["rate_per_s"] == rate] for rate in RATES]
         errors = [f"{100 * rms([float(str(row['rms_over_peak'])) for row in group]):.1f} %" for group in groups]
         law, power = (f"{one:.2f}" for one in exponents[model]) if model in exponents else ("-", "-")
         lines.append(f"| {model} | {law} | {power} | {' | '.join(errors)} |")

@@ -11,7 +11,8 @@ FOLDER = "docs/data/"
 PAGE = Path(FOLDER) / "README.md"
 HEAD = """# Data files
 
-Tables behind the figures of the documentation. All end in `.csv`. `python -m studies.data_files` writes this list.
+Tables behind the figures of the documentation. All end in `.csv`. Commands begin with `python -m`; `studies.data_files`
+writes this list.
 """
 
 
@@ -26,6 +27,10 @@ def origins() -> dict[str, tuple[str, str]]:
     return dict(sorted((made | {one.name: (one.command, one.origin) for one in DATA_FILES}).items()))
 
 
+def _short(command: str) -> str:
+    return command.removeprefix("python -m ")
+
+
 def page() -> str:
     """The README: files that a command writes, files copied from what one prints, and lists by hand."""
     written: dict[str, list[str]] = {}
@@ -35,10 +40,10 @@ def page() -> str:
         if origin == WRITTEN:
             written.setdefault(command, []).append(name)
         elif command:
-            copied.append(f"| {name} | `{command}` | {origin.removeprefix(COPIED).lstrip('; ')} |\n")
+            copied.append(f"| {name} | `{_short(command)}` | {origin.removeprefix(COPIED).lstrip('; ')} |\n")
         else:
             by_hand.append(f"| {name} | {origin.removeprefix(BY_HAND).removeprefix(' of').lstrip('; ')} |\n")
-    rows = [f"| `{command}` | {', '.join(names)} |\n" for command, names in written.items()]
+    rows = [f"| `{_short(command)}` | {', '.join(names)} |\n" for command, names in written.items()]
     return "".join(
         [
             HEAD,

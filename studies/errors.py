@@ -21,7 +21,7 @@ An error is one line on standard error. With `--json` it is also printed as
 `{"error": {"code", "quantity", "value", "allowed", "message"}}`. In Python it is a `dummydesign.core.errors.InputError`
 or `NoAnswerError` with the same attributes. Codes never change; messages may.
 
-A quantity is an option without its dashes, a key of a file, or a number with its unit. Not all can be listed.
+A quantity is an option without its dashes, a key of a file, or a number with its unit.
 """
 
 
@@ -61,14 +61,13 @@ def raised(package: Path = PACKAGE) -> tuple[dict[str, set[str]], list[str]]:
 
 def document() -> str:
     """Text of docs/errors.md."""
-    quantities, _ = raised()
     parts = [HEAD]
     for title, codes in (
         ("Wrong input: exit status 2", MEANINGS["wrong_input"]),
         ("No acceptable answer: exit status 1", MEANINGS["no_answer"]),
     ):
-        rows = [f"| `{code}` | {CODES[code]} | {', '.join(sorted(quantities[code])) or 'any'} |" for code in codes]
-        parts.append("\n".join([f"## {title}\n", "| code | meaning | quantities |", "|---|---|---|", *rows, ""]))
+        rows = [f"| `{code}` | {CODES[code]} |" for code in codes]
+        parts.append("\n".join([f"## {title}\n", "| code | meaning |", "|---|---|", *rows, ""]))
     return "\n".join(parts)
 
 

@@ -2,7 +2,7 @@
 
 MULTIS_DIR has ``limb_indentation.csv``: 95 people, eight sites, a hand-held ultrasound probe (sbdoherty/UltrasoundML,
 MIT; base data Erdemir and Neumann, SimTK 2018, doi 10.18735/S5R97F). The measurements are not part of this repository.
-Writes ``docs/data/limbs.csv`` and the tables of ``docs/limbs.md``.
+Writes ``docs/data/limbs.csv`` and the tables of ``docs/real-data.md``.
 
 The pad model takes a limb for a glued layer on rigid bone under a flat round punch of the probe's area. Each law turns
 force, depth and thickness of a press into a modulus; the right law gives the same one at every thickness.
@@ -25,7 +25,7 @@ from studies.marked_page import MarkedPage
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 ROWS = Path("docs", "data", "limbs.csv")
-PAGE = MarkedPage(Path("docs", "limbs.md"), "<!-- limbs begin -->", "<!-- limbs end -->")
+PAGE = MarkedPage(Path("docs", "real-data.md"), "<!-- limbs begin -->", "<!-- limbs end -->")
 LIMBS = {"UA": "upper arm", "LA": "forearm", "UL": "thigh", "LL": "calf"}
 FACES = {"A": "front", "P": "back"}
 SITES = {f"{limb}_{face}": f"{text}, {side}" for limb, text in LIMBS.items() for face, side in FACES.items()}
@@ -169,17 +169,14 @@ def tables(presses: Sequence[Press], used: Sequence[Press], results: Sequence[La
     """Both tables of the page."""
     lines = [f"{len(used)} of {len(presses)} presses lie in the tables (a/h from 0.25; thicker limbs do not).", ""]
     lines += [
-        "| law | slope within people, over sites (95 %) | slope within sites, over people (95 %) | scatter within "
-        "people | scatter between people, one site | force at a left-out site |",
-        "|---|---|---|---|---|---|",
+        "| law | slope within people, over sites (95 %) | slope within sites, over people (95 %) | left-out site, "
+        "factor (rms) |",
+        "|---|---|---|---|",
     ]
     for one in results:
         over_sites = f"{one.people_slope:+.2f} ({one.people_low:+.2f} to {one.people_high:+.2f})"
         over_people = f"{one.sites_slope:+.2f} ({one.sites_low:+.2f} to {one.sites_high:+.2f})"
-        lines.append(
-            f"| {LAWS[one.law]} | {over_sites} | {over_people} | {100 * one.within_person:.0f} % | "
-            f"{100 * one.within_site:.0f} % | off by a factor {one.left_out_factor:.2f} (rms) |"
-        )
+        lines.append(f"| {LAWS[one.law]} | {over_sites} | {over_people} | {one.left_out_factor:.2f} |")
     lines += ["", "| site | presses | thickness mm | modulus kPa (2.5 to 97.5 % of people) | between people |"]
     lines.append("|---|---|---|---|---|")
     for site, text in SITES.items():

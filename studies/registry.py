@@ -170,14 +170,14 @@ STUDIES = (
     Study(
         "limbs",
         "MULTIS_DIR",
-        ("docs/limbs.md", "docs/data/limbs.csv"),
+        ("docs/real-data.md", "docs/data/limbs.csv"),
         "law of thickness over bone, on arms and legs of 95 people",
         "10 s",
     ),
     Study(
         "acrylic",
         "VHB_DIR PREDICTION_DIR",
-        ("docs/acrylic.md", "docs/data/acrylic.csv"),
+        ("docs/real-data.md", "docs/data/acrylic.csv"),
         "stress of an acrylic at three rates, predicted from two curves",
         "10 s",
     ),

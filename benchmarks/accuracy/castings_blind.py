@@ -12,7 +12,7 @@ file. Nothing of ``dummydesign.design.scoring.castings`` is used for a pad; the 
 
 A pad's needed factor is the largest ratio of the lowest subject to the pad over all peaks, energies and the steady
 curve. ``correction.factor`` should cover it for 95 % of the pads that reach every press. Rows are kept in ``--rows``
-(one JSON object a line and design), so that a study can be stopped and resumed; the table goes to ``--out``.
+(one JSON object a line and design), so that a study can be stopped and resumed.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.special import erf
 
-from benchmarks.rows import keep_row, read_rows
+from benchmarks.rows import keep_row, read_rows, write_evidence
 from dummydesign.core.levels import LEVELS
 from dummydesign.design.assessment.pad_castings import verdict_of_design
 from dummydesign.design.problem import read_problem
@@ -47,7 +47,6 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
 from dummydesign.pad.pad_under_punch import Pad
-from studies.marked_page import wrapped
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -413,22 +412,6 @@ QUANTITIES = (
     ("factor after measuring", "measured_needed", "factor_after_measuring"),
 )
 """Stated 95 % figures: name, what a pad needs, and what was stated."""
-HEAD = """# Blind check of castings
-
-`suggest` states 95 % figures and the share of castings in each class. This check casts and presses simulated pads with
-code of its own. No real pad was cast.
-"""
-METHOD = """
-## Method
-
-1. `suggest` designs the crowned pads that it recommends and slabs for the built-in tissues, solved by finite elements.
-   The resin is known in four degrees, from unmeasured to measured and made well (0.01 g, 0.05 mm, ratios in steps of
-   0.02).
-2. For each shape, one ratio is chosen at every level that occurs.
-3. Resin, weighing and thickness of each simulated pad are drawn from their intervals. Force curves are finite-element
-   solutions, with a smooth error of the stated size.
-4. The factor that a pad needs is lowest subject over pad, the largest over peaks, energies and steady curve.
-"""
 
 
 def groups_of(rows: list[dict]) -> dict[str, list[dict]]:
@@ -462,57 +445,19 @@ def data(rows: list[dict]) -> dict[str, list[tuple]]:
 
 
 def table(rows: list[dict]) -> str:
-    """The page in Markdown."""
-    seeds = ", ".join(str(seed) for seed in sorted({row["seed"] for row in rows}))
-    groups, pads = groups_of(rows), sum(row["pads"] for row in rows)
-    average = sum(len(row.get("measured_needed", ())) for row in rows)
-    shown = [one for one in QUANTITIES if one[0] != "shortfall"]
-    stated, counted, *_ = shares_of(rows, "out_of_reach")
+    """Whether stated figures hold, by level of the design, in Markdown."""
+    groups, shown = groups_of(rows), [one for one in QUANTITIES if one[0] != "shortfall"]
     lines = [
-        HEAD,
-        f"The stated factor suffices for {_share(*covered(rows, 'needed', 'factor'))} of the pads in reach. The stated",
-        f"over-reading holds for {_share(*covered(rows, 'over', 'over_q95'))}. {100 * counted:.1f} % of all pads",
-        f"cannot make every press; {100 * stated:.1f} % were stated.",
-        METHOD,
-        f"{len(rows)} designs, seed {seeds}. {pads} pads have all uncertainties. {average} further ones are of an",
-        'average batch (column "factor after measuring").',
-        "`python -m benchmarks.accuracy.castings_blind` runs the study.",
-        "",
-        "## 95 % figures",
-        "",
-        "For how many of the pads in reach does the stated figure suffice? 95 % is expected. In brackets: one standard",
-        "error. The figure itself comes from 1200 castings, which adds 0.6 percentage points.",
-        "",
-        "| designs | number | " + " | ".join(name for name, *_ in shown) + " |",
-        "|---|---|" + "---|" * len(shown),
+        f"| designs | number | {' | '.join(name for name, *_ in shown)} | fit as promised: stated | counted |",
+        "|---|---|" + "---|" * (len(shown) + 2),
     ]
     for words, own in groups.items():
         if words == "all" or words in LEVELS:
-            cells = (_share(*covered(own, *names)) for _, *names in shown)
-            lines.append(f"| {words} | {len(own)} | {' | '.join(cells)} |")
-    lines += [
-        "",
-        "Weakest groups:",
-        "",
-        *(_weakest(groups, *one) for one in shown),
-        "",
-        "All groups: `docs/data/castings-blind.csv`.",
-        "",
-        "## Levels",
-        "",
-        "| level | promised | stated | counted |",
-        "|---|---|---|---|",
-    ]
-    for level, worst in (("stands_for", 0), ("usable_with_correction", 1), ("not_settled", 1)):
-        own = groups[level]
-        pads = sum(row["pads"] for row in own)
-        good = sum(kind <= worst for row in own for kind in row["classes"])
-        stated = sum(row["pads"] * sum(row["stated"][name] for name in CLASSES[: worst + 1]) for row in own)
-        promised = f"{'stands for' if worst == 0 else 'usable'}, 95 %" if level != "not_settled" else "nothing"
-        share = f"{100 * stated / pads:.1f} %" if pads else ""
-        lines.append(f"| {level} | {promised} | {share} | {_share(good, pads)} |")
-    lines += ["", "`docs/data/castings-blind-classes.csv` has the share of each class."]
-    return "\n".join(lines) + "\n"
+            cells = (f"{_percent(*covered(own, *names))[0]} %" for _, *names in shown)
+            kinds = [shares_of(own, name) for name in CLASSES[: 1 if words == "stands_for" else 2]]
+            ends = (f"{100 * sum(kind[at] for kind in kinds):.1f} %" for at in (0, 1))
+            lines.append(f"| {words} | {len(own)} | {' | '.join([*cells, *ends])} |")
+    return "\n".join([*lines, "", *(_weakest(groups, *one) for one in shown)]) + "\n"
 
 
 def _weakest(groups: dict[str, list[dict]], name: str, *names: str) -> str:
@@ -520,7 +465,7 @@ def _weakest(groups: dict[str, list[dict]], name: str, *names: str) -> str:
     share = {words: covered(own, *names) for words, own in groups.items()}
     low = min(share, key=lambda words: share[words][0] / max(share[words][1], 1))
     most = max(float(beyond(own, *names) or 0.0) for own in groups.values())
-    return f"- {name}: {_share(*share[low])} for {low}. Figures {most} % larger suffice for 95 % in every group."
+    return f"- {name}: weakest {_share(*share[low])} for {low}; figures {most} % larger suffice in every group."
 
 
 def _percent(good: int, every: int) -> tuple[str, str]:
@@ -539,7 +484,6 @@ def main() -> None:
     parser.add_argument("--pads", type=int, default=60, help="of each design")
     parser.add_argument("--seed", type=int, default=20261127)
     parser.add_argument("--rows", type=Path, help="default results/castings_blind.jsonl, ..._tables.jsonl")
-    parser.add_argument("--out", type=Path, default=ROOT / "docs" / "castings-blind.md")
     parser.add_argument("--tables", action="store_true", help="designs by their tables (--no-verify); printed")
     parser.add_argument("--table-only", action="store_true")
     options = parser.parse_args()
@@ -570,7 +514,7 @@ def main() -> None:
         for words, *names in QUANTITIES:
             print(f"{words}: {_share(*covered(rows, *names))}")
         return
-    options.out.write_text(wrapped(table(rows)))
+    write_evidence("castings", table(rows))
     for name, lines in data(rows).items():
         with (ROOT / "docs" / "data" / f"{name}.csv").open("w", newline="") as stream:
             csv.writer(stream, lineterminator="\n").writerows(lines)

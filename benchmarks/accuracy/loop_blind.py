@@ -2,8 +2,8 @@
 
 Campaigns with none, one, two and three effects and with effects that are not in the vocabulary, from
 tests/support/campaign_generator.py, which shares no code with the effect classes. Every run is kept in ``--rows`` (one
-JSON object a line), so that a study can be stopped and resumed; the table goes to ``--out``. With ``--visible`` every
-campaign has one effect that can be seen, and rates are printed only.
+JSON object a line), so that a study can be stopped and resumed. With ``--visible`` every campaign has one
+effect that can be seen, and rates are printed only.
 """
 
 from __future__ import annotations
@@ -16,12 +16,9 @@ from pathlib import Path
 from benchmarks.accuracy.loop_blind_table import HEADS, data, table, visible
 from benchmarks.accuracy.loop_campaigns import KINDS, VISIBLE, kind_of, run_one
 from benchmarks.accuracy.loop_independent_generator_page import section, write_functions
-from benchmarks.rows import keep_row, read_rows, scratch
-from studies.marked_page import wrapped
+from benchmarks.rows import keep_row, read_rows, scratch, write_evidence
 
 ROOT = Path(__file__).resolve().parents[2]
-
-PAGE = ROOT / "docs" / "loop-blind.md"
 ROWS = ROOT / "benchmarks" / "results" / "loop_blind_747000.jsonl"
 
 
@@ -32,7 +29,6 @@ def main() -> None:
     parser.add_argument("--campaigns", type=int, default=250)
     parser.add_argument("--part", type=int, nargs=2, default=(0, 1), metavar=("K", "N"), help="each N-th from K")
     parser.add_argument("--rows", type=Path, default=ROWS)
-    parser.add_argument("--out", type=Path, default=PAGE)
     parser.add_argument("--only", nargs="*", choices=KINDS, help="kinds to run")
     parser.add_argument("--visible", action="store_true", help="one effect of 3 to 8 noise floors in each")
     parser.add_argument("--table-only", action="store_true")
@@ -51,14 +47,13 @@ def main() -> None:
     if options.visible:
         print(visible(rows))
         return
-    whole = options.out == PAGE
-    options.out.write_text(wrapped(f"{section()}\n{table(rows)}" if whole else table(rows)))
-    if whole:
-        write_functions(PAGE.parent / "data" / "loop-functions.csv")
-    for name, lines in data(rows).items() if whole else ():
-        with (PAGE.parent / "data" / f"{name}.csv").open("w", newline="") as stream:
+    write_evidence("independent", section())
+    write_evidence("blind", table(rows))
+    folder = ROOT / "docs" / "data"
+    write_functions(folder / "loop-functions.csv")
+    for name, lines in data(rows).items():
+        with (folder / f"{name}.csv").open("w", newline="") as stream:
             csv.writer(stream, lineterminator="\n").writerows([HEADS[name], *lines])
-    print(f"{len(rows)} campaigns, table in {options.out}", file=sys.stderr)
 
 
 if __name__ == "__main__":

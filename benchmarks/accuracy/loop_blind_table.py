@@ -1,4 +1,4 @@
-"""The first generator's part of docs/loop-blind.md, and its data files."""
+"""The first generator's part of docs/evidence.md, and its data files."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.accuracy.loop_campaigns import COUNTS, FLOORS, REFUSED
+from benchmarks.accuracy.loop_campaigns import COUNTS
 from benchmarks.rows import read_rows
 
 BEFORE = Path(__file__).resolve().parents[1] / "results" / "loop_blind_746000.jsonl"
@@ -20,16 +20,6 @@ Row = dict
 Test = Callable[[Row], bool]
 
 
-HEAD = """## A first generator
-
-`tests/support/campaign_generator.py` has laws that are nearer to those of the loop, and other effects without a name.
-
-- One effect: each of the vocabulary in turn, at its usual size, doubled and halved.
-- Two and three: of the {count} that can be made large. Each alone would leave 3 to 8 noise floors on left-out
-  conditions.
-- Unnamed: effects outside the vocabulary. Those of the state depend on depth, force or time since the stop.
-- Silent: `effect` or `none`, but more than two floors are left on other pads.
-"""
 HEADS = {
     "loop-blind": ("quantity", "count", "total", "percent", "low_95_percent", "high_95_percent", "wanted"),
     "loop-blind-errors": ("campaigns", "quantity", "median", "quantile_90"),
@@ -160,52 +150,23 @@ def data(rows: list[Row]) -> dict[str, list[tuple]]:
 
 def table(rows: list[Row]) -> str:
     """The part of the page on the first generator."""
-    every = [row for row in rows if row["kind"] != REFUSED]
-    lines = [
-        HEAD.format(count=len(FLOORS)),
-        f"{len(every)} campaigns, seeds {_ranges(every)}: `python -m benchmarks.accuracy.loop_blind --seed "
-        f"{min(row['seed'] for row in every)} --campaigns {len(rows)}`. In brackets: 95 % interval of the rate.",
-        *(
-            f"Seed {row['seed']} ({', '.join(row['effects'])}) was refused before the loop: {row['message']}."
-            for row in rows
-            if row["kind"] == REFUSED
-        ),
-        "`docs/data/loop-blind.csv` has all rates; `loop-blind-effects.csv`, `loop-blind-errors.csv`,",
-        "`loop-blind-missed.csv` and `loop-blind-unnamed.csv` have errors and mistakes.",
-        "",
-        "| campaigns | counted | wanted |",
-        "|---|---|---|",
-    ]
     counted = rates(rows)
+    lines = ["| | found | 95 % | wanted |", "|---|---|---|---|"]
     for name, count, total, _, low, high, wanted in counted:
         if wanted and not name.endswith(LESS):
-            lines.append(f"| {name} | {count} of {total} ({low} to {high} %) | {wanted} |")
+            lines.append(f"| {name} | {count} of {total} | {low} to {high} | {wanted} |")
     quiet = [row for row in counted if row[0].endswith("silent")]
-    lines += [f"| any: silent | {sum(row[1] for row in quiet)} of {sum(row[2] for row in quiet)} | 0 |", ""]
-    state = [row for row in every if row["kind"] == "unnamed" and row["effects"][0] in OF_THE_STATE]
-    if state:
-        left = float(np.median([row["heldout"][1] / row["heldout"][0] for row in state]))
-        text = f"Unnamed effects of the state: median left-out error {left:.2f} of the base model's (0.5 wanted)."
-        lines += [text, ""]
-    single = [row for row in _by_effect(by_kind(rows)["one"]) if row[2] < row[1]]
-    if single:
-        missed = (
-            f"`{name}`" + ("" if total == 1 else f" in {total - first} of {total}") for name, total, first, _ in single
-        )
-        lines += [f"One effect, not named first: {', '.join(missed)}."]
-    lines += ["", _before(read_rows(BEFORE))]
-    return "\n".join(lines) + "\n"
-
-
-def _before(rows: list[Row]) -> str:
-    """The study before, whose names were chosen by the same rules."""
-    of = by_kind(rows)
+    lines += [f"| any: silent | {sum(row[1] for row in quiet)} of {sum(row[2] for row in quiet)} | | 0 |", ""]
+    single = (f"`{name}`" for name, total, first, _ in _by_effect(by_kind(rows)["one"]) if first < total)
+    lines.append(f"- Not named first: {', '.join(single)}.")
+    of = by_kind(read_rows(BEFORE))
     every = ((1, "one"), (2, "two"), (3, "three"))
     counts = [f"{sum(right(row) == size for row in of[kind])} of {len(of[kind])}" for size, kind in every]
-    return (
-        f"Another seed (746000), names chosen alike: {', '.join(counts)} for one, two and three effects; "
-        f"of two a wrong name in {sum(map(wrong, of['two']))} of {len(of['two'])}."
+    lines.append(
+        f"- Another seed (746000): {', '.join(counts)} for one, two and three effects; of two a wrong name in "
+        f"{sum(map(wrong, of['two']))} of {len(of['two'])}."
     )
+    return "\n".join(lines) + "\n"
 
 
 LESS = (
@@ -229,14 +190,6 @@ def _by_nature(rows: list[Row]) -> Iterator[Measure]:
     yield "unnamed, of the state: a function learned", sum(map(learned, state)), len(state), ""
     yield "unnamed, of the state: left-out error at most half of the base model's", halved, len(state), ""
     yield "unnamed, others: called unexplained, nothing learned", alone, len(other), ">= 95 %"
-
-
-def _ranges(rows: list[Row]) -> str:
-    """The seeds that were run, as ranges without gaps."""
-    seeds = sorted(row["seed"] for row in rows)
-    starts = [seed for seed in seeds if seed - 1 not in seeds]
-    ends = [seed for seed in seeds if seed + 1 not in seeds]
-    return ", ".join(f"{a} to {b}" for a, b in zip(starts, ends))
 
 
 def _covered(rows: list[Row], names: tuple[str, ...]) -> list[bool]:

@@ -9,18 +9,16 @@ from __future__ import annotations
 
 import argparse
 import csv
-from collections import Counter
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.accuracy.loop_puck_heights import SEED, rows_file
-from benchmarks.rows import read_rows, scratch
+from benchmarks.rows import read_rows, scratch, write_evidence
 from dummydesign.loop.result import result_dict
 from dummydesign.loop.run import close_loop
 from dummydesign.measurement.campaign import Campaign
 from dummydesign.measurement.campaign_file import read_campaign
-from studies.marked_page import MarkedPage, wrapped
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -42,7 +40,7 @@ repeat = {repeat}
 """
 VERDICTS = ("ambiguous", "none", "effect", "unexplained")
 DEEP_MM = 15.0
-PAGE, TABLE = ROOT / "docs" / "loop-ecoflex.md", ROOT / "docs" / "data" / "loop-ecoflex.csv"
+TABLE = ROOT / "docs" / "data" / "loop-ecoflex.csv"
 
 
 HEADS = [
@@ -123,26 +121,18 @@ def run_mixture(name: str, curves: dict[str, np.ndarray], folder: Path) -> list[
     ]
 
 
-MARKS = MarkedPage(PAGE.relative_to(ROOT), "<!-- mixtures begin -->", "<!-- mixtures end -->")
-HEIGHTS = MarkedPage(PAGE.relative_to(ROOT), "<!-- heights begin -->", "<!-- heights end -->")
-
-
 def possible(row: dict[str, str], name: str) -> bool:
     """Whether an effect is among the explanations of a mixture."""
     return any(one.startswith(f"{name} ") for one in row["explanations"].split("; "))
 
 
 def mixtures(table: list[dict[str, str]]) -> str:
-    """Summary of the table, and a row for each mixture without thinner."""
+    """Summary of the table."""
     of = {
         name: [row for row in table if row["verdict"] == name]
         for name in ("ambiguous", "none", "unexplained", "effect")
     }
     counts = ", ".join(f"`{name}` {len(rows)}" for name, rows in of.items() if rows)
-
-    def ratio(rows: list[dict[str, str]], name: str) -> str:
-        shares = [float(row[f"{name}_after_N"]) / float(row[f"{name}_base_N"]) for row in rows]
-        return f"{min(shares):.2f} to {max(shares):.2f}, median {float(np.median(shares)):.2f}"
 
     doubted = of["ambiguous"]
     friction = sum(possible(row, "plate_friction") for row in doubted)
@@ -151,46 +141,27 @@ def mixtures(table: list[dict[str, str]]) -> str:
         f"- Verdicts of {len(table)} mixtures: {counts}.",
         f"- Plate friction is among the explanations in {friction} of {len(doubted)} `ambiguous` ones and the best in "
         f"{best}, strain stiffening in {sum(possible(row, 'strain_stiffening') for row in doubted)}.",
-        f"- Error after over before, both specimens fitted: {ratio(doubted, 'residual')}; on the left-out specimen: "
-        f"{ratio(doubted, 'left_out')}.",
-        "",
-        "| mixture | largest N | specimens differ | verdict | explanations (modulus, error) | left out: base, after |",
-        "|---|---|---|---|---|---|",
     ]
-    for row in (one for one in table if one["mixture"].endswith("_0T")):
-        left = f"{row['left_out_base_N']}, {row['left_out_after_N']}"
-        cells = (
-            row["mixture"],
-            row["largest_N"],
-            row["specimens_differ_N"],
-            row["verdict"],
-            row["explanations"] or "-",
-        )
-        lines.append(f"| {' | '.join(cells)} | {left} |")
     return "\n".join(lines) + "\n"
 
 
 def heights(rows: list[dict]) -> str:
     """What drawn pucks of one height and of two give, by kind."""
-    lines = ["| drawn | pucks | verdicts | the cause is named or listed | friction decided | modulus in its interval |"]
-    lines.append("|---|---|---|---|---|---|")
+    lines = ["| drawn | cause named or listed: one, two heights | friction decided | modulus in its interval |"]
+    lines.append("|---|---|---|---|")
     causes = {"friction": {"plate_friction"}, "stiffening": {"strain_stiffening"}}
     causes |= {"both": causes["friction"] | causes["stiffening"], "none": set()}
     for kind, cause in causes.items():
         own = [row for row in rows if row["kind"] == kind]
+        counts = []
         for count in ("one", "two"):
-            verdicts = Counter(row["verdict"][count] for row in own)
             said = [set(row["possible"][count] or row["named"][count]) for row in own]
-            rubs = "plate_friction" in cause
-            decided = sum(_decides(row["sets"][count], rubs) for row in own)
+            decided = sum(_decides(row["sets"][count], "plate_friction" in cause) for row in own)
             held = [row["young_kPa"][count] for row in own]
             inside = sum(low <= 1e3 * row["rubber"]["young_MPa"] <= high for row, (_, low, high) in zip(own, held))
-            right = sum(cause <= one if cause else not one for one in said)
-            words = ", ".join(f"`{name}` {times}" for name, times in verdicts.most_common())
-            cells = (kind, f"{count} height{'s' if count == 'two' else ''}", words, right, decided, inside)
-            lines.append(
-                "| " + " | ".join(f"{one} of {len(own)}" if isinstance(one, int) else one for one in cells) + " |"
-            )
+            counts.append((sum(cause <= one if cause else not one for one in said), decided, inside))
+        cells = (f"{one}, {two} of {len(own)}" for one, two in zip(*counts, strict=True))
+        lines.append(f"| {kind} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 
@@ -215,8 +186,8 @@ def main() -> None:
         with TABLE.open("w", newline="", encoding="utf-8") as stream:
             csv.writer(stream, lineterminator="\n").writerows([HEADS, *rows])
     with TABLE.open(encoding="utf-8", newline="") as stream:
-        MARKS.write(ROOT, wrapped(mixtures(list(csv.DictReader(stream)))).rstrip() + "\n")
-    HEIGHTS.write(ROOT, heights(read_rows(rows_file(SEED))))
+        write_evidence("mixtures", mixtures(list(csv.DictReader(stream))))
+    write_evidence("heights", heights(read_rows(rows_file(SEED))))
 
 
 if __name__ == "__main__":

@@ -25,12 +25,11 @@ from typing import Any
 import numpy as np
 
 import dummydesign
-from benchmarks.rows import keep_row, read_rows, scratch
+from benchmarks.rows import keep_row, read_rows, scratch, write_evidence
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.loop.calibration_file import read_calibration
 from dummydesign.loop.run import replay
 from dummydesign.measurement.campaign_file import read_campaign
-from studies.marked_page import wrapped
 from tests.support import campaign_generator as generator
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -191,45 +190,24 @@ def turn_rows(rows: list[dict]) -> list[dict]:
 
 
 def table(rows: list[dict]) -> str:
-    """Write what was found as the page of the documentation."""
+    """Pads of one material, as designed, in Markdown; then :func:`pads_table`."""
     plain = [row for row in rows if "turns" in row and "recorded" not in row]
-    lines = [
-        "# Three turns",
-        "",
-        "Simulated material. Each turn is a campaign, `loop --prior --plan` and `suggest --calibration`. The next turn",
-        "presses the plan and the designed pad. Errors are those on pads that no turn presses, in noise floors. All",
-        "turns: `docs/data/loop-turns.csv`.",
-    ]
-    if plain:
-        lines += _plain_lines(rows, plain)
-    return "\n".join([*lines, *pads_table(rows)]) + "\n"
-
-
-def _plain_lines(rows: list[dict], plain: list[dict]) -> list[str]:
-    """The first study: pads of one material, as designed."""
     width = np.array([[100 * np.log(t["young"][1] / t["young"][0]) / 2 for t in row["turns"]] for row in plain])
     error = np.array([[t["replay"] / row["floor"] for t in row["turns"]] for row in plain])
     inside = [[t["young"][0] <= row["young"] <= t["young"][1] for t in row["turns"]] for row in plain]
     narrower = int((np.diff(width, axis=1) < 0).all(axis=1).sum())
     smaller = int((error[:, -1] < error[:, 0]).sum())
-    lines = [
-        "",
-        "## Pads of one material",
-        "",
-        f"`python -m benchmarks.accuracy.loop_turns --seed {min(row['seed'] for row in plain)}`, {len(plain)} series "
-        "of new seeds:",
-        "",
-        f"- Modulus: half width of the interval {_medians(width)} %, narrower after each turn in {narrower} of "
-        f"{len(plain)}.",
-        f"- It contains the true value in {sum(map(sum, inside))} of {np.size(inside)} turns.",
-        f"- Error on the other pads {_medians(error)}. It fell from turn one to three in {smaller} of {len(plain)}.",
-    ]
-    refused = f"- A prior of the same material was refused in {_refused(plain)} of {2 * len(plain)} turns"
     wrong = [row for row in rows if "contradicted" in row]
-    if wrong:
-        named = sum(not row["used"] and any("young_kPa" in text for text in row["conflicts"]) for row in wrong)
-        refused += f"; one with a modulus 25 % off in {named} of {len(wrong)}"
-    return [*lines, f"{refused}."]
+    named = sum(not row["used"] and any("young_kPa" in text for text in row["conflicts"]) for row in wrong)
+    lines = [
+        f"- Modulus: half width {_medians(width)} %, narrower after each turn in {narrower} of {len(plain)}; it "
+        f"contains the true value in {sum(map(sum, inside))} of {np.size(inside)} turns.",
+        f"- Error on other pads {_medians(error)}, smaller after the third turn in {smaller} of {len(plain)}.",
+        f"- A prior of the same material was refused in {_refused(plain)} of {2 * len(plain)} turns; one with a "
+        f"modulus 25 % off in {named} of {len(wrong)}.",
+        "",
+    ]
+    return "\n".join([*lines, *pads_table(rows)]) + "\n"
 
 
 def _medians(values: np.ndarray | list[list[float]]) -> str:
@@ -243,22 +221,7 @@ def pads_table(rows: list[dict]) -> list[str]:
     seeds = sorted({row["seed"] for row in both[True]} & {row["seed"] for row in both[False]})
     if not seeds:
         return []
-    pads = generator.CastPads()
-    lines = [
-        "",
-        "## Pads with a factor of their own",
-        "",
-        f"Each pad has its own thickness ({pads.thickness_mm:g} mm) and modulus ({100 * pads.ln_young:g} %), as "
-        "standard deviations. Level and slope",
-        "of its force are off by a further half per cent that no record shows. "
-        "Each series is run without records, and with",
-        f"the gauged thickness ({pads.gauge_mm:g} mm) and a witness of "
-        f"each batch ({100 * pads.witness:g} %). The other pads are newly cast too.",
-        f"`python -m benchmarks.accuracy.loop_turns --pads --seed {seeds[0]}`, {len(seeds)} series of new seeds:",
-        "",
-        "| | without records | with records |",
-        "|---|---|---|",
-    ]
+    lines = ["| pads differ | without records | with records |", "|---|---|---|"]
     error: dict[bool, list[list[float]]] = {False: [], True: []}
     right: dict[bool, list[bool]] = {False: [], True: []}
     for seed in seeds:
@@ -279,18 +242,16 @@ def pads_table(rows: list[dict]) -> list[str]:
         "",
         f"- With records the error is smaller in {smaller} of {3 * len(seeds)} turns.",
         f"- The third answer states that pads differ by {np.median([one['size_percent'] for one in last]):.1f} % "
-        f"(standard deviation). With the records {np.median([one['left_percent'] for one in last]):.1f} %",
-        f"  remains: they explain {100 * np.median(explained):.0f} % of the variance (medians).",
+        f"(standard deviation). With the records {np.median([one['left_percent'] for one in last]):.1f} % remain; "
+        f"they explain {100 * np.median(explained):.0f} % of the variance (medians).",
     ]
     return lines
 
 
-def write_page(rows: list[dict], page: Path) -> None:
-    """Write the page, and beside it the data file of all turns."""
-    page.write_text(wrapped(table(rows)), encoding="utf-8")
-    data = page.parent / "data" / "loop-turns.csv"
-    data.parent.mkdir(exist_ok=True)
-    with data.open("w", newline="", encoding="utf-8") as file:
+def write_page(rows: list[dict]) -> None:
+    """Write the part of the page, and the data file of all turns."""
+    write_evidence("turns", table(rows))
+    with (ROOT / "docs" / "data" / "loop-turns.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, FIELDS, lineterminator="\n")
         writer.writeheader()
         writer.writerows(turn_rows(rows))
@@ -310,7 +271,7 @@ def _run_pads(options: argparse.Namespace) -> None:
                 row = run_seed(seed, folder, generator.CastPads(recorded=recorded))
             keep_row(options.rows, row)
             print(json.dumps(row), file=sys.stderr, flush=True)
-    write_page(read_rows(options.rows), options.out)
+    write_page(read_rows(options.rows))
 
 
 def main() -> None:
@@ -319,7 +280,6 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=981000, help="seeds count up from here")
     parser.add_argument("--seeds", type=int, default=8)
     parser.add_argument("--rows", type=Path, default=ROOT / "benchmarks" / "results" / "loop_turns.jsonl")
-    parser.add_argument("--out", type=Path, default=ROOT / "docs" / "loop-turns.md")
     parser.add_argument("--pads", action="store_true", help="pads with a factor of their own, with and without records")
     options = parser.parse_args()
     if options.pads:
@@ -335,7 +295,7 @@ def main() -> None:
             row = run_seed(seed, folder) if number < options.seeds else contradicted(seed, folder)
         keep_row(options.rows, row)
         print(json.dumps(row), file=sys.stderr, flush=True)
-    write_page(read_rows(options.rows), options.out)
+    write_page(read_rows(options.rows))
 
 
 if __name__ == "__main__":

@@ -17,7 +17,6 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,8 +24,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.accuracy.castings_blind import GEOMETRIES, force_over_young
-from benchmarks.rows import keep_row, read_rows
-from dummydesign.core.levels import LEVELS, LIGHTS
+from benchmarks.rows import keep_row, read_rows, write_evidence
 from dummydesign.design.measured_pad import verdict_of_traces
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
@@ -42,7 +40,6 @@ from dummydesign.design.scoring.verdict import (
 from dummydesign.design.suggest import suggest
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.comparison import compare_traces
-from studies.marked_page import wrapped
 from tests.support.campaign_press import Pad, Physics, pad_force
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -242,64 +239,26 @@ def run_one(casting: dict, readings: Readings, depth: np.ndarray, targets, seed:
     return {**row, "cpu_seconds": round(time.process_time() - started, 2)}
 
 
-HEAD = """# Blind check of the verdict
-
-Is the verdict of `compare` right? Simulated castings with known truth are pressed, and `compare` sees six noisy traces.
-
-## Method
-
-- Designs for the built-in tissues are cast with errors of weighing, thickness and resin, and pressed by the
-  generator of `tests/support`, with its own finite-element curves and integrator.
-- Truth is the verdict on exact presses at 5, 10 and 15 N.
-- A casting is *near a border* if forces 1 % larger or smaller change its true level.
-- The curves end at 0.45 of the thickness, for a recommended crown at 0.59. Castings that do not reach 15 N were
-  replaced.
-"""
-
-
 def table(rows: list[dict]) -> str:
     """The study in Markdown."""
     same = sum(row["level"] == row["true"] for row in rows)
     low = [row for row in rows if row["true_shortfall"] > 1.01]
     red = [row for row in rows if row["true"] == "not_representative"]
     wrong, passed = (sum(row["light"] == light for row in low) for light in ("green", "amber"))
-    missed = sum(row["light"] != "red" for row in red)
-    clear = sum(row["light"] != "red" and not row["near_border"] for row in red)
+    missed = [row for row in red if row["light"] != "red"]
+    clear = sum(not row["near_border"] for row in missed)
     known = [row for row in rows if row["factor"] is not None]
     held = sum(max(row["true_shortfall"], 1.0) <= row["factor"] for row in known)
     nearly = sum(max(row["true_shortfall"], 1.0) <= 1.01 * row["factor"] for row in known)
     over = sum(row["true_over"] <= row["over_q95"] for row in rows if row["over_q95"] is not None)
-    seeds = ", ".join(str(one) for one in sorted({row["seed"] for row in rows}))
-    seconds = np.mean([row["cpu_seconds"] for row in rows])
     lines = [
-        HEAD,
-        f"{len(rows)} castings, seed {seeds}, {seconds:.1f} s of processor time each.",
-        "",
-        "`python -m benchmarks.accuracy.verdict_blind` runs the study.",
-        "",
-        "## Results",
-        "",
         f"- `compare` gives the true level in {same} of {len(rows)}.",
         f"- {len(low)} castings read more than 1 % too low: {wrong} are green, {passed} amber, the others red.",
-        f"- {len(red)} castings are truly not representative: {len(red) - missed} are red, of the others {clear} are "
-        "not near a border."
-        if missed
-        else f"- {len(red)} castings are truly not representative: all are red.",
+        f"- {len(red)} are truly not representative: {len(red) - len(missed)} are red, of the others {clear} are not "
+        "near a border.",
         f"- The stated factor suffices in {held} of {len(known)}, a factor 1 % larger in {nearly}.",
         f"- The true over-reading is below the stated 95 % figure in {over} of {len(rows)}.",
-        "",
-        "| true level | " + " | ".join(LEVELS) + " |",
-        "|---|" + "---|" * len(LEVELS),
     ]
-    for true in LEVELS:
-        count = Counter(row["level"] for row in rows if row["true"] == true)
-        lines.append(f"| {true} ({LIGHTS[true]}) | " + " | ".join(str(count[level]) for level in LEVELS) + " |")
-    for row in rows:
-        if row["level"] != row["true"]:
-            border = "near a border" if row["near_border"] else "not near a border"
-            ratios = (row["true_shortfall"], row["shortfall"] or 0.0, row["true_over"], row["over"] or 0.0)
-            words = "True shortfall {:.3f}, read as {:.3f}; true over-reading {:.3f}, read as {:.3f}.".format(*ratios)
-            lines += ["", f"Wrong: {row['tissue']} {row['shape']}, {border}.", words]
     return "\n".join(lines) + "\n"
 
 
@@ -309,7 +268,6 @@ def main() -> None:
     parser.add_argument("--castings", type=int, default=40)
     parser.add_argument("--seed", type=int, default=20261127)
     parser.add_argument("--rows", type=Path, default=ROOT / "benchmarks" / "results" / "verdict_blind.jsonl")
-    parser.add_argument("--out", type=Path, default=ROOT / "docs" / "verdict-blind.md")
     options = parser.parse_args()
     rows = [row for row in read_rows(options.rows) if row["seed"] == options.seed]
     known = {row["number"] for row in rows}
@@ -332,7 +290,7 @@ def main() -> None:
             file=sys.stderr,
             flush=True,
         )
-    options.out.write_text(wrapped(table(sorted(rows, key=lambda row: row["number"]))))
+    write_evidence("verdict", table(sorted(rows, key=lambda row: row["number"])))
 
 
 if __name__ == "__main__":

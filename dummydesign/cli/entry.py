@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import atexit
 import errno
+import gc
 import importlib
 import io
 import os
@@ -367,6 +368,8 @@ PACKAGES = {
 """Packages by the name of their module, where the two differ."""
 FULL = {getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG", "EROFS") if hasattr(errno, name)}
 """Reasons of the system why no file can be written: a full disk, a quota, a limit of size, a disk for reading only."""
+GARBAGE = 100_000
+"""Objects more than were given up at which cycles are looked for."""
 STOPPED = 130
 """Exit status of a command that the user ended."""
 
@@ -381,6 +384,8 @@ def main() -> NoReturn:
     """Entry point without arguments; reads ``sys.argv`` and exits with the command's status."""
     # before numpy is loaded, for this process and those it starts
     os.environ.update(ONE_THREAD)
+    # searches for cycles among what the imports made cost a twentieth of a command's time
+    gc.set_threshold(GARBAGE)
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by the caller
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))

@@ -157,7 +157,7 @@ def cast_pad(problem: Problem, design: ShapedDesign) -> PadCastings:
     strain = finite_strain_of(candidate.alone, design.shape, problem.base, problem.targets, problem.radius_mm)
     cast = PadCastings(castings, design.cast, candidate, problem, tolerances, outlook, strain)
     while MORE * cast.castings.n <= MOST_DRAWN and _near_a_limit(cast, limits.share):
-        cast = replace(cast, castings=Castings(castings.resin, MORE * cast.castings.n, castings.seed))
+        cast = replace(cast, castings=replace(castings, n=MORE * cast.castings.n), first=cast.few)
     return cast
 
 

@@ -7,36 +7,22 @@ contradict each other beyond chance the new campaign stands alone, and what cont
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.serialise import Serialised
+from dummydesign.loop.calibration import Calibration
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise
 from dummydesign.loop.model.forward_model import parameter_names
 from dummydesign.loop.model.material import ARM_TOLERANCE
+from dummydesign.loop.result import PooledFit
 from dummydesign.loop.selection.cross_validation import widened
 from dummydesign.measurement.campaign import Campaign
-
-if TYPE_CHECKING:
-    from dummydesign.loop.calibration import Calibration
 
 CONFLICT_P = 0.01  # probability of a larger difference by chance below which a prior is held to contradict the data
 NAMED_Z = 2.5  # parameters that differ by more standard deviations than this are named
 SAME_RATIO = 1e-3
-
-
-@dataclass(frozen=True)
-class PooledFit(Serialised):
-    """How a prior met the data."""
-
-    used: bool
-    chi2: float
-    p: float
-    conflicts: tuple[str, ...]
-    shared: tuple[str, ...]
 
 
 def check_prior(prior: Calibration, campaign: Campaign) -> None:
@@ -72,7 +58,7 @@ def join(fit: CampaignFit, prior: Calibration, lack_ratio: float | None = None) 
     covariance (1 - K H) C; C is widened by a lack of fit as the posterior's is, and P is the prior's covariance
     with :data:`ARM_TOLERANCE` for the arms.
     """
-    from scipy.stats import chi2 as chi_square
+    from scipy.special import chdtrc
 
     known = prior.posterior
     assert known is not None
@@ -87,7 +73,7 @@ def join(fit: CampaignFit, prior: Calibration, lack_ratio: float | None = None) 
     here = turn @ fit.vector + np.array(zeros)
     away = known.mean[take] - here
     distance = float(away @ np.linalg.solve(together, away))
-    p = float(chi_square.sf(distance, len(names)))
+    p = float(chdtrc(len(names), distance))
     if p < CONFLICT_P:
         spread = np.sqrt(np.diag(together))
         order = np.argsort(-np.abs(away / spread))

@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.serialise import to_plain
+from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.budget import Budget
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.next_measurement import NextMeasurement
 from dummydesign.loop.pad_scatter import pad_scatter
-from dummydesign.loop.prior import PooledFit
 from dummydesign.loop.selection.as_designed import AsDesigned
 from dummydesign.loop.selection.cross_validation import AssessedModel, effect_intervals, lack_of_fit
 from dummydesign.loop.selection.doubt_words import Doubt
@@ -24,6 +23,17 @@ from dummydesign.loop.selection.residuals import ResidualDiagnostics
 from dummydesign.loop.selection.search import Selection
 from dummydesign.loop.selection.verdict import AcceptedEffect, Remainder, gain_threshold
 from dummydesign.measurement.campaign import Campaign
+
+
+@dataclass(frozen=True)
+class PooledFit(Serialised):
+    """How a prior met the data."""
+
+    used: bool
+    chi2: float
+    p: float
+    conflicts: tuple[str, ...]
+    shared: tuple[str, ...]
 
 
 @dataclass(frozen=True)

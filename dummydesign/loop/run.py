@@ -26,8 +26,8 @@ from dummydesign.loop.model.forward_model import readings
 from dummydesign.loop.model.material import material_of
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.pad_scatter import known_pads
-from dummydesign.loop.prior import PooledFit, check_prior, join, with_prior_effects
-from dummydesign.loop.result import EffectModel, LoopResult, listed, named
+from dummydesign.loop.prior import check_prior, join, with_prior_effects
+from dummydesign.loop.result import EffectModel, LoopResult, PooledFit, listed, named
 from dummydesign.loop.selection.as_designed import AsDesigned, as_designed
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.doubts import doubt_warnings, doubts_of, without_doubted

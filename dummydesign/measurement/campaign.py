@@ -14,7 +14,7 @@ from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS
 from dummydesign.geometry.interface import BASES, CONDITIONS, Interface
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shapes.slab import Slab
-from dummydesign.measurement.motion import Ramp
+from dummydesign.measurement.ramp_detection import Ramp
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 
@@ -166,8 +166,13 @@ def check_edge(pad: PadSpec, punch: PunchSpec, shapes: Sequence[PadShape], where
     most = LARGEST_EDGE_RADIUS * 0.5 * width
     if not 0.0 < edge <= most * (1.0 + 1e-9):
         share = f"{LARGEST_EDGE_RADIUS:g} of the punch's half-width"
-        message = f"{text} is outside the allowed range 0 to {most:.4g}, {share}"
-        raise InputError(message, "out_of_range", "edge_radius_mm", edge, (0.0, most))
+        raise InputError(
+            f"{text} is outside the allowed range 0 to {most:.4g}, {share}",
+            "out_of_range",
+            "edge_radius_mm",
+            edge,
+            (0.0, most),
+        )
     shaped = [shape for shape in shapes if not shape.plain]
     unsolved = [f"shape = {shape}" for shape in shaped if not shape.axisymmetric][:1]
     contact = Interface.find(punch.contact, CONDITIONS)

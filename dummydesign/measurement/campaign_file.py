@@ -53,11 +53,13 @@ def read_campaign_toml(folder: Path) -> TomlTable:
         text = (folder / FILE).read_text(encoding="utf-8-sig")
         return TomlTable(tomllib.loads(text), folder / FILE, text)
     except FileNotFoundError:
-        message = f"campaign folder '{folder}' has no {FILE}; 'dummydesign campaign new' makes one"
-        raise InputError(message, "file_not_found", "campaign") from None
+        raise InputError(
+            f"campaign folder '{folder}' has no {FILE}; 'dummydesign campaign new' makes one",
+            "file_not_found",
+            "campaign",
+        ) from None
     except (OSError, UnicodeDecodeError) as problem:
-        message = f"{FILE}: cannot be read as UTF-8 text: {problem}"
-        raise InputError(message, "file_unreadable", "campaign") from None
+        raise InputError(f"{FILE}: cannot be read as UTF-8 text: {problem}", "file_unreadable", "campaign") from None
     except tomllib.TOMLDecodeError as problem:
         raise InputError(f"{FILE}: not valid TOML: {problem}", "malformed", "campaign") from None
 
@@ -95,8 +97,12 @@ def read_campaign(folder: str | Path) -> Campaign:
     """
     folder = Path(folder)
     if folder.is_file():
-        message = f"campaign '{folder}' is a file; give its folder: {shlex.quote(str(folder.parent))}"
-        raise InputError(message, "file_not_found", "campaign", str(folder))
+        raise InputError(
+            f"campaign '{folder}' is a file; give its folder: {shlex.quote(str(folder.parent))}",
+            "file_not_found",
+            "campaign",
+            str(folder),
+        )
     if not folder.is_dir():
         raise InputError(f"campaign folder '{folder}' does not exist", "file_not_found", "campaign")
     top = read_campaign_toml(folder)
@@ -104,8 +110,9 @@ def read_campaign(folder: str | Path) -> Campaign:
         raise top.fault("schema", "is not known; this version reads schema = 1", "unsupported", 1)
     for name in ("pad", "punch", "sensor"):
         if isinstance(top.data.get(name), list):
-            message = f"{top.where(name)}: a campaign has one [{name}]; make a campaign of each"
-            raise InputError(message, "malformed", name)
+            raise InputError(
+                f"{top.where(name)}: a campaign has one [{name}]; make a campaign of each", "malformed", name
+            )
     records = Records(folder)
     pad_table, punch_table, sensor = (top.table(name, required=False) for name in ("pad", "punch", "sensor"))
     own = records.of(pad_table)
@@ -208,8 +215,9 @@ def geometry_of(text: str, where: str) -> PadShape:
         raise unknown_name("shape", text, ("cylinder", *kinds)).within(where)
     if name != Slab.name and ":" not in text:
         wanted = ",".join(f"{one}=.." for one in kinds[name].needed())
-        message = f"{where}: shape = '{text}' has no lengths; give shape = \"{name}:{wanted}\""
-        raise InputError(message, "missing", "shape", text)
+        raise InputError(
+            f"{where}: shape = '{text}' has no lengths; give shape = \"{name}:{wanted}\"", "missing", "shape", text
+        )
     with errors_within(where):
         return read_shape(text)
 
@@ -347,8 +355,12 @@ def _trial_geometry(table: TomlTable, pad: PadSpec, punch: PunchSpec) -> PadShap
     if geometry.plain:
         return geometry
     if punch.profile_mm is not None:
-        message = f"{where}: shape {geometry} is pressed by a flat punch, not by a {punch.shape}"
-        raise InputError(message, "conflict", "trial.shape", str(geometry))
+        raise InputError(
+            f"{where}: shape {geometry} is pressed by a flat punch, not by a {punch.shape}",
+            "conflict",
+            "trial.shape",
+            str(geometry),
+        )
     with errors_within(where):
         geometry.check(table.data["thickness_mm"], pad.length_mm or PAD_LENGTH_MM, pad.width_mm or PAD_WIDTH_MM)
     return geometry
@@ -444,8 +456,13 @@ class SetUp:
             pad |= {"length_mm": length, "width_mm": width}
         for key, name, known in (("base", self.base, BASES), ("contact", self.contact, CONDITIONS)):
             if name not in known and not Interface.names_friction(name):
-                message = f"{key} '{name}' is not one of {', '.join((*known, FRICTION))}"
-                raise InputError(message, "unknown_name", key, name, (*known, FRICTION))
+                raise InputError(
+                    f"{key} '{name}' is not one of {', '.join((*known, FRICTION))}",
+                    "unknown_name",
+                    key,
+                    name,
+                    (*known, FRICTION),
+                )
         pad["base"] = self.base
         if not cylinder and self.shape != "slab":
             pad["shape"] = str(geometry_of(self.shape, "shape"))
@@ -461,11 +478,16 @@ class SetUp:
             message = "a pad is pressed by square:SIDE, round:DIAMETER, ball:DIAMETER or profile:FILE, a puck by plate"
             raise InputError(f"punch '{self.punch}': {message}", "malformed", "punch", self.punch)
         if cylinder and self.shape != "slab":
-            message = f"shape {self.shape} with a cylinder: a puck has a diameter only"
-            raise InputError(message, "conflict", "shape", self.shape)
+            raise InputError(
+                f"shape {self.shape} with a cylinder: a puck has a diameter only", "conflict", "shape", self.shape
+            )
         if shape == "profile" and not size:
-            message = f"punch '{self.punch}': give the file, profile:FILE with columns r_mm,z_mm"
-            raise InputError(message, "missing", "punch", self.punch)
+            raise InputError(
+                f"punch '{self.punch}': give the file, profile:FILE with columns r_mm,z_mm",
+                "missing",
+                "punch",
+                self.punch,
+            )
         punch: dict[str, Any] = {"shape": shape}
         if shape == "profile":
             punch["file"] = Path(size).name

@@ -57,8 +57,12 @@ def write_trial_values(folder: str | Path, changes: Mapping[int, Mapping[str, fl
     end = "\r\n" if "\r\n" in text else "\n"
     for index in sorted(changes, reverse=True):
         if not 0 <= index < len(trials):
-            message = f"{FILE} has no trial {index + 1}: load the page again"
-            raise InputError(message, "changed_meanwhile", "campaign.trials", index + 1)
+            raise InputError(
+                f"{FILE} has no trial {index + 1}: load the page again",
+                "changed_meanwhile",
+                "campaign.trials",
+                index + 1,
+            )
         trial = trials[index]
         for key, value in changes[index].items():
             checked = _check_value(key, value, str(trial.get("file", f"trial {index + 1}")))
@@ -136,8 +140,9 @@ def trials_of(
     names = [path.name for path in paths]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice:
-        message = f"two files are called '{twice}'; a campaign holds plain file names, each once"
-        raise InputError(message, "duplicate", "file", twice)
+        raise InputError(
+            f"two files are called '{twice}'; a campaign holds plain file names, each once", "duplicate", "file", twice
+        )
     rows = {} if table is None else read_table(Path(table), names)
     trials, decisions = [], []
     repeats: Counter[tuple[Any, ...]] = Counter()
@@ -191,8 +196,9 @@ def read_table(path: Path, names: Sequence[str] | None = None) -> dict[str, dict
     lines = list(csv.reader(text.splitlines()))
     head = [cell.strip() for cell in lines[0]] if lines else []
     if "file" not in head:
-        message = f"{path.name}: needs a column 'file', comma-separated; known are {', '.join(COLUMNS)}"
-        raise InputError(message, "missing", "file")
+        raise InputError(
+            f"{path.name}: needs a column 'file', comma-separated; known are {', '.join(COLUMNS)}", "missing", "file"
+        )
     if unknown := [name for name in head if name not in COLUMNS]:
         raise unknown_name("column", unknown[0], COLUMNS, "unknown_key", "table").within(f"{path.name}:1")
     rows: dict[str, dict[str, Any]] = {}
@@ -200,8 +206,13 @@ def read_table(path: Path, names: Sequence[str] | None = None) -> dict[str, dict
         if not any(cell.strip() for cell in cells):
             continue
         if len(cells) != len(head):
-            message = f"{path.name}:{number}: {len(cells)} cells, the header has {len(head)}"
-            raise InputError(message, "malformed", "table", len(cells), len(head))
+            raise InputError(
+                f"{path.name}:{number}: {len(cells)} cells, the header has {len(head)}",
+                "malformed",
+                "table",
+                len(cells),
+                len(head),
+            )
         row = {key: cell.strip() for key, cell in zip(head, cells) if cell.strip()}
         file = row.pop("file", "")
         if names is not None and file not in names:
@@ -218,5 +229,4 @@ def _cell(key: str, cell: str, path: Path, number: int) -> Any:
     try:
         return int(cell) if key in _WHOLE else float(cell)
     except ValueError:
-        message = f"{path.name}:{number}: {key} = '{cell}' is not a number"
-        raise InputError(message, "not_a_number", key, cell) from None
+        raise InputError(f"{path.name}:{number}: {key} = '{cell}' is not a number", "not_a_number", key, cell) from None

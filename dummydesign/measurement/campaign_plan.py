@@ -14,7 +14,7 @@ FRESH_REST_S = 3600.0
 """Rest of a pad before its first press of a day. [s]"""
 MOST = 2000
 DEFAULT_PADS_MM, DEFAULT_VELOCITIES_MM_S, DEFAULT_FORCES_N = (5.0, 15.0, 20.0), (10.0, 250.0), (5.0, 10.0, 15.0)
-"""Pads of the blind study (docs/loop-blind.md); speeds and steady forces of the data on people, which a verdict needs.
+"""Pads of the blind study (docs/evidence.md); speeds and steady forces of the data on people, which a verdict needs.
 
 The loop reads low forces in the rise of each press: it detects as many effects as with presses to 3, 7 and 12 N."""
 DEFAULT_REPEATS, DEFAULT_AGES_DAYS, DEFAULT_REST_S, DEFAULT_HOLD_S = 2, (9.0, 14.0, 29.0), 60.0, 10.0
@@ -71,8 +71,12 @@ class PlanSettings:
                 if not low <= value <= high:
                     raise out_of_range(name, value, low, high)
             if len(set(values)) != len(values):
-                message = f"{name}: {', '.join(f'{v:g}' for v in values)} holds a value twice"
-                raise InputError(message, "duplicate", quantity_name(name), values)
+                raise InputError(
+                    f"{name}: {', '.join(f'{v:g}' for v in values)} holds a value twice",
+                    "duplicate",
+                    quantity_name(name),
+                    values,
+                )
         count = len(self.pads_mm) * len(self.velocities_mm_s) * len(self.targets) * self.repeats
         if not 2 <= count <= MOST:
             raise out_of_range("number of presses", count, 2, MOST, "give two forces or speeds, or --repeats 2")

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from functools import cached_property
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import out_of_range
 from dummydesign.core.serialise import Serialised
-
-if TYPE_CHECKING:
-    from dummydesign.measurement.commanded_speed import CommandedSpeed
 
 DECELERATION_MM_S2 = 30_000.0
 """Default braking of the robot, 30 m/s2: 250 mm/s are stopped in 8.3 ms and 1.04 mm."""
@@ -33,41 +28,6 @@ class Motion(Serialised):
 
     time_s: NDArray
     displacement_mm: NDArray
-
-
-NOWHERE = Motion(np.zeros(0), np.zeros(0))
-
-
-@dataclass(frozen=True)
-class Ramp:
-    """What a motion did: contact, stop, the depth it held and until when.
-
-    ``velocity_mm_s`` is the mean speed from contact to stop, the v of an ideal ramp with the same t_p. A punch that
-    overshot went ``overshoot_mm`` beyond the depth and rang with ``period_s`` until ``settled_s``; without that the
-    first and the last are 0. A press without a hold ends at its stop. ``path`` is the motion that was read.
-    """
-
-    contact_time_s: float
-    stop_time_s: float
-    hold_end_s: float
-    depth_mm: float
-    velocity_mm_s: float
-    overshoot_mm: float = 0.0
-    settled_s: float = 0.0
-    period_s: float = 0.0
-    path: Motion = field(default=NOWHERE, repr=False, compare=False)
-
-    @cached_property
-    def speed(self) -> CommandedSpeed:
-        """Speed that the robot was sent with, and its braking."""
-        from dummydesign.measurement.commanded_speed import commanded_speed
-
-        return commanded_speed(self)
-
-    @property
-    def rise_time_s(self) -> float:
-        """Time from contact to stop, t_p of the ideal ramp. [s]"""
-        return self.stop_time_s - self.contact_time_s
 
 
 def work_mJ(displacement_mm: NDArray, force_N: NDArray) -> NDArray:

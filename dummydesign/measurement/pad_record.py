@@ -94,8 +94,9 @@ def read_record(path: str | Path) -> PadRecord:
         code = "file_not_found" if isinstance(problem, FileNotFoundError) else "file_unreadable"
         raise InputError(f"pad record '{path}' cannot be read: {problem}", code, "record") from None
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-        message = f"'{path}' is not a pad's record; 'dummydesign mold record' writes one"
-        raise InputError(message, "file_unreadable", "record")
+        raise InputError(
+            f"'{path}' is not a pad's record; 'dummydesign mold record' writes one", "file_unreadable", "record"
+        )
     try:
         record = PadRecord(
             str(data["specification"]),
@@ -126,12 +127,17 @@ def read_record(path: str | Path) -> PadRecord:
             _optional(data, "force_sd_percent"),
         )
     except (KeyError, TypeError, ValueError) as problem:
-        message = f"pad record '{path}' is damaged at {problem}; record the pad again"
-        raise InputError(message, "malformed", "record") from None
+        raise InputError(
+            f"pad record '{path}' is damaged at {problem}; record the pad again", "malformed", "record"
+        ) from None
     if not (record.thicknesses_mm and 0 <= record.thickness_sd_mm < record.thickness_mm):
         sizes = f"thickness {record.thickness_mm:g} mm with an error of {record.thickness_sd_mm:g} mm"
-        message = f"pad record '{path}' is damaged: {sizes}; record the pad again"
-        raise InputError(message, "inconsistent", "record.thickness_sd_mm", record.thickness_sd_mm)
+        raise InputError(
+            f"pad record '{path}' is damaged: {sizes}; record the pad again",
+            "inconsistent",
+            "record.thickness_sd_mm",
+            record.thickness_sd_mm,
+        )
     return record
 
 
@@ -182,8 +188,13 @@ def trial_with_record(table: TomlTable, record: PadRecord) -> TomlTable:
         )
     shape = table.data.get("shape", record.shape)
     if shape != record.shape:
-        message = f"{where}: shape = {shape!r}, but the record is of shape {record.shape!r}"
-        raise InputError(message, "inconsistent", "trial.shape", shape, record.shape)
+        raise InputError(
+            f"{where}: shape = {shape!r}, but the record is of shape {record.shape!r}",
+            "inconsistent",
+            "trial.shape",
+            shape,
+            record.shape,
+        )
     own = {} if record.shape in ("slab", "puck") else {"shape": record.cast_shape or record.shape}
     measured: dict[str, Any] = {"thickness_mm": record.thickness_mm, "thickness_sd_mm": record.thickness_sd_mm}
     measured["design_thickness_mm"] = record.design_thickness_mm
@@ -212,8 +223,12 @@ class Records:
         if name is None:
             return None
         if not isinstance(name, str) or not name.strip():
-            message = f"{table.where('record')}: record = {name!r} must be the path of a pad's record"
-            raise InputError(message, "malformed", "record", name)
+            raise InputError(
+                f"{table.where('record')}: record = {name!r} must be the path of a pad's record",
+                "malformed",
+                "record",
+                name,
+            )
         path = self.folder / name
         if path not in self.read:
             with errors_within(table.where("record")):

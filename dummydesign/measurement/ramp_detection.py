@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -10,11 +11,45 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, errors_within
 from dummydesign.core.interpolation import true_runs
-from dummydesign.measurement.motion import DECELERATION_MM_S2, LATE, Motion, Ramp, contact_velocity
+from dummydesign.measurement.commanded_speed import CommandedSpeed, commanded_speed
+from dummydesign.measurement.motion import DECELERATION_MM_S2, LATE, Motion, contact_velocity
 from dummydesign.measurement.plateau import SLOWED, find_plateau, noise_of, ramp_start, slowing, time_at
 
 if TYPE_CHECKING:
     from dummydesign.measurement.trace import Trace
+
+NOWHERE = Motion(np.zeros(0), np.zeros(0))
+
+
+@dataclass(frozen=True)
+class Ramp:
+    """What a motion did: contact, stop, the depth it held and until when.
+
+    ``velocity_mm_s`` is the mean speed from contact to stop, the v of an ideal ramp with the same t_p. A punch that
+    overshot went ``overshoot_mm`` beyond the depth and rang with ``period_s`` until ``settled_s``; without that the
+    first and the last are 0. A press without a hold ends at its stop. ``path`` is the motion that was read.
+    """
+
+    contact_time_s: float
+    stop_time_s: float
+    hold_end_s: float
+    depth_mm: float
+    velocity_mm_s: float
+    overshoot_mm: float = 0.0
+    settled_s: float = 0.0
+    period_s: float = 0.0
+    path: Motion = field(default=NOWHERE, repr=False, compare=False)
+
+    @cached_property
+    def speed(self) -> CommandedSpeed:
+        """Speed that the robot was sent with, and its braking."""
+        return commanded_speed(self.path, self.contact_time_s, self.stop_time_s, self.depth_mm, self.overshoot_mm > 0.0)
+
+    @property
+    def rise_time_s(self) -> float:
+        """Time from contact to stop, t_p of the ideal ramp. [s]"""
+        return self.stop_time_s - self.contact_time_s
+
 
 HOLD_FRACTION = 0.1
 """A hold lasts at least this fraction of the time that the ramps alone take."""
@@ -239,8 +274,12 @@ def summarise(file: str, time: NDArray, x: NDArray, force: NDArray) -> Summary:
     """Summarise one press, zero at contact and compression positive."""
     if x.max() < SHALLOWEST_MM:
         advice = "is the displacement that of the punch? (--columns displacement=NAME, --contact N)"
-        message = f"{file}: presses {x.max():.3g} mm deep only, counted from contact; {advice}"
-        raise InputError(message, "nothing_found", "depth_mm", float(x.max()))
+        raise InputError(
+            f"{file}: presses {x.max():.3g} mm deep only, counted from contact; {advice}",
+            "nothing_found",
+            "depth_mm",
+            float(x.max()),
+        )
     with errors_within(file, "; record from before contact, or say --contact N"):
         ramp = find_ramp(time, x, "slowed")
     hold = max(ramp.hold_end_s - ramp.stop_time_s, 0.0)

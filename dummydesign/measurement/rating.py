@@ -67,16 +67,23 @@ def rate(reference: ArrayLike, compared: ArrayLike) -> Rating:
 
 def _check(reference: NDArray, compared: NDArray) -> None:
     if reference.ndim != 1 or reference.shape != compared.shape or len(reference) < LEAST_SAMPLES:
-        message = (
+        raise InputError(
             f"curves to rate have {reference.shape} and {compared.shape} values; give two of one length, at least "
-            f"{LEAST_SAMPLES}"
+            f"{LEAST_SAMPLES}",
+            "inconsistent",
+            "curve",
+            len(compared),
+            len(reference),
         )
-        raise InputError(message, "inconsistent", "curve", len(compared), len(reference))
     if not (np.isfinite(reference).all() and np.isfinite(compared).all()):
         raise InputError("a curve to rate has values that are not finite; leave them out", "malformed", "curve")
     if np.ptp(reference) == 0.0:
-        message = f"the reference is {reference[0]:g} throughout; a curve that never changes cannot be rated against"
-        raise InputError(message, "inconsistent", "curve", float(reference[0]))
+        raise InputError(
+            f"the reference is {reference[0]:g} throughout; a curve that never changes cannot be rated against",
+            "inconsistent",
+            "curve",
+            float(reference[0]),
+        )
 
 
 def corridor(reference: NDArray, compared: NDArray) -> float:

@@ -59,8 +59,9 @@ def parse_lowpass(text: str | None) -> Lowpass | None:
     try:
         return Lowpass(float(cutoff), *map(int, counts))
     except (TypeError, ValueError):  # more than three parts, or one that is no number
-        message = f"low-pass '{text}' is not HZ[:ORDER[:PASSES]], such as 35 or 35:2:1"
-        raise InputError(message, "malformed", "lowpass", text) from None
+        raise InputError(
+            f"low-pass '{text}' is not HZ[:ORDER[:PASSES]], such as 35 or 35:2:1", "malformed", "lowpass", text
+        ) from None
 
 
 def _one_pass(step: NDArray, force: NDArray, cutoff_hz: float, order: int) -> NDArray:

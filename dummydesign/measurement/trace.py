@@ -71,8 +71,12 @@ def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
     path = Path(path)
     header, lines, values = read_numbers(path, COLUMNS, "trace")
     if len(values) < MIN_SAMPLES:
-        message = f"{path.name}: {len(values)} samples; at least {MIN_SAMPLES} are needed"
-        raise InputError(message, "not_enough_data", "trace", len(values))
+        raise InputError(
+            f"{path.name}: {len(values)} samples; at least {MIN_SAMPLES} are needed",
+            "not_enough_data",
+            "trace",
+            len(values),
+        )
     time, displacement, force = values.T
     for at in np.flatnonzero(np.diff(time) <= 0)[:1] + 1:
         words = f"time_s = {time[at]:g} does not increase (line before: {time[at - 1]:g})"
@@ -123,8 +127,9 @@ def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[
         roles = [name.partition("_")[0] for name in names]
         absent = absent_roles(header, roles) if len(header) > 1 else ()
         if absent:
-            message = f"{path.name}:1: {absent_words(absent, header, roles)}"
-            raise InputError(message, "missing", names[roles.index(absent[0])])
+            raise InputError(
+                f"{path.name}:1: {absent_words(absent, header, roles)}", "missing", names[roles.index(absent[0])]
+            )
         advice = _header_advice(missing, header, names) + (import_first(path) if any(header) else "")
         raise InputError(f"{path.name}:1: column '{missing}' is missing{advice}", "missing", missing)
     places = [column for column in columns if column is not None]
@@ -138,8 +143,13 @@ def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[
             continue
         where = f"{path.name}:{rows.line_num}"
         if quantity == "trace" and len(row) <= max(places):
-            message = f"{where}: has {len(row)} cells, the header has {len(header)}"
-            raise InputError(message, "malformed", "trace", len(row), len(header))
+            raise InputError(
+                f"{where}: has {len(row)} cells, the header has {len(header)}",
+                "malformed",
+                "trace",
+                len(row),
+                len(header),
+            )
         cells = (row[at] if at < len(row) else None for at in places)
         values.append([size * _number(cell, name, where) for name, cell, size in zip(names, cells, sizes)])
         lines.append(rows.line_num)
@@ -174,8 +184,12 @@ def _number(cell: str | None, name: str, where: str) -> float:
     try:
         number = float(cell or "")
     except ValueError:
-        message = f"{where}: {name} = '{(cell or '').strip()}' is not a number (dot decimals)"
-        raise InputError(message, "not_a_number", name, cell and cell.strip()) from None
+        raise InputError(
+            f"{where}: {name} = '{(cell or '').strip()}' is not a number (dot decimals)",
+            "not_a_number",
+            name,
+            cell and cell.strip(),
+        ) from None
     if not math.isfinite(number):
         raise InputError(f"{where}: {name} = {number} is not finite", "out_of_range", name, number)
     return number
@@ -191,8 +205,7 @@ def check_one_press(trace: Trace, advice: str = "") -> None:
     except InputError:
         return  # too little force to tell; whoever uses the trace reports it
     if count > 1:
-        message = f"{trace.name}: holds {count} presses; a trace is one{advice}"
-        raise InputError(message, "malformed", "trace", count, 1)
+        raise InputError(f"{trace.name}: holds {count} presses; a trace is one{advice}", "malformed", "trace", count, 1)
 
 
 class MagnitudeFault(NamedTuple):
@@ -302,11 +315,16 @@ def read_motion(path: str | Path) -> Motion:
     _, lines, values = read_numbers(path, MOTION_COLUMNS, "motion_file")
     time, displacement = values.T
     for at in np.flatnonzero(np.diff(time) <= 0)[:1] + 1:
-        message = f"{path.name}:{lines[at]}: time_s = {float(time[at])} does not increase"
-        raise InputError(message, "malformed", "time_s", float(time[at]))
+        raise InputError(
+            f"{path.name}:{lines[at]}: time_s = {float(time[at])} does not increase",
+            "malformed",
+            "time_s",
+            float(time[at]),
+        )
     if len(values) < 2:
-        message = f"{path.name}: {len(values)} rows; a motion needs at least 2"
-        raise InputError(message, "not_enough_data", "motion_file", len(values))
+        raise InputError(
+            f"{path.name}: {len(values)} rows; a motion needs at least 2", "not_enough_data", "motion_file", len(values)
+        )
     return Motion(time, displacement)
 
 

@@ -27,7 +27,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.geometry.interface import BASES, Interface
+from dummydesign.pad.force_law import ForceCurve, PadCurve
 from dummydesign.pad.pad_under_punch import SLAB, Pad, Puck
 
 Array = np.ndarray
@@ -50,6 +52,8 @@ LEAST_SHARE_RESTING, STUCK_BASE = 0.01, 0.5
 # A contact that grows is solved once at no more than this radius over the thickness, up to which a layer's factor is
 # known to follow the contact's radius.
 EVEN_CONTACT = 0.25
+# A contact grows with depth where the force rises with more than this power of it.
+GROWING = 1.05
 
 
 @dataclass(frozen=True)
@@ -292,3 +296,30 @@ def least_depth_mm(pad: Pad | Puck, in_space: bool = False) -> float:
     if plain and (pad.edge_radius_mm or (pad.condition == "bonded" and pad.base in BASES)):
         return 0.0  # interpolated between depths of its own, first touch among them
     return least
+
+
+def interpolate_curve(solved: PadCurve, end: LowEnd) -> ForceCurve:
+    """A curve through solved depths that runs down to first touch by its law.
+
+    Parameters
+    ----------
+    solved : PadCurve
+        What was solved, at two depths above 0 or more.
+    end : LowEnd
+        The law of first touch, joined at the first solved depth.
+    """
+    depth, force = solved.depth_mm, solved.force_N
+    # F over depth to the power of first touch varies little: with a contact that grows, over the root of the depth.
+    scale = np.sqrt if end.power > GROWING else np.asarray
+    stiffness = monotone_cubic(scale(depth), np.log(force / depth**end.power))
+    error = solved.error_N / force
+
+    def value(at: Array) -> Array:
+        at = np.asarray(at, dtype=float)
+        inside = np.clip(at, depth[0], depth[-1])
+        return np.where(at < depth[0], end.force(at), inside**end.power * np.exp(stiffness(scale(inside))))
+
+    def error_at(at: Array) -> Array:
+        return np.where(np.asarray(at) < depth[0], end.relative_error(at), np.interp(at, depth, error))
+
+    return ForceCurve(value, error_at, float(depth[-1]), solved.solver, solved.notes, first_mm=end.first_mm)

@@ -6,16 +6,12 @@ from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
-
-if TYPE_CHECKING:
-    from dummydesign.pad.first_touch import LowEnd
 
 Array = np.ndarray
 NOTHING_KNOWN: Mapping[str, Any] = MappingProxyType({})
@@ -212,8 +208,6 @@ class ScaledLaw(BaseForceLaw):
         return error + self.law.relative_error(depth_mm, thickness_mm, radius_mm)
 
 
-# A contact grows with depth where the force rises with more than this power of it.
-GROWING = 1.05
 # Depths at which a finite-element curve is solved before it is followed along a motion.
 CURVE_POINTS = 16
 NO_COST: dict[str, float] = {"unknowns": 0, "load_steps": 0, "newton_iterations": 0, "seconds": 0.0}
@@ -291,33 +285,6 @@ def depth_grid(thickness_mm: float, deepest_mm: float | None, depths_mm: Array |
     if depths_mm is not None:
         grid = np.union1d(grid[::2], depths_mm[(depths_mm > 0.0) & (depths_mm <= limit)])
     return grid
-
-
-def interpolate_curve(solved: PadCurve, end: LowEnd) -> ForceCurve:
-    """A curve through solved depths that runs down to first touch by its law.
-
-    Parameters
-    ----------
-    solved : PadCurve
-        What was solved, at two depths above 0 or more.
-    end : LowEnd
-        The law of first touch, joined at the first solved depth.
-    """
-    depth, force = solved.depth_mm, solved.force_N
-    # F over depth to the power of first touch varies little: with a contact that grows, over the root of the depth.
-    scale = np.sqrt if end.power > GROWING else np.asarray
-    stiffness = monotone_cubic(scale(depth), np.log(force / depth**end.power))
-    error = solved.error_N / force
-
-    def value(at: Array) -> Array:
-        at = np.asarray(at, dtype=float)
-        inside = np.clip(at, depth[0], depth[-1])
-        return np.where(at < depth[0], end.force(at), inside**end.power * np.exp(stiffness(scale(inside))))
-
-    def error_at(at: Array) -> Array:
-        return np.where(np.asarray(at) < depth[0], end.relative_error(at), np.interp(at, depth, error))
-
-    return ForceCurve(value, error_at, float(depth[-1]), solved.solver, solved.notes, first_mm=end.first_mm)
 
 
 def scale_curve(curve: ForceCurve, factor: Callable[[Array], tuple[Array, Array]]) -> ForceCurve:

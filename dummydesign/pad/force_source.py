@@ -19,7 +19,6 @@ from dummydesign.pad.force_law import (
     PadCurve,
     curve_at,
     depth_grid,
-    interpolate_curve,
     scale_curve,
 )
 from dummydesign.pad.material.hyperelastic import Yeoh
@@ -203,7 +202,7 @@ def _by_elements(pad: Pad | Puck, deepest_mm: float | None, depths_mm: Array | N
 
 
 def _through(pad: Pad | Puck, solved: PadCurve) -> ForceCurve:
-    from dummydesign.pad.first_touch import low_end
+    from dummydesign.pad.first_touch import interpolate_curve, low_end
 
     depth, force = solved.depth_mm, solved.force_N
     if len(depth) < 2:

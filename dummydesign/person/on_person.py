@@ -213,7 +213,7 @@ def _loads(
 
 def _of_few(response: PersonResponse) -> dict[str, NDArray]:
     """Quantiles of one more person where people are curves: Student's prediction in logarithms, as two values."""
-    from scipy.stats import t
+    from scipy.special import stdtrit
 
     rows = {}
     for name, values in {**response.four(), "held_N": response.held_N}.items():
@@ -222,7 +222,7 @@ def _of_few(response: PersonResponse) -> dict[str, NDArray]:
             rows[name] = np.full(2, np.nan)
             continue
         logs = np.log(values)
-        half = t.ppf(ENDS[1], count - 1) * logs.std(ddof=1) * np.sqrt(1.0 + 1.0 / count)
+        half = stdtrit(count - 1, ENDS[1]) * logs.std(ddof=1) * np.sqrt(1.0 + 1.0 / count)
         # quantiles of 0.025 and 0.975 of these many equal halves are their ends
         rows[name] = np.exp(logs.mean() + half * np.repeat([-1.0, 1.0], 20))
     return rows

@@ -141,8 +141,7 @@ def draw_another(tissue: Tissue, velocity_mm_s: float, count: int, rng: np.rando
     ----------
     Gelman et al., Bayesian Data Analysis, 3rd edition, section 3.2 (prediction with flat priors).
     """
-    from scipy.special import ndtri
-    from scipy.stats import chi2
+    from scipy.special import gammaincinv, ndtri
 
     people = People.of(tissue.parameter_sets, velocity_mm_s)
     subjects = len(people)
@@ -158,7 +157,7 @@ def draw_another(tissue: Tissue, velocity_mm_s: float, count: int, rng: np.rando
     length, basis = np.linalg.eigh(scatter)
     root = (basis * np.sqrt(np.maximum(length, 0.0))) @ basis.T
     even = _even_draws(count, 1 + len(root), rng)
-    spread = np.sqrt((subjects - 1.0) / chi2.ppf(even[:, :1], subjects - 1.0))
+    spread = np.sqrt((subjects - 1.0) / (2.0 * gammaincinv(0.5 * (subjects - 1.0), even[:, :1])))
     shift = spread * (ndtri(even[:, 1:]) @ root)
     return people_of_logs(people, middle + np.clip(shift, -FARTHEST, FARTHEST))
 

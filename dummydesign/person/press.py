@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.motion import LATE, Ramp, work_to_deepest_mJ
+from dummydesign.measurement.motion import LATE, work_to_deepest_mJ
 from dummydesign.measurement.plateau import noise_of
-from dummydesign.measurement.ramp_detection import ramp_of
+from dummydesign.measurement.ramp_detection import Ramp, ramp_of
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.person.ringing import RobotArm, growing_nodes, real_bends, smoothed_ringing, still_rings

@@ -19,19 +19,19 @@ SCATTER = "moduli of one Shore value differ by a factor of two"
 
 def explain(resin: Resin) -> dict[str, Any]:
     """Return the resin's file, its curve over the ratio, its numbers by name, and warnings."""
-    numbers = {
-        **resin.numbers,
-        **{f"beta_at_{arm.tau_s.value:g}_s": arm.beta for arm in resin.arms},
-        "softness_exponent": resin.softness_exponent,
-        **{name: resin.property(name, resin.relaxation_ratio_ref) for name in resin.property_names()},
-    }
-    curve = [{**row, "hardness": expected_hardness(resin, row["ratio"]).to_dict()} for row in _curve(resin, ROWS)]
     return {
         "name": resin.name,
         "origin": resin.origin,
         "resin": resin.to_dict(),
-        "curve": curve,
-        "numbers": to_plain(numbers),
+        "curve": [{**row, "hardness": expected_hardness(resin, row["ratio"]).to_dict()} for row in _curve(resin, ROWS)],
+        "numbers": to_plain(
+            {
+                **resin.numbers,
+                **{f"beta_at_{arm.tau_s.value:g}_s": arm.beta for arm in resin.arms},
+                "softness_exponent": resin.softness_exponent,
+                **{name: resin.property(name, resin.relaxation_ratio_ref) for name in resin.property_names()},
+            }
+        ),
         "warnings": resin_warnings(resin),
     }
 
@@ -77,9 +77,10 @@ def write_plot(resin: Resin, folder: Path) -> dict[str, str]:
     head = ["ratio", "young_low_kPa", "young_kPa", "young_high_kPa", *names]
     cells = ([f"{value:.6g}" for value in (r, *y, *b)] for r, y, b in zip(ratios, young, beta))
     stem = f"resin-{resin.name}"
-    data = write_text(folder / f"{stem}.csv", csv_text(head, cells))
-    picture = write_bytes(folder / f"{stem}.svg", _draw(resin, ratios, young, beta, names))
-    return {"plot": str(picture), "data": str(data)}
+    return {
+        "plot": str(write_bytes(folder / f"{stem}.svg", _draw(resin, ratios, young, beta, names))),
+        "data": str(write_text(folder / f"{stem}.csv", csv_text(head, cells))),
+    }
 
 
 def _draw(resin: Resin, ratios: list[float], young: np.ndarray, beta: np.ndarray, names: list[str]) -> bytes:

@@ -63,7 +63,6 @@ def add_hardness(
     resin = _moved(load_resin(base), young) if base is not None else _fixed(young)
     stated = f"Shore {scale} {shore:g}"
     resin = replace(resin, name=name, title=f"{resin.title}, {stated} as stated by its supplier", origin="user")
-    path = save_resin(resin)
     factor = max(young.high / young.value, young.value / young.low)
     warnings = [
         {
@@ -74,8 +73,8 @@ def add_hardness(
         *shadowed,
     ]
     if scale == SHORE_A and shore < hardness_law().sure_from_a:
-        message = f"{stated} is at the end of its scale: give --shore-00 where the supplier states it, or press a puck"
-        warnings.insert(0, {"code": "end_of_scale", "message": message})
+        text = f"{stated} is at the end of its scale: give --shore-00 where the supplier states it, or press a puck"
+        warnings.insert(0, {"code": "end_of_scale", "message": text})
     return {
         "name": name,
         "shore": {"scale": scale, "value": shore},
@@ -83,7 +82,7 @@ def add_hardness(
         "ratio": resin.relaxation_ratio_ref,
         "young_kPa": young.to_dict(),
         "warnings": warnings,
-        "files": {"resin": str(path)},
+        "files": {"resin": str(save_resin(resin))},
     }
 
 
@@ -94,14 +93,22 @@ def _moved(measured: Resin, young: Quantity) -> Resin:
     # the law's first number is its modulus at its reference, or at 0 where it has none
     at = base.central.get("ratio_ref", 0.0)
 
-    def doubted(beta: Quantity) -> Quantity:
-        source = f"{taken}, a factor of {DOUBT:g} wider: {beta.source}"
-        return Quantity(beta.value, beta.low / DOUBT, beta.high * DOUBT, "assumed", source)
-
     return replace(
         base,
         numbers={**base.numbers, base.law.parameters[0]: young},
-        arms=tuple(ResinArm(arm.tau_s, doubted(arm.beta)) for arm in base.arms),
+        arms=tuple(
+            ResinArm(
+                arm.tau_s,
+                Quantity(
+                    arm.beta.value,
+                    arm.beta.low / DOUBT,
+                    arm.beta.high * DOUBT,
+                    "assumed",
+                    f"{taken}, a factor of {DOUBT:g} wider: {arm.beta.source}",
+                ),
+            )
+            for arm in base.arms
+        ),
         properties={
             key: replace(one, kind="assumed", source=f"{taken}: {one.source}") for key, one in base.properties.items()
         },
@@ -122,10 +129,6 @@ def _fixed(young: Quantity) -> Resin:
         low, high = min(one.low, other.low), max(one.high, other.high)
         return Quantity((one.value * other.value) ** 0.5, low, high, "assumed", source)
 
-    arms = tuple(ResinArm(two.tau_s, between(one.beta, two.beta)) for one, two in zip(least.arms, most.arms))
-    properties = {
-        key: between(least.properties[key], one) for key, one in most.properties.items() if key in least.properties
-    }
     ratios = least.ratio_min, most.ratio_min
     density, viscosity = (
         between(least.property(key, ratios[0]), most.property(key, ratios[1]))
@@ -142,10 +145,12 @@ def _fixed(young: Quantity) -> Resin:
         liquids=(Liquid(MIXED, None, density, viscosity),),
         law=LAWS["fixed"],
         numbers={"young_kPa": young},
-        arms=arms,
+        arms=tuple(ResinArm(two.tau_s, between(one.beta, two.beta)) for one, two in zip(least.arms, most.arms)),
         relaxation_ratio_ref=FIXED_RATIO,
         softness_exponent=Quantity(0.0, 0.0, 0.0, "assumed", "one mix: nothing changes with the ratio"),
-        properties=properties,
+        properties={
+            key: between(least.properties[key], one) for key, one in most.properties.items() if key in least.properties
+        },
         references=("materials/hardness.toml, and the supplier's Shore value",),
         notes=("Mix A and B as the supplier says; the weights on the pour sheet are of the mixed resin.",),
     )

@@ -80,19 +80,26 @@ def presses_of(
     names = ", ".join(others[:5]) + (", ..." if len(others) > 5 else "")
     text = f"{len(others)} of {len(every)} presses are not of the test ({words}) and are left out: {names}"
     notices = [("press_outside_test", text)] if others else []
-    unsure = [
-        reduced
-        for trace, (_, reduced) in zip(traces, every)
-        if not (trace.commanded_speed_mm_s or test.velocities_mm_s or reduced.ramp.speed.sure)
-    ]
-    if unsure:
-        text = (
-            f"{len(unsure)} of {len(every)} presses do not show the speed that was commanded: {unsure[0].trace.name} "
-            f"shows {unsure[0].ramp.speed.words}, {unsure[0].velocity_mm_s:.3g} is used. Give --velocity, or record "
-            "the approach with more samples a second"
-        )
-        notices.append(("speed_not_seen", text))
     return [trace for trace, _ in own], [reduced for _, reduced in own], notices
+
+
+def _speeds_not_seen(unsure: Sequence[tuple[ReducedTrace, float]]) -> list[tuple[str, str]]:
+    """A notice where a press's speed is not seen and another likely one changes the subjects' largest peak force.
+
+    Changes of up to twice the share to which the steady force can be set are left out.
+    """
+    matter = [(trace, change) for trace, change in unsure if abs(change) > 2.0 * STEADY_TOLERANCE]
+    if not matter:
+        return []
+    trace, change = max(matter, key=lambda one: abs(one[1]))
+    return [
+        (
+            "speed_not_seen",
+            f"{len({one.trace.name for one, _ in matter})} presses do not show the speed that was commanded: "
+            f"{trace.trace.name} shows {trace.ramp.speed.words}, {trace.velocity_mm_s:.3g} is used. Subjects' peaks "
+            f"may be {100.0 * change:+.0f} % off. Give --velocity, or record the approach with more samples a second",
+        )
+    ]
 
 
 def missing_of(reduced: Sequence[ReducedTrace], test: PressTest, known_mm_s: Sequence[float]) -> str:
@@ -231,24 +238,33 @@ def compare_traces(
         progress("ranges of the tissue")
     grid = test.grid_N
     points, depth = steady_curve(reduced, grid)
-    slowest = min(trace.velocity_mm_s for trace in reduced)
     held = law_named(tissue.law).end_of_hold_depths(
         tissue.parameter_sets,
         grid,
-        test.speed_of(rounded_velocity(slowest)),
+        test.speed_of(rounded_velocity(min(trace.velocity_mm_s for trace in reduced))),
         hold_of(reduced, test),
         test.deceleration_mm_s2 or DECELERATION_MM_S2,
     )
     span = held.min(axis=0), held.max(axis=0)
     follows = not law_named(tissue.law).ideal_ramp and not law_named(tissue.law).measured
     conditions, by_condition, rows = [], [], list[dict[str, Any]]()
+    declared, unsure = (
+        {trace.name for trace in traces if trace.commanded_speed_mm_s},
+        list[tuple[ReducedTrace, float]](),
+    )
     for measured, _, group in condition_groups(reduced):
         speed, pressed = test.speed_of(measured), []
         for trace in group:
             braking = test.deceleration_mm_s2 or trace.ramp.speed.braking_mm_s2
             path = None if test.deceleration_mm_s2 or not follows else overshooting_path(trace)
-            band = tissue.force_range(trace.steady_force_N, speed, trace.hold_s, braking, lowpass, path)
+            motions = [(speed, braking)]
+            if not (trace.ramp.speed.sure or test.velocities_mm_s or trace.trace.name in declared):
+                motions += [(v, test.deceleration_mm_s2 or own) for v, own in trace.ramp.speed.ends]
+            band, *others = (
+                tissue.force_range(trace.steady_force_N, v, trace.hold_s, a, lowpass, path) for v, a in motions
+            )
             pressed.append(ComparedPress(trace, band, braking))
+            unsure += [(trace, other.peak_high_N / band.peak_high_N - 1.0) for other in others]
         shares = [_shares(press, fit.result["noise_floor_N"]) for press in pressed]
         mean = {key: float(np.mean([own[key] for own in shares])) for key in shares[0]}
         conditions.append((speed, tuple(pressed)))
@@ -262,7 +278,13 @@ def compare_traces(
         "force_variation_range": by_condition,
         "by_trace": rows,
         "fit": {key: fit.result[key] for key in ("rmse_N", "noise_floor_N", "max_residual_N", "comparison")},
-        "warnings": _warnings(fit, tissue, points, rows, [*notices, *([] if follows else overshoots_of(reduced))]),
+        "warnings": _warnings(
+            fit,
+            tissue,
+            points,
+            rows,
+            [*notices, *_speeds_not_seen(unsure), *([] if follows else overshoots_of(reduced))],
+        ),
     }
     return Comparison(result, fit, depth, points, tuple(conditions), grid, span, test)
 
@@ -315,14 +337,13 @@ def _shares(press: ComparedPress, noise_N: float) -> dict[str, Any]:
     trace, band, _ = press
     time, force = trace.since_contact
     near = max(STEADY_TOLERANCE * trace.steady_force_N, 3.0 * noise_N)
-    shares = band.inside(time, force, trace.ramp.rise_time_s, near)
     return {
         "steady_force_N": trace.steady_force_N,
         "depth_mm": trace.ramp.depth_mm,
         "peak_force_N": float(force.max()),
         "range_peak_low_N": band.peak_low_N,
         "range_peak_high_N": band.peak_high_N,
-        **{name: float(share) for name, share in shares.items()},
+        **{k: float(share) for k, share in band.inside(time, force, trace.ramp.rise_time_s, near).items()},
     }
 
 

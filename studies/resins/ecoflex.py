@@ -2,7 +2,7 @@
 
 ``python -m studies.resins.ecoflex`` fits the 19 mixtures of ``materials/measured/ecoflex-compression.csv``
 (see its attribution file) with the pad model's puck, then each family's modulus against thinner, and writes
-``materials/measured/ecoflex-moduli.csv``, the three resin files and the table in ``docs/ecoflex.md``.
+``materials/measured/ecoflex-moduli.csv``, the three resin files and the table in ``docs/real-data.md``.
 ``--reduce FILE`` first makes the reduced curves from the data set's curves on a 0.25 mm grid.
 
 Law of a family: E = E_0 (100 / (100 + r))^n, r parts of thinner per 100 A+B, fitted to ln E by least squares
@@ -26,6 +26,7 @@ from dummydesign.core.user_library import data_folder
 from dummydesign.inference.least_squares import CHI_SQUARE_95
 from dummydesign.pad.tables.puck import DIAMETER_MM, HEIGHT_MM, friction_of, load_puck_table
 from dummydesign.resin.puck_test.loading_fit import LoadingCurve, LoadingFit, fit_pucks
+from studies.marked_page import MarkedPage
 
 Array = np.ndarray
 
@@ -34,6 +35,7 @@ REDUCED_STEP_MM = 0.5
 REDUCED_END_MM = 18.0
 FAMILIES = {"EF10": "ecoflex-00-10", "EF30": "ecoflex-00-30", "EF50": "ecoflex-00-50"}
 COMMAND = "python -m studies.resins.ecoflex"
+PAGE = MarkedPage(Path("docs", "real-data.md"), "<!-- ecoflex begin -->", "<!-- ecoflex end -->")
 DATA_SET = (
     "A. B. Dawood, Z. Zhang, D. Osman, S. Suulker, A. Abdulali, M. Angelmahr, K. Althoefer, Hyperelastic "
     "Characterisation of Silicone Tissue Phantoms (data set, 2026), "
@@ -68,7 +70,7 @@ class BatchFit:
     @classmethod
     def of(cls, fit: LoadingFit, pucks: int) -> BatchFit:
         """Read the profile of a fit of some pucks."""
-        best = min(fit.profile, key=lambda one: one.mean_square)
+        best = min(fit.profile, key=lambda one: one.misfit)
         kept = [one for one, excess in zip(fit.profile, fit.excess) if excess <= CHI_SQUARE_95]
         logs = [one.parameters[0] for one in kept]
         # one puck's modulus differs from another's: the mean of all is known to this
@@ -89,8 +91,8 @@ class BatchFit:
             young_frictionless_kPa=profile[0][1],
             young_bonded_kPa=profile[-1][1],
             rmse=fit.misfit,
-            rmse_frictionless=float(np.sqrt(fit.profile[0].mean_square)),
-            scatter=float(np.sqrt(fit.variance * pucks - best.mean_square)),
+            rmse_frictionless=fit.profile[0].misfit,
+            scatter=float(np.sqrt(fit.variance * pucks - best.misfit**2)),
             profile=profile,
         )
 
@@ -295,7 +297,7 @@ def moduli_text(mixtures: list[Mixture]) -> str:
 
 
 def report(laws: dict[str, FamilyLaw]) -> str:
-    """Table of the families for ``docs/ecoflex.md``; ``ecoflex-moduli.csv`` has every mixture."""
+    """Table of the families for ``docs/real-data.md``; ``ecoflex-moduli.csv`` has every mixture."""
     lines = ["| family | E_0 kPa (95 %) | exponent n (95 %) | friction (95 %) | one left out, rms | largest |"]
     lines += ["|---|---|---|---|---|---|"]
     for family, law in laws.items():
@@ -329,11 +331,7 @@ def main() -> None:
         write_text(data_folder() / "materials" / "resins" / f"{FAMILIES[family]}.toml", text)
     tables = report(laws)
     print(tables)
-    document = data_folder() / "docs" / "ecoflex.md"
-    if document.is_file():
-        text = document.read_text(encoding="utf-8")
-        start, rest = text.split("<!-- tables -->\n")[0], text.split("<!-- end of tables -->")[1]
-        write_text(document, f"{start}<!-- tables -->\n\n{tables}\n<!-- end of tables -->{rest}")
+    PAGE.write(data_folder(), tables)
 
 
 if __name__ == "__main__":

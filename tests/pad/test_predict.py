@@ -17,8 +17,8 @@ from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.pad import force_source, predict
 from dummydesign.pad.axisymmetric import finite_strain
 from dummydesign.pad.axisymmetric.finite_strain import RatioPath
-from dummydesign.pad.first_touch import LowEnd, low_end
-from dummydesign.pad.force_law import PadCurve, curve_at, depth_grid, interpolate_curve, slope_of
+from dummydesign.pad.first_touch import LowEnd, interpolate_curve, low_end
+from dummydesign.pad.force_law import PadCurve, curve_at, depth_grid, slope_of
 from dummydesign.pad.force_source import elastic_curve, has_square_factor
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.material.relaxation import PronyTerm, arms_in_ramp_and_hold, relaxed_force

@@ -14,7 +14,7 @@ from tests.support.studio import browser
 
 def term(word):
     """A term that the Tab key reaches."""
-    return marked(word).replace("<abbr", '<abbr tabindex="0" aria-describedby="term-tip"')
+    return str(marked(word)).replace("<abbr", '<abbr tabindex="0" aria-describedby="term-tip"')
 
 
 def test_a_term_carries_its_definition_and_escapes_what_is_shown():

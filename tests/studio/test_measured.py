@@ -187,13 +187,13 @@ def test_a_puck_makes_a_resin_which_the_project_takes(page, studio, base):
     page.wait_for_selector(".command code >> text=--height 30")
     page.locator(by("run-puck")).click()
     page.wait_for_selector(f"{by('found-puck')} table")
-    # simulated with 31 kPa
+    # simulated with 31 kPa and a friction of 0.3, which nobody tells the fit
     young = float(page.locator(f"{by('found-puck')} .fact b").first.inner_text().split()[0])
-    assert abs(young - 31.0) < 1.0
     before, after = (
         page.locator(f"{by('found-puck')} tbody tr").nth(row).locator("td").all_inner_texts() for row in (1, 2)
     )
-    assert abs(float(after[1]) - 31.0) < abs(float(before[1]) - 31.0)
+    assert float(after[2]) < 31.0 < float(after[3])
+    assert abs(young - 31.0) < abs(float(before[1]) - 31.0)
     assert float(after[3]) - float(after[2]) < float(before[3]) - float(before[2])
     page.reload()
     page.wait_for_selector(f"{by('found-puck')} table")
@@ -256,5 +256,5 @@ def test_the_overview_lists_what_was_deleted_and_restores_it_in_the_place_of_a_n
         page.wait_for_selector(f"{by('undo')} >> text={name} is back")
     assert names(root / "measured") == sorted(EXPORTS)
     # what had its name by then is in the bin
-    assert (root / "measured" / EXPORTS[0]).read_text() != "new"
+    assert (root / "measured" / EXPORTS[0]).read_bytes() != b"new"
     assert [one.path for one in bin.deleted(root)] == [f"measured/{EXPORTS[0]}"]

@@ -78,12 +78,13 @@ def cast_pad(space, slab_law, castings, pad=CROWNED, tolerances=Tolerances(60.0)
 
 def poured_slabs(law, pours, space):
     """Pours as designs to press."""
-    return PadBatch(*poured_curves(law, pours, space), pours.young_MPa, space.resin.tau_s, pours.beta)
+    return PadBatch(*poured_curves(law, pours, space)(0), pours.young_MPa, space.resin.tau_s, pours.beta)
 
 
 def evaluated(cast, groups=()):
     """Scores and quick presses of all castings with some groups known."""
-    return evaluate(cast.slabs(cast.pours(groups)), cast.space.targets, cast.space.sampling.coarse)
+    (slabs,) = cast.slabs(cast.pours(groups))
+    return evaluate(slabs, cast.space.targets, cast.space.sampling.coarse)
 
 
 def kinds_of(cast, groups=()):

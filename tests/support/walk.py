@@ -17,6 +17,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -187,6 +188,7 @@ def quick(line: TypedLine, folder: Path) -> bool:
     """Whether a line takes seconds and needs nothing that neither the lab nor a line before it makes."""
     words = line.words
     folders = words[1:3] if words[0] == "compare-designs" else []
+    folders += [one for flag, word in pairwise(words) if flag == "--from-mould" for one in word.split(",")]
     here = all((folder / word).exists() for word in folders)
     # names of the pads' files are the reader's, a template is no line to type
     theirs = words[:2] == ["campaign", "from-files"] or {"NAME", "..."} & set(words)

@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--limits", metavar="FILE.toml", help=limits)
     add("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="low-pass filter of the force sensor; its delay is undone")
     add("--rate", default=1000.0, metavar="HZ", help="samples per second of on_person.csv (default 1000)")
-    faces = "face of the punch, for the mean pressure (default square:14)"
+    faces = "face of the punch, for the mean pressure: square:14 (default), rectangle:AxB, round:D"
     add("--punch", default="square:14", metavar="KIND:SIZE", help=faces)
     add("--out", metavar="DIR", help="folder of report and curves (default on-person-TISSUE)")
     add_replace_option(parser)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -31,7 +31,7 @@ from dummydesign.design.scoring.verdict import (
     shares_of,
     verdict,
 )
-from dummydesign.design.scoring.windows import readings_along
+from dummydesign.design.scoring.windows import CACHED, readings_along
 from dummydesign.pad.force_law import ForceLaw
 
 if TYPE_CHECKING:
@@ -48,7 +48,8 @@ MODULI = np.exp(np.linspace(-2.0, 2.0, 801))
 class PadCastings:
     """The castings of one pad, pressed by the test; ``outlook`` has its ratios.
 
-    Their readings are the quick ones with what ``finite_strain`` makes of them.
+    Their readings are the quick ones with what ``finite_strain`` makes of them. ``first`` are as many castings as were
+    requested, where these are more.
     """
 
     castings: Castings
@@ -58,9 +59,8 @@ class PadCastings:
     tolerances: Tolerances
     outlook: Outlook
     finite_strain: FiniteStrain
-    _curves: dict[tuple[bytes, ...], tuple[SlabCurves, NDArray]] = field(
-        default_factory=dict, repr=False, compare=False
-    )
+    first: PadCastings | None = None
+    _curves: dict[tuple[bytes, ...], Portions] = field(default_factory=dict, repr=False, compare=False)
 
     @cached_property
     def error(self) -> float:
@@ -75,18 +75,23 @@ class PadCastings:
         at = self.candidate.ratio if ratio is None else ratio
         return self.castings.pours(self.candidate.thickness_mm, at, self.tolerances, self.error, known)
 
-    def slabs(self, pours: Pours) -> PadBatch:
-        """Pours as designs to press."""
+    def slabs(self, pours: Pours) -> Iterator[PadBatch]:
+        """Pours as designs to press, one portion after the other: a crown of its own takes a curve of its own."""
         crowns = () if pours.crowns is None else (pours.crowns.higher_mm, pours.crowns.blunter)
         shape = tuple(one.tobytes() for one in (pours.thickness_mm, *crowns))
         if shape not in self._curves:
             self._curves[shape] = poured_curves(self.law, pours, self.space)
-        return PadBatch(*self._curves[shape], pours.young_MPa, self.space.resin.tau_s, pours.beta)
+        for start in range(0, len(pours.young_MPa), CACHED):
+            rows = slice(start, start + CACHED)
+            curves, index = self._curves[shape](start)
+            yield PadBatch(curves, index, pours.young_MPa[rows], self.space.resin.tau_s, pours.beta[rows])
 
     def pressed(self, pours: Pours) -> Readings:
         """Readings of pours, shapes (n, c) and (n, g)."""
         targets, sampling = self.space.targets, self.space.sampling.coarse
-        quick = readings_along(self.slabs(pours), targets, targets.protocol.steady_grid_N, sampling)
+        grid = targets.protocol.steady_grid_N
+        parts = [vars(readings_along(some, targets, grid, sampling)).values() for some in self.slabs(pours)]
+        quick = Readings(*(np.concatenate(column) for column in zip(*parts)))
         return self.finite_strain.judged(quick, pours.finite_strain)
 
     def kinds(self, readings: Readings) -> NDArray:
@@ -102,15 +107,16 @@ class PadCastings:
     def _poured(self) -> Readings:
         return self.pressed(self.pours())
 
-    @cached_property
+    @property
     def few(self) -> PadCastings:
         """As many castings as were requested: more are drawn for what decides the level alone."""
-        number = self.space.castings.n
-        return self if self.castings.n <= number else replace(self, castings=replace(self.castings, n=number))
+        return self.first or self
 
     @cached_property
     def resin_known(self) -> Readings:
-        """Readings of castings of the resin's centre, at the ratio chosen for it."""
+        """Readings of castings of the resin's centre, at the ratio chosen for it; of few where these are alike."""
+        if self.first and len(np.unique(self.kinds(self.first.resin_known))) == 1:
+            return self.first.resin_known
         return self.readings(RESIN, self.outlook.known_ratio)
 
     @cached_property
@@ -121,7 +127,8 @@ class PadCastings:
     def steady_depth_mm(self, force_N: ArrayLike, known: Collection[str] = ()) -> NDArray:
         """Depths of all castings at steady forces (m,) of the slowest speed, shape (n, m); NaN out of reach."""
         slow, sampling = self.space.targets.protocol.slow_mm_s, self.space.sampling.coarse
-        return steady_depth(self.slabs(self.pours(known)), force_N, slow, sampling)
+        parts = [steady_depth(some, force_N, slow, sampling) for some in self.slabs(self.pours(known))]
+        return np.concatenate(parts)
 
     def depth_band_mm(self, force_N: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         """Depths between which 95 % of the castings are at steady forces, and the share that is out of reach."""
@@ -133,22 +140,33 @@ class PadCastings:
         return stiff, soft, np.mean(~np.isfinite(depth), axis=0)
 
 
-def poured_curves(law: ForceLaw, pours: Pours, space: SearchSpace) -> tuple[SlabCurves, NDArray]:
-    """Curves of pours and which each has; their thicknesses are taken at the nearest of 41 even steps.
+Portions = Callable[[int], tuple[SlabCurves, NDArray]]
 
-    These are a hundredth of a millimetre apart for 0.2 mm either way. Pads whose crowns differ have a curve each.
+
+def poured_curves(law: ForceLaw, pours: Pours, space: SearchSpace) -> Portions:
+    """What gives curves of a portion of pours from one on, and which each has.
+
+    Their thicknesses are taken at the nearest of 41 even steps, a hundredth of a millimetre apart for 0.2 mm either
+    way. Pads whose crowns differ have a curve each; those of the last portion are kept.
     """
     smallest, largest = law.ratio_range
     thickness = np.clip(pours.thickness_mm, space.radius_mm / largest, space.radius_mm / smallest)
     low, high = float(thickness.min()), float(thickness.max())
     nodes = np.linspace(low, high, NODES) if high > low else np.array([low])
     index = np.rint((thickness - low) / max(high - low, 1e-12) * (len(nodes) - 1)).astype(int)
-    curves = make_curves(law, nodes, space.radius_mm, space.targets.limits.gel_compression)
-    if pours.crowns is not None:
-        middle, gel = float(np.median(thickness)), space.targets.limits.gel_compression
-        curves = crowned_curves(law, pours.crowns, curves.take(index), middle, space.radius_mm, gel)
-        index = np.arange(len(index))
-    return curves, index
+    size = space.radius_mm, space.targets.limits.gel_compression
+    curves, crowns = make_curves(law, nodes, *size), pours.crowns
+    if crowns is None:
+        return lambda start: (curves, index[start : start + CACHED])
+    made = crowned_curves(law, crowns, float(np.median(thickness)), *size)
+
+    @lru_cache(maxsize=1)
+    def portion(start: int) -> tuple[SlabCurves, NDArray]:
+        rows = slice(start, start + CACHED)
+        own = index[rows]
+        return made(crowns.take(rows), curves.take(own)), np.arange(len(own))
+
+    return portion
 
 
 def limits_that_bind(candidate: DesignCandidate, thickness_mm: NDArray, ratio: NDArray) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, cast
 
@@ -22,9 +23,9 @@ class Crowns:
     higher_mm: NDArray
     blunter: NDArray
 
-    def first(self, count: int) -> Crowns:
-        """The first of them."""
-        return Crowns(self.higher_mm[:count], self.blunter[:count])
+    def take(self, rows: slice) -> Crowns:
+        """Some of them."""
+        return Crowns(self.higher_mm[rows], self.blunter[rows])
 
 
 class CrownedLaw(Protocol):
@@ -40,33 +41,38 @@ def law_with_crowns(law: ForceLaw, crowns: Crowns) -> ForceLaw:
 
 
 def crowned_curves(
-    law: ForceLaw, crowns: Crowns, designed: SlabCurves, thickness_mm: float, radius_mm: float, gel_compression: float
-) -> SlabCurves:
-    """Curves of n pads with their own crowns, from those with the designed one, row by row.
+    law: ForceLaw, crowns: Crowns, thickness_mm: float, radius_mm: float, gel_compression: float
+) -> Callable[[Crowns, SlabCurves], SlabCurves]:
+    """What makes curves of n of these crowns from those with the designed one, row by row.
 
     What a crown changes is worked out on a pad of one thickness, as ln F / E at shares of the depth limit, and
     interpolated: straight over the height, by a parabola over the logarithm of the tip radius. A crown that the law
     does not hold counts as designed.
     """
-    heights, logs = crowns.higher_mm, np.log(crowns.blunter)
-    rows, radii = (np.linspace(one.min(), one.max(), count) for one, count in ((heights, HEIGHTS), (logs, RADII)))
+    ends = (crowns.higher_mm, HEIGHTS), (np.log(crowns.blunter), RADII)
+    rows, radii = (np.linspace(one.min(), one.max(), count) for one, count in ends)
     nodes = Crowns(np.r_[0.0, np.repeat(rows, RADII)], np.exp(np.r_[0.0, np.tile(radii, HEIGHTS)]))
     made = make_curves(law_with_crowns(law, nodes), thickness_mm + nodes.higher_mm, radius_mm, gel_compression)
     with np.errstate(divide="ignore", invalid="ignore"):
         logarithms = np.log(np.column_stack([made.limit_mm, made.area_mm2[:, 1:]]))
         changes = np.nan_to_num(logarithms[1:] - logarithms[0], nan=0.0, posinf=0.0, neginf=0.0)
-    place = np.clip((heights - rows[0]) / max(rows[1] - rows[0], 1e-12), 0.0, HEIGHTS - 1.000001)
-    left, each = place.astype(int), np.arange(len(heights))
-    parabola = np.stack([_lagrange(radii, k, logs) for k in range(RADII)], axis=-1)
-    weights = np.zeros((len(heights), HEIGHTS, RADII))
-    weights[each, left] = (1.0 - place + left)[:, None] * parabola
-    weights[each, left + 1] = (place - left)[:, None] * parabola
-    area = weights.reshape(len(heights), -1) @ changes
-    np.exp(area, out=area)
-    limit = designed.limit_mm * area[:, 0]
-    area[:, 0] = 1.0
-    area *= designed.area_mm2
-    return SlabCurves(designed.thickness_mm + heights, limit, area)
+
+    def curves(own: Crowns, designed: SlabCurves) -> SlabCurves:
+        heights, logs = own.higher_mm, np.log(own.blunter)
+        place = np.clip((heights - rows[0]) / max(rows[1] - rows[0], 1e-12), 0.0, HEIGHTS - 1.000001)
+        left, each = place.astype(int), np.arange(len(heights))
+        parabola = np.stack([_lagrange(radii, k, logs) for k in range(RADII)], axis=-1)
+        weights = np.zeros((len(heights), HEIGHTS, RADII))
+        weights[each, left] = (1.0 - place + left)[:, None] * parabola
+        weights[each, left + 1] = (place - left)[:, None] * parabola
+        area = weights.reshape(len(heights), -1) @ changes
+        np.exp(area, out=area)
+        limit = designed.limit_mm * area[:, 0]
+        area[:, 0] = 1.0
+        area *= designed.area_mm2
+        return SlabCurves(designed.thickness_mm + heights, limit, area)
+
+    return curves
 
 
 def _lagrange(nodes: NDArray, k: int, at: NDArray) -> NDArray:

@@ -437,7 +437,7 @@ def outlook_for(
     crown = 0.0
     if tolerances.crown is not None:
         pressed = np.minimum(targets.aim_depth_mm(targets.protocol.misfit_N[::SIEVE_STEP]), 0.98 * curves.limit_mm[1])
-        crowns = space.castings.crowns(tolerances.crown).first(CROWNS)
+        crowns = space.castings.crowns(tolerances.crown).take(slice(CROWNS))
         crown = crown_scatter(law, crowns, thickness_mm, pressed, space.radius_mm)
     scatter = Scatter(
         float(np.hypot(np.hypot(weighing, error / HALF_WIDTH), crown)),

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from dummydesign.inference.binning import cut, distinct, mean_around, repeatable_hold_edges
 from dummydesign.inference.noise import white_noise
-from dummydesign.measurement.motion import Ramp
-from dummydesign.measurement.ramp_detection import ramp_of, ringing_times
+from dummydesign.measurement.ramp_detection import Ramp, ramp_of, ringing_times
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 

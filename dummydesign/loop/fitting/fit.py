@@ -30,9 +30,9 @@ NORMAL_95 = 1.959964
 
 def student_over_normal(degrees: NDArray) -> NDArray:
     """97.5 % quantile of Student's t over that of the normal distribution."""
-    from scipy.stats import t
+    from scipy.special import stdtrit
 
-    return t.ppf(0.975, np.asarray(degrees, float)) / NORMAL_95
+    return np.asarray(stdtrit(np.asarray(degrees, float), 0.975)) / NORMAL_95
 
 
 ENOUGH = 0.02
@@ -120,8 +120,7 @@ def fit(
 
     def jacobian(vector: NDArray) -> NDArray:
         count(iterations=1)
-        change = problem.jacobian(vector, forces_at(vector))
-        change[~used] = 0.0
+        change = np.where(used[..., None], problem.jacobian(vector, forces_at(vector)), 0.0)
         return np.concatenate([whiten(change).reshape(-1, len(vector)), np.diag(root)])
 
     vector = solve_marquardt(residual, jacobian, begin, low, high, problem.frozen(), iterations, enough, TRUSTED)
@@ -137,8 +136,7 @@ def fit(
 def fit_at(problem: CampaignProblem, vector: NDArray, forces: NDArray, sizes: NoiseSizes) -> CampaignFit:
     """What a fit knows at a vector and its forces, without a search."""
     used, prior = problem.presses.used, prior_precision(problem, sizes)
-    jacobian = problem.jacobian(vector, forces)
-    jacobian[~used] = 0.0
+    jacobian = np.where(used[..., None], problem.jacobian(vector, forces), 0.0)
     slope = np.where(used, problem.slope(vector, forces), 0.0)
     residual = np.where(used, problem.presses.force_N - forces, 0.0)
     whiten = make_whitener(problem.presses, sizes.noise, (slope, forces), sizes.scatter)

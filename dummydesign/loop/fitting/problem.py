@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -18,6 +18,7 @@ from dummydesign.loop.model.forward_model import (
     BaseParameters,
     LawError,
     base_and_law_columns,
+    pad_state,
     readings,
     simulate_yielding,
     wave_columns,
@@ -39,6 +40,7 @@ class CampaignProblem:
     law: SetupLaw
     effects: tuple[Effect, ...] = ()
     prior: BasePrior = UNDECLARED
+    _last: dict[bytes, NDArray] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def plus(self, *effects: Effect) -> CampaignProblem:
         """Return the problem with further effects."""
@@ -127,39 +129,39 @@ class CampaignProblem:
         return (forces - self.predict(vector, step)) / step
 
     def jacobian(self, vector: NDArray, forces: NDArray) -> NDArray:
-        """Sensitivities (T, B, len(vector)) by forward differences."""
+        """Sensitivities (T, B, len(vector)) by forward differences; those at the last vector are kept."""
+        if (key := vector.tobytes()) not in self._last:
+            self._last.clear()
+            self._last[key] = self._jacobian(vector, forces)
+            self._last[key].flags.writeable = False
+        return self._last[key]
+
+    def _jacobian(self, vector: NDArray, forces: NDArray) -> NDArray:
         (_low, high), count = self.bounds(), self.base_count
         out = np.zeros((*forces.shape, len(vector)))
         # where the depth does not depend on the force, one evaluation of the law serves base and law error
         shared = not any(one.effect.feeds_back for one in self.active_of(vector) if not one.absent)
         near = None if shared else self._simulate(vector)[1]
-        frozen, steps, moved = self.frozen(), [], []
-        for entry in range(count if shared else 0, self.fixed):
-            if entry not in frozen:
-                steps.append((entry, STEP if vector[entry] + STEP <= high[entry] else -STEP))
-                moved.append(vector.copy())
-                moved[-1][entry] += steps[-1][1]
+        units, free = np.eye(len(vector)), sorted({*range(count if shared else 0, self.fixed)} - {*self.frozen()})
+        steps = [(entry, STEP if vector[entry] + STEP <= high[entry] else -STEP) for entry in free]
+        moved = [vector + step * units[entry] for entry, step in steps]
         if not shared:
-            for term in range(SMOOTH_TERMS):
-                moved.append(vector.copy())
-                moved[-1][self.law_entries(term)] += STEP
+            moved += [vector + STEP * units[self.law_entries(term)].sum(axis=0) for term in range(SMOOTH_TERMS)]
         if moved:
             bins = self.presses.operator @ np.stack([self.nodes(one, near_mm=near) for one in moved], axis=-1)
             read = [readings(self.presses, bins[..., at], self.active_of(one)) for at, one in enumerate(moved)]
             change = np.stack(read, axis=-1) - forces[..., None]
         for number, (entry, step) in enumerate(steps):
             out[..., entry] = change[..., number] / step
+        model = self.base_of(vector), self.active_of(vector), self.law_error_of(vector)
+        pad = pad_state(self.presses, self.law, *model, 0.0 if near is None else near)
         if shared:
-            out[..., :count], by_pad = base_and_law_columns(
-                self.presses, self.law, vector[:count], self.active_of(vector), self.law_error_of(vector), STEP
-            )
+            out[..., :count], by_pad = base_and_law_columns(self.presses, pad, vector[:count], STEP)
         else:
             by_pad = change[..., len(steps) :] / STEP
-        model = self.base_of(vector), self.active_of(vector), self.law_error_of(vector)
-        waves = wave_columns(self.presses, self.law, *model, 0.0 if near is None else near)
-        by_pad = np.concatenate([by_pad, waves], axis=-1)
+        by_pad = np.concatenate([by_pad, wave_columns(self.presses, pad)], axis=-1)
         rows = np.arange(len(self.presses.pad))
         for term in range(LAW_TERMS):
             out[rows, :, self.law_entries(term).start + self.presses.pad] = by_pad[..., term]
-        out[..., frozen] = 0.0
+        out[..., self.frozen()] = 0.0
         return out

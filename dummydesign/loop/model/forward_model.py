@@ -130,11 +130,13 @@ class LawError:
 
     def waved(self, share: NDArray) -> NDArray:
         """1 + waves of relative depths (T, N): a factor of its own, so that no level makes waves cheaper."""
-        waves, knots = self.terms[SMOOTH_TERMS:].T, np.arange(WAVES + 1.0)
+        waves = self.terms[SMOOTH_TERMS:].T
         if not waves.any():
             return np.ones_like(share)
         at = wave_number(np.minimum(share, self.reach))
-        return 1.0 + np.stack([np.interp(x, knots, np.r_[0.0, own]) for x, own in zip(at, waves)])
+        heights, left = np.concatenate([np.zeros((len(waves), 1)), waves], axis=1), np.nan_to_num(at).astype(int)
+        place, rises = left + heights.shape[1] * np.arange(len(heights))[:, None], np.diff(heights, append=0.0)
+        return 1.0 + (rises.take(place) * (at - left) + heights.take(place))
 
 
 def wave_number(share: NDArray) -> NDArray:
@@ -254,68 +256,78 @@ def at_the_surface(presses: Presses, force_N: NDArray, acting: Sequence[Active],
     return force_N
 
 
-def base_and_law_columns(
-    presses: Presses, law: SetupLaw, logs: NDArray, active: Sequence[Active], error: LawError, step: float
-) -> tuple[NDArray, NDArray]:
-    """Forward differences with respect to the base logarithms, and to the smooth law error of each trial's pad."""
-    acting = [one for one in active if not one.absent]
-    own, depth = before_the_pad(presses, law, acting)
-    thickness = presses.thickness_mm[:, None]
-    unit = own(depth, thickness)
-    for one in acting:
-        unit = unit * one.effect.scale(presses, depth, one.values)
-    share = np.maximum(depth, 0.0) / thickness
-    base = BaseParameters.from_logs(logs)
-    arms = arms_of(presses, base, acting, depth)
-    plain = base.young_MPa * unit
-    waved = plain * error.waved(share)
-    elastic = waved * error.smooth(share)
-    each = np.stack([elastic, *(waved * (share / REFERENCE_DEPTH) ** power for power in range(SMOOTH_TERMS))])
-    held = arm_forces(presses.time_s, each, arms)
-    force, *shapes = (loaded(one, arms, held[:, k]) for k, one in enumerate(each))
-    moved = [force, force * np.exp(step), *(force + step * one for one in shapes)]
-    for index in range(1, len(logs)):
-        other = logs.copy()
-        other[index] += step
-        changed = arms_of(presses, BaseParameters.from_logs(other), acting, depth)
-        moved.append(_with_arms(presses, elastic, arms, held[:, 0], changed))
-    shown = [sensor_signal(presses, at_the_surface(presses, one, acting, depth), acting) for one in moved]
-    bins = readings(presses, presses.operator @ np.stack(shown, axis=-1), acting)
-    change = (bins[..., 1:] - bins[..., :1]) / step
-    after = 1 + SMOOTH_TERMS
-    return np.concatenate([change[..., :1], change[..., after:]], axis=-1), change[..., 1:after]
+@dataclass(frozen=True)
+class PadState:
+    """What a pad does at a model: its depth, that over the thickness, the elastic force with the error of its law and
+    with the waves of that alone (T, N), and its arms. [mm, 1, N, N]"""
+
+    acting: Sequence[Active]
+    depth: NDArray
+    share: NDArray
+    elastic: NDArray
+    waved: NDArray
+    arms: Sequence[Arm]
 
 
-def wave_columns(
+def pad_state(
     presses: Presses,
     law: SetupLaw,
     base: BaseParameters,
     active: Sequence[Active],
     error: LawError,
-    yielded_mm: NDArray | float,
-) -> NDArray:
+    yielded_mm: NDArray | float = 0.0,
+) -> PadState:
+    """The state where the set-up gives way so much."""
+    acting = [one for one in active if not one.absent]
+    own, start = before_the_pad(presses, law, acting)
+    depth, thickness = start - yielded_mm, presses.thickness_mm[:, None]
+    unit = own(depth, thickness)
+    for one in acting:
+        unit = unit * one.effect.scale(presses, depth, one.values)
+    share = np.maximum(depth, 0.0) / thickness
+    waved = base.young_MPa * unit * error.waved(share)
+    return PadState(acting, depth, share, waved * error.smooth(share), waved, arms_of(presses, base, acting, depth))
+
+
+def base_and_law_columns(presses: Presses, pad: PadState, logs: NDArray, step: float) -> tuple[NDArray, NDArray]:
+    """Forward differences with respect to the base logarithms, and to the smooth law error of each trial's pad."""
+    powers = [pad.waved * (pad.share / REFERENCE_DEPTH) ** power for power in range(SMOOTH_TERMS)]
+    each = np.stack([pad.elastic, *powers])
+    held = arm_forces(presses.time_s, each, pad.arms)
+    force, *shapes = loaded(each, pad.arms, held)
+    moved = [force, force * np.exp(step), *(force + step * one for one in shapes)]
+    for index in range(1, len(logs)):
+        other = logs.copy()
+        other[index] += step
+        changed = arms_of(presses, BaseParameters.from_logs(other), pad.acting, pad.depth)
+        moved.append(_with_arms(presses, pad.elastic, pad.arms, held[:, 0], changed))
+    shown = [sensor_signal(presses, at_the_surface(presses, one, pad.acting, pad.depth), pad.acting) for one in moved]
+    bins = readings(presses, presses.operator @ np.moveaxis(np.stack(shown), 0, -1), pad.acting)
+    change = (bins[..., 1:] - bins[..., :1]) / step
+    after = 1 + SMOOTH_TERMS
+    return np.concatenate([change[..., :1], change[..., after:]], axis=-1), change[..., 1:after]
+
+
+def wave_columns(presses: Presses, pad: PadState) -> NDArray:
     """Change of the bins with each wave of the law of a trial's pad (T, B, waves), relaxation stepped from bin to bin.
     [N]"""
-    acting = [one for one in active if not one.absent]
-    unit, start = before_the_pad(presses, law, acting)
-    depth, thickness = start - yielded_mm, presses.thickness_mm[:, None]
-    share = np.maximum(depth, 0.0) / thickness
-    elastic = base.young_MPa * unit(depth, thickness) * error.factor(share)
-    for one in acting:
-        elastic = elastic * one.effect.scale(presses, depth, one.values)
-    at = wave_number(share)
-    hats = [np.maximum(1.0 - np.abs(at - k), 0.0) for k in range(1, min(int(at.max()) + 2, WAVES + 1))]
-    none = sensor_signal(presses, np.zeros_like(elastic), acting)
-    seen = [sensor_signal(presses, elastic * hat, acting) - none for hat in (1.0, *hats)]
-    direct = presses.operator @ np.stack(seen, axis=-1)
+    at = wave_number(pad.share)
+    left, nodes = at.astype(int), np.arange(at.size).reshape(at.shape)
+    hats = np.zeros((int(left.max()) + 2, *at.shape))
+    for knot in (left, left + 1):
+        hats.put(knot * at.size + nodes, pad.elastic * (1.0 - np.abs(at - knot)))
+    hats, hats[0] = hats[: WAVES + 1], pad.elastic
+    none = sensor_signal(presses, np.zeros_like(pad.elastic), pad.acting)
+    for hat in hats:
+        hat[...] = sensor_signal(presses, hat, pad.acting) - none
+    direct = presses.operator @ np.moveaxis(hats, 0, -1)
     bins, each = presses.bins, np.moveaxis(direct, -1, 0)
     middle = np.maximum.accumulate(np.where(bins.used, 0.5 * (bins.start + bins.end), 0.0), axis=1)
     middle += 1e-6 * np.arange(middle.shape[1])  # the padding too goes on
-    arms = [_at_bins(presses, arm) for arm in arms_of(presses, base, acting, depth)]
-    held = arm_forces(middle, each, arms)
-    force, *waves = (loaded(one, arms, held[:, k]) for k, one in enumerate(each))
-    out = np.zeros((*force.shape, WAVES))
-    out[..., : len(waves)] = np.stack(waves, axis=-1) * (force > 0.0)[..., None]
+    arms = [_at_bins(presses, arm) for arm in pad.arms]
+    forces = loaded(each, arms, arm_forces(middle, each, arms))
+    out = np.zeros((*forces.shape[1:], WAVES))
+    out[..., : len(forces) - 1] = np.moveaxis(forces[1:] * (forces[0] > 0.0), 0, -1)
     return out
 
 

@@ -17,6 +17,7 @@ from dummydesign.measurement.clipping import find_clip
 from dummydesign.measurement.importing.baseline import LEAST_LEAD_IN, digit_step
 from dummydesign.measurement.importing.contact import ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
+from dummydesign.measurement.importing.judge import DELAYED, Judgement, judge_press
 from dummydesign.measurement.importing.sign_convention import find_presses, find_signs, middle_of_three
 from dummydesign.measurement.plateau import noise_of
 from dummydesign.measurement.ramp_detection import Summary, summarise
@@ -32,6 +33,12 @@ SHORT_HOLD_S = 10.0
 """Hold of the published protocol; no shorter one is called too short unless the force still falls."""
 NO_HOLD = "no_hold"
 """Code of a warning of imports alone: some uses of a trace need no hold."""
+NO_TRAVEL = "no_free_travel"
+FREE = 0.02
+"""Share of the depth that the punch must travel before it touches, for the contact to be seen."""
+COMPUTED = 1e-3
+"""Share of the force by which it may be off a line over displacement to be called computed; the least of any pad or
+tissue here is 0.08."""
 GRAMS_N_PER_MM, GRAMS_N = 100.0, 200.0
 HELD, RELAXED = 0.02, 0.05
 """Shares of its range within which a value is held, and by which the other one must fall meanwhile to be doubted."""
@@ -53,13 +60,34 @@ class _Press:
 
 def check_press(
     time: NDArray, x: NDArray, force: NDArray, contact: ContactEstimate, summary: Summary, warn: Warn
-) -> None:
-    """Warn of what looks wrong in one press."""
-    press = _Press(time, x, force, max(contact.baseline.noise_N, noise_of(force)), summary, warn)
+) -> Judgement:
+    """Warn of what looks wrong in one press; and whether it is explained as a whole."""
+    judged, told = judge_press(time, x, force, summary), set()
+
+    def tell(code: str, message: str) -> None:
+        told.add(code)
+        warn(code, message)
+
+    press = _Press(time, x, force, max(contact.baseline.noise_N, noise_of(force)), summary, tell)
     if _swapped(press):
-        return
-    for check in (_coarse, _hold, _several_holds, _clipped, _gaps, _lost, _frozen, _spikes, _units):
+        return judged
+    for check in (
+        _computed,
+        _approach,
+        _coarse,
+        _hold,
+        _several_holds,
+        _clipped,
+        _gaps,
+        _lost,
+        _frozen,
+        _spikes,
+        _units,
+    ):
         check(press)
+    if not judged.explains and not told & FAULTS:
+        warn(judged.code, judged.message)
+    return judged
 
 
 def _swapped(press: _Press) -> bool:
@@ -85,6 +113,28 @@ def _swapped(press: _Press) -> bool:
     return swapped
 
 
+def _computed(press: _Press) -> None:
+    """One column a multiple of the other: only a spring that does not relax, or a computation, gives that."""
+    steep, begin = np.polyfit(press.x, press.force, 1)
+    if np.abs(press.force - steep * press.x - begin).max() < COMPUTED * np.ptp(press.force):
+        press.warn(
+            "proportional",
+            f"force and displacement are proportional ({steep:.4g} N/mm): was one computed from the other, or a spring "
+            "pressed? a pad and skin relax; record the position by itself",
+        )
+
+
+def _approach(press: _Press) -> None:
+    """Motion before the force rises: without any the zero may have been set at a touch."""
+    free, depth = -float(press.x[: int(press.x.argmax()) + 1].min()), press.summary.depth_mm
+    if free < FREE * depth:
+        press.warn(
+            NO_TRAVEL,
+            f"no travel without force is recorded: if the zero was set at a touch, contact lies before it and the "
+            f"depth of {depth:.3g} mm is too little; record from before contact",
+        )
+
+
 def _coarse(press: _Press) -> None:
     """Digits that the noise does not spread, so coarse that the steady force is not known to 1 %."""
     step, steady = digit_step(press.force), press.summary.steady_force_N
@@ -93,6 +143,20 @@ def _coarse(press: _Press) -> None:
             "coarse_digits",
             f"the digits of the force are {step:.2g} N, {100 * step / steady:.1f} % of the "
             "steady force: export it with more digits, or use a smaller range",
+        )
+
+
+def _steps(press: _Press) -> None:
+    """Position in steps, by its digits or by a slower source that is held: most samples of the rise repeat the last."""
+    depth, x = press.summary.depth_mm, press.x
+    rise = (x[1:] > 0.05 * depth) & (x[1:] < 0.95 * depth) & (press.time[1:] < press.summary.stop_time_s)
+    moved = np.abs(np.diff(x))[rise]
+    step = float(np.median(moved[moved > 0.0])) if 0 < np.count_nonzero(moved) < 0.5 * len(moved) else 0.0
+    if 0.5 * step > COARSE * depth:
+        press.warn(
+            "coarse_position",
+            f"the position goes in steps of {step:.2g} mm: contact, depth, speed and hold are known to {step:.2g} mm "
+            "only; record it with more digits, or as often as the force",
         )
 
 
@@ -242,11 +306,14 @@ def _units(press: _Press) -> None:
 
 CODES = (
     *("force_before_contact", "contact_off", "hold_too_short", "several_holds", "clipped", "drop_out", "spike"),
-    *("coarse_digits", "far_from_known", "columns_swapped", "same_press", "several_subjects"),
+    *("coarse_digits", "coarse_position", "far_from_known", "columns_swapped", "same_press", "several_subjects"),
+    *("not_explained", "proportional"),
 )
 """Codes of the warnings of this module."""
 MENDED = ("force_before_contact", "contact_off", "far_from_known")
 """Those that an import mends."""
+FAULTS = {"several_holds", "clipped", "drop_out", "spike", "proportional"}
+"""Those that say why a force is not explained."""
 OFFSET_SHARE = 0.01
 """Share of the largest force up to which a force before contact does not matter."""
 READING = 4.0
@@ -260,8 +327,8 @@ def doubts_of(trace: Trace, resolution_N: float = 0.0) -> list[dict[str, str]]:
     log = ImportLog(trace.name, Settings(flip=frozenset()))
 
     def warn(code: str, message: str) -> None:
-        if code == NO_HOLD:
-            return  # whoever uses the trace says whether it needs one
+        if code in (NO_HOLD, DELAYED, NO_TRAVEL):
+            return  # its user says whether a hold is needed, and declares a filter; its zero is the contact
         log.warn(code, message + (import_first(trace.name) if code in MENDED else ""))
 
     time, x, force = trace.time_s, trace.displacement_mm, trace.force_N

@@ -21,6 +21,8 @@ from dummydesign.core.user_library import DEVICE, Entry, entries, find, read_tom
 from dummydesign.measurement.importing import contact as contact_zero
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, Settings
 from dummydesign.measurement.importing.decoding import LEFT_OUT
+from dummydesign.measurement.importing.judge import Judgement
+from dummydesign.measurement.importing.position_steps import read_between_changes
 from dummydesign.measurement.importing.press_checks import Warn, check_press, copies_among
 from dummydesign.measurement.importing.sign_convention import HIGH, Span, find_presses, find_signs
 from dummydesign.measurement.importing.table import Columns, Ranges, columns_of, read_texts
@@ -51,6 +53,7 @@ class ImportedPress:
     contact_high_mm: float
     begins_s: float
     steady_error_N: float | None
+    judged: Judgement
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,8 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog) -> Imported:
     tare = first if log.settings.tare == "first" else _read_option("tare", log.settings.tare, "force")
     zero = _read_option("contact", log.settings.contact, "length")
     signs = find_signs(columns.displacement_mm, columns.force_N, tare, log)
-    time, x = columns.time_s, signs.displacement * columns.displacement_mm
+    time = columns.time_s
+    x = signs.displacement * read_between_changes(time, columns.displacement_mm, log)
     rest, load = signs.force * signs.rest_force_N, signs.force * (columns.force_N - signs.rest_force_N)
     spans = _find_spans(time, x, load, columns.recordings, log)
     _check_magnitudes(time, x, load, spans, columns, log)
@@ -112,10 +116,10 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog) -> Imported:
             option = "--units time=.., displacement=.. or force=.. with the unit that it is in"
             raise log.question(f"press {number}: {fault.message}", option)
         warn = partial(log.warn, name=name)
-        check_press(t, way, force, contact, summary, warn)
+        judged = check_press(t, way, force, contact, summary, warn)
         interval = contact.low_mm - at, contact.high_mm - at
         error = _steady_error(summary, contact.baseline.held_error_N, warn)
-        presses.append(ImportedPress(number, t, way, force, summary, *interval, float(time[span.start]), error))
+        presses.append(ImportedPress(number, t, way, force, summary, *interval, float(time[span.start]), error, judged))
     return Imported(path, tuple(presses), tuple(log.decisions), tuple(log.warnings), columns, sheet)
 
 
@@ -362,7 +366,10 @@ def describe(imported: Sequence[Imported], planned: Sequence[Planned]) -> list[d
                     "press": press.number,
                     "samples": len(press.time_s),
                     **press.summary.to_dict(),
+                    "contact_low_mm": press.contact_low_mm,
+                    "contact_high_mm": press.contact_high_mm,
                     "steady_error_N": press.steady_error_N,
+                    "judged": press.judged.to_dict(),
                 }
                 for owner, press, name in planned
                 if owner is one

@@ -19,6 +19,9 @@ LEAST_STAMPS = 20
 """Different times that a recording of coarse time must have."""
 COARSE, EVEN = 0.2, 1.5
 """Share of equal times from which on a time is coarse, and steps by which times are off an even grid at most."""
+BURST, ALONE = 0.1, 0.9
+"""Share of the mean step of time below which a row is of the packet of the row before, and share of the longer steps
+that stand alone, as between packets: where a recording becomes slower they follow each other."""
 PRESSED = 0.1
 """Share of the largest force at which a recording that begins is one that goes on."""
 LATE = 3.0
@@ -238,7 +241,7 @@ def rows_in_order(
     """
     order = np.arange(len(time))
     steps = np.diff(time)
-    if np.all(steps > 0):
+    if np.all(steps > 0) and not _longest_within_packet(steps):
         return order, time, ((0, len(time)),)
     equal = np.flatnonzero(steps == 0) + 1
     twice = np.array([row for row in equal.tolist() if repeats(int(lines[row]))], int)
@@ -290,8 +293,8 @@ def _sorted(time: NDArray, lines: NDArray, log: ImportLog) -> NDArray:
 
 def _spread(time: NDArray, lines: NDArray, log: ImportLog) -> NDArray:
     """Part equal times: on an even grid where the samples are even, else between the times that are different."""
-    count, rows = len(time), np.arange(len(time))
-    new = np.flatnonzero(np.diff(time) > 0) + 1
+    count, rows, steps = len(time), np.arange(len(time)), np.diff(time)
+    new = np.flatnonzero(steps > _longest_within_packet(steps)) + 1
     equal = count - 1 - len(new)
     if not equal:
         return time
@@ -324,6 +327,15 @@ def _spread(time: NDArray, lines: NDArray, log: ImportLog) -> NDArray:
             "even, or export the time with more digits",
         )
     return spread
+
+
+def _longest_within_packet(steps: NDArray) -> float:
+    """Step of time up to which rows are of one packet that was stamped on arrival; 0 without packets. [s]"""
+    longest = BURST * float(steps.mean())
+    short = steps < longest
+    between = np.flatnonzero(~short[:-1])
+    packets = short.mean() > 0.5 and len(between) > 2 and short[between + 1].mean() > ALONE
+    return longest if packets else 0.0
 
 
 def _line(at: NDArray, time: NDArray) -> tuple[float, NDArray, float, float]:

@@ -12,22 +12,18 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.core.errors import out_of_range, unknown_name
+from dummydesign.core.errors import out_of_range
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.serialise import Serialised
 from dummydesign.core.toml_schema import TomlTable, read_table
 from dummydesign.core.user_library import find
-
-if TYPE_CHECKING:
-    from dummydesign.resin.model.resin import Resin
+from dummydesign.resin.model.resin import Resin
 
 SHORE_00, SHORE_A = "00", "A"
-SCALES = (SHORE_00, SHORE_A)
 CHANGE_00 = 75.0
 """Shore 00 value from which on Shore A is read instead: the 00 scale is too coarse for it."""
 STEPS = 50
@@ -88,9 +84,8 @@ class HardnessLaw:
     def hertz_kPa(self, shore: ArrayLike) -> NDArray:
         """Modulus by Hertz contact of the Shore 00 ball: 9 F / (16 sqrt(R) d^1.5). [kPa]"""
         share = np.asarray(shore, float) / 100.0
-        depth = self.travel_mm * (1.0 - share)
         force = self.force_N[0] + self.force_N[1] * share
-        return 1e3 * 9.0 * force / (16.0 * math.sqrt(self.ball_radius_mm) * depth**1.5)
+        return 1e3 * 9.0 * force / (16.0 * math.sqrt(self.ball_radius_mm) * (self.travel_mm * (1.0 - share)) ** 1.5)
 
     def young_kPa(self, shore: ArrayLike, scale: str) -> NDArray:
         """Modulus of a reading, central value. [kPa]
@@ -149,17 +144,15 @@ class HardnessLaw:
         return Quantity(value, value * math.exp(-low), value * math.exp(high), "inferred", source)
 
     def check(self, shore: float, scale: str) -> None:
-        """Refuse a reading outside the range of its scale, and another scale (InputError)."""
-        if scale not in SCALES:
-            raise unknown_name("Shore scale", scale, SCALES, quantity="shore_scale")
+        """Refuse a reading outside the range of its scale (InputError)."""
         low, high = self.ranges[scale]
         if not low <= shore <= high:
             advice = {
                 SHORE_00: "above it give --shore-a; below it press a puck (resins add-compression)",
                 SHORE_A: "below it give --shore-00; above it is no material for a soft dummy",
             }[scale]
-            name = f"shore_{scale.lower()}"
-            raise out_of_range(f"Shore {scale}", f"{shore:g}", f"{low:g}", f"{high:g}", advice, name)
+            ends = f"{low:g}", f"{high:g}"
+            raise out_of_range(f"Shore {scale}", f"{shore:g}", *ends, advice, f"shore_{scale.lower()}")
 
     def expected(self, young_kPa: Quantity, by_hardness: bool = False) -> Hardness:
         """Reading that a material of a modulus should give, with its 95 % interval.
@@ -203,8 +196,8 @@ STATED = "Shore "
 
 def expected_hardness(resin: Resin, ratio: float) -> Hardness:
     """Return the reading that a durometer should show on a resin at a ratio."""
-    by_hardness = resin.numbers[resin.law.parameters[0]].source.startswith(STATED)
-    return hardness_law().expected(resin.modulus_kPa(ratio), by_hardness)
+    source = resin.numbers[resin.law.parameters[0]].source
+    return hardness_law().expected(resin.modulus_kPa(ratio), by_hardness=source.startswith(STATED))
 
 
 def hardness_law() -> HardnessLaw:

@@ -32,6 +32,11 @@ class ModulusLaw:
     inverse: Callable[..., NDArray]
     makes_sense: Callable[..., NDArray]
 
+    @property
+    def way(self) -> str:
+        """What the modulus does with the ratio."""
+        return "grow" if self.direction > 0 else "fall"
+
     def young_kPa(self, ratio: ArrayLike, parameters: Parameters) -> NDArray:
         """Long-term Young's modulus [kPa]; ``ratio`` and parameters broadcast."""
         return self.modulus(np.asarray(ratio, float), *self._values(parameters))
@@ -103,21 +108,23 @@ def _fixed_valid(_: float, young: NDArray) -> NDArray:
     return young > 0
 
 
-_ALL = (
-    ModulusLaw(
-        "gel_point",
-        ("young_ref_kPa", "ratio_ref", "gel_ratio_over_ref", "exponent"),
-        1,
-        _gel_young,
-        _gel_ratio,
-        _gel_valid,
-    ),
-    ModulusLaw(
-        "polymer_fraction", ("young_neat_kPa", "exponent"), -1, _fraction_young, _fraction_ratio, _fraction_valid
-    ),
-    ModulusLaw("fixed", ("young_kPa",), 1, _fixed_young, _fixed_ratio, _fixed_valid),
-)
-LAWS = {law.name: law for law in _ALL}
+LAWS = {
+    law.name: law
+    for law in (
+        ModulusLaw(
+            "gel_point",
+            ("young_ref_kPa", "ratio_ref", "gel_ratio_over_ref", "exponent"),
+            1,
+            _gel_young,
+            _gel_ratio,
+            _gel_valid,
+        ),
+        ModulusLaw(
+            "polymer_fraction", ("young_neat_kPa", "exponent"), -1, _fraction_young, _fraction_ratio, _fraction_valid
+        ),
+        ModulusLaw("fixed", ("young_kPa",), 1, _fixed_young, _fixed_ratio, _fixed_valid),
+    )
+}
 """Known laws by the name used in resin files."""
 
 

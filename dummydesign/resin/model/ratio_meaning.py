@@ -62,24 +62,31 @@ def read_ratio_meaning(top: TomlTable, also: str = "") -> tuple[str, str, str]:
     per = top.string("ratio_per", choices=RATIO_PER) if "ratio_per" in top else ""
     weight, volume = bool(_WEIGHT.search(text)), bool(_VOLUME.search(text))
     if _is_weight_in_volume(text):
-        words = "is a weight in a volume; state parts by weight, or parts by volume of both"
-        raise top.fault("ratio_meaning", words, "unsupported", RATIO_BY)
+        raise top.fault(
+            "ratio_meaning",
+            "is a weight in a volume; state parts by weight, or parts by volume of both",
+            "unsupported",
+            RATIO_BY,
+        )
     if by and (weight, volume) in ((True, False), (False, True)) and volume != (by == "volume"):
         raise top.fault("ratio_by", f"contradicts ratio_meaning = {text!r}; correct one of them", "inconsistent")
     if not by and (volume or (not weight and _VOLUME.search(also))):
         said = f"{text!r} names" if volume else "title or components name"
-        words = (
+        raise top.fault(
+            "ratio_by",
             f'is missing, and {said} volume: write ratio_by = "volume" if the parts are volumes, '
-            'ratio_by = "weight" if they are weights'
+            'ratio_by = "weight" if they are weights',
+            "missing",
+            RATIO_BY,
         )
-        raise top.fault("ratio_by", words, "missing", RATIO_BY)
     if not per and _OF_THE_MIX.search(text) and not _TO_OTHERS.search(text):
-        words = (
+        raise top.fault(
+            "ratio_per",
             f'is missing, and {text!r} may count parts of the whole mix: write ratio_per = "mix" if the ratio '
-            "is in 100 parts of the mix, "
-            'ratio_per = "others" if it is to the parts of the other components'
+            'is in 100 parts of the mix, ratio_per = "others" if it is to the parts of the other components',
+            "missing",
+            RATIO_PER,
         )
-        raise top.fault("ratio_per", words, "missing", RATIO_PER)
     if by == "volume" and BY_VOLUME not in text:
         text = f"{text}, {BY_VOLUME}"
     return text, by or "weight", per or "others"
@@ -96,8 +103,7 @@ def _is_weight_in_volume(text: str) -> bool:
 
 def ratio_words(meaning: str, by: str) -> str:
     """The meaning with what it is measured by, where its own words do not name that."""
-    named = (_VOLUME if by == "volume" else _WEIGHT).search(meaning)
-    return meaning if named else f"{meaning}, by {by}"
+    return meaning if (_VOLUME if by == "volume" else _WEIGHT).search(meaning) else f"{meaning}, by {by}"
 
 
 CHEMISTRIES = ("polyurethane", "platinum silicone", "tin silicone", "silicone", "gelatin", "other")

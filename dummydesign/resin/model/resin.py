@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,11 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.core.quantity import HALF_WIDTH, Quantity, value_at
 from dummydesign.core.serialise import Serialised, to_plain
+from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.resin.model.modulus_laws import ModulusLaw, check_young
-
-if TYPE_CHECKING:
-    from dummydesign.pad.material.relaxation import PronyTerm
-
 
 WRITTEN = (
     "name",
@@ -127,6 +124,8 @@ SMALLEST_SPREAD = 0.005
 """A modulus is never believed to better than 0.5 % (one standard deviation), whatever a file claims."""
 
 
+SURPRISE = 3.0
+"""Standard deviations from which on two numbers, or a number and a law, contradict each other."""
 PUCK_SCATTER = 0.02
 """Scatter of ln modulus between pucks of one batch: assumed."""
 NEO_HOOKEAN = 2.0
@@ -156,8 +155,8 @@ class ResinArm(Serialised):
     @property
     def time_spread(self) -> float:
         """Standard deviation of ln tau; a time that was chosen, not measured, is known within half a decade (95 %)."""
-        chosen = self.tau_s.high <= self.tau_s.low
-        return (0.5 * math.log(10.0) if chosen else 0.5 * math.log(self.tau_s.high / self.tau_s.low)) / HALF_WIDTH
+        known = self.tau_s.high > self.tau_s.low
+        return 0.5 * math.log(self.tau_s.high / self.tau_s.low if known else 10.0) / HALF_WIDTH
 
 
 @dataclass(frozen=True)
@@ -229,9 +228,8 @@ class Draws:
 
     def beta(self, ratio: ArrayLike) -> NDArray:
         """Strengths of the arms of every draw, shape (n, arms), for one ratio or one a draw."""
-        reference = self.young_MPa(self.resin.relaxation_ratio_ref)
-        growth = (reference / self.young_MPa(ratio)) ** self.softness_exponent
-        return self.beta_ref * growth[:, None]
+        growth = self.young_MPa(self.resin.relaxation_ratio_ref) / self.young_MPa(ratio)
+        return self.beta_ref * (growth**self.softness_exponent)[:, None]
 
 
 @dataclass(frozen=True)
@@ -279,6 +277,10 @@ class Resin:
         """Whether this batch was measured: by a puck, or by the pads of a calibration."""
         return self.joint_relaxation is not None or any(point.puck is not None for point in self.points)
 
+    def same_ratio(self, first: Point, second: Point) -> bool:
+        """Whether two points are of one ratio, within half a step."""
+        return math.isclose(first.ratio, second.ratio, abs_tol=0.5 * self.ratio_step)
+
     def check_ratio(self, ratio: ArrayLike) -> None:
         """Refuse ratios outside the range the law is meant for (InputError)."""
         values = np.atleast_1d(np.asarray(ratio, float))
@@ -320,8 +322,13 @@ class Resin:
         value = self.young_MPa(ratio) * 1e3
         low, high = np.percentile(self._draws.young_MPa(ratio) * 1e3, [2.5, 97.5]).tolist()
         kind, at = ("fitted", ", updated by points") if self.points else ("inferred", "")
-        source = f"law {self.law.name} of resin {self.name}{at}; 95 % interval of {DRAWS} draws"
-        return Quantity(value, min(low, value), max(high, value), kind, source)
+        return Quantity(
+            value,
+            min(low, value),
+            max(high, value),
+            kind,
+            f"law {self.law.name} of resin {self.name}{at}; 95 % interval of {DRAWS} draws",
+        )
 
     def ratio_for(self, young_MPa: float) -> float:
         """Ratio whose central modulus is the one given [MPa].
@@ -355,8 +362,6 @@ class Resin:
         InputError
             When the ratio is outside the resin's range.
         """
-        from dummydesign.pad.material.relaxation import PronyTerm
-
         growth = (self.young_MPa(self.relaxation_ratio_ref) / self.young_MPa(ratio)) ** self.softness_exponent.value
         return tuple(PronyTerm(arm.tau_s.value, arm.beta.value * growth) for arm in self.arms)
 
@@ -403,10 +408,10 @@ class Resin:
             numbers = self._draw_prior(count, rng)
         if self.joint_relaxation is not None:
             young_kPa = self.law.young_kPa(self.relaxation_ratio_ref, numbers)
-            beta = list(self.joint_relaxation.draw([arm.beta.value for arm in self.arms], young_kPa, rng).T)
+            beta_ref = self.joint_relaxation.draw([arm.beta.value for arm in self.arms], young_kPa, rng)
         else:
             beta = [value_at(arm.beta, rng.standard_normal(count)) for arm in self.arms]
-        beta_ref = np.stack(beta, axis=1) if beta else np.zeros((count, 0))
+            beta_ref = np.stack(beta, axis=1) if beta else np.zeros((count, 0))
         return Draws(self, numbers, beta_ref, value_at(self.softness_exponent, rng.standard_normal(count)))
 
     def _draw_prior(self, count: int, rng: np.random.Generator) -> dict[str, NDArray]:
@@ -421,8 +426,11 @@ class Resin:
             missing -= int(good.sum())
             if missing == 0:
                 return {name: np.concatenate(parts) for name, parts in kept.items()}
-        message = f"resin {self.name}: its intervals leave almost no valid law down to ratio {self.ratio_min}"
-        raise InputError(message, "inconsistent", "resin.modulus")
+        raise InputError(
+            f"resin {self.name}: its intervals leave almost no valid law down to ratio {self.ratio_min}",
+            "inconsistent",
+            "resin.modulus",
+        )
 
     @cached_property
     def _draws(self) -> Draws:
@@ -435,13 +443,15 @@ class Resin:
         ratio to the other liquids, in the proportion of their own parts.
         """
         self.check_ratio(ratio)
-        others = 1.0
-        if self.ratio_per == "mix":
-            others = (100.0 - ratio) / sum(liquid.parts for liquid in self.liquids if liquid.parts is not None)
+        others = (100.0 - ratio) / self._fixed_parts if self.ratio_per == "mix" else 1.0
         return {
             liquid.name: self._weight_per_part(liquid) * (ratio if liquid.parts is None else others * liquid.parts)
             for liquid in self.liquids
         }
+
+    @property
+    def _fixed_parts(self) -> float:
+        return sum(liquid.parts for liquid in self.liquids if liquid.parts is not None)
 
     def _weight_per_part(self, liquid: Liquid) -> float:
         return liquid.density_g_per_cm3.value if self.ratio_by == "volume" else 1.0
@@ -462,8 +472,7 @@ class Resin:
         rest = sum(part for name, part in parts.items() if name != varied)
         if self.ratio_per == "mix":
             return 100.0 * parts[varied] / np.maximum(parts[varied] + rest, 1e-12)
-        fixed = sum(liquid.parts for liquid in self.liquids if liquid.parts is not None)
-        return fixed * parts[varied] / np.maximum(rest, 1e-12)
+        return self._fixed_parts * parts[varied] / np.maximum(rest, 1e-12)
 
     def recipe(self, ratio: float, total_g: float) -> list[Component]:
         """Masses to weigh for a total mass.
@@ -525,9 +534,8 @@ class Resin:
         last = self.ratio_max if high is None else min(high, self.ratio_max)
         if first == last or self.ratio_min == self.ratio_max:
             return np.array([first] if first <= last else [])
-        start = math.ceil(first / self.ratio_step - 1e-9)
-        stop = math.floor(last / self.ratio_step + 1e-9)
-        return np.round(np.arange(start, stop + 1) * self.ratio_step, INCREMENT_DIGITS)
+        steps = np.arange(math.ceil(first / self.ratio_step - 1e-9), math.floor(last / self.ratio_step + 1e-9) + 1)
+        return np.round(steps * self.ratio_step, INCREMENT_DIGITS)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the whole resin file as plain values, every number with interval, kind and source."""
@@ -541,17 +549,20 @@ class Resin:
         }
         if self.prior_relaxation is not None:
             relaxation["prior"] = dict(zip(("ratio_ref", "term"), self.prior_relaxation[::-1]))
-        content = {
-            "schema": 1,
-            **{key: getattr(self, key) for key in WRITTEN if key != "chemistry" or self.chemistry},
-            "component": [to_plain(one) | ({"parts": "ratio"} if one.parts is None else {}) for one in self.liquids],
-            "modulus": modulus,
-            "relaxation": relaxation,
-            "property": self.properties,
-            **({} if self.ogden_alpha is None else {"elastic": {"ogden_alpha": self.ogden_alpha}}),
-            **({"point": self.points} if self.points else {}),
-        }
-        return to_plain(content)
+        return to_plain(
+            {
+                "schema": 1,
+                **{key: getattr(self, key) for key in WRITTEN if key != "chemistry" or self.chemistry},
+                "component": [
+                    to_plain(one) | ({"parts": "ratio"} if one.parts is None else {}) for one in self.liquids
+                ],
+                "modulus": modulus,
+                "relaxation": relaxation,
+                "property": self.properties,
+                **({} if self.ogden_alpha is None else {"elastic": {"ogden_alpha": self.ogden_alpha}}),
+                **({"point": self.points} if self.points else {}),
+            }
+        )
 
     def uncertain(self) -> list[str]:
         """Names of the numbers of this resin that are inferred or assumed, in the order of the file."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +16,10 @@ from dummydesign.core.parsing import UNITS, YOUNG
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.toml_schema import REQUIRED, TomlTable, read_table
 from dummydesign.core.user_library import Entry, data_folder, find, read_toml, toml_table, user_folder
+from dummydesign.measurement.trace import Trace
 from dummydesign.resin.model.modulus_laws import LAWS, ModulusLaw
 from dummydesign.resin.model.ratio_meaning import CHEMISTRIES, guessed_chemistry, read_ratio_meaning
-from dummydesign.resin.model.resin import WRITTEN, Liquid, Point, PuckPoint, Resin, ResinArm
-
-if TYPE_CHECKING:
-    from dummydesign.measurement.trace import Trace
+from dummydesign.resin.model.resin import MIXED, WRITTEN, Liquid, Point, PuckPoint, Resin, ResinArm
 
 KIND = "materials/resins"
 DEFAULT = "polyurethane-nagoya"
@@ -41,10 +39,8 @@ KEYS = ("schema", *WRITTEN, "component", "modulus", "elastic", "relaxation", "pr
 
 def recording_sha256(trace: Trace) -> str:
     """Return the SHA-256 of a trace's numbers."""
-    digest = hashlib.sha256()
-    for column in (trace.time_s, trace.displacement_mm, trace.force_N):
-        digest.update(column.astype("<f8").tobytes())
-    return digest.hexdigest()
+    columns = trace.time_s, trace.displacement_mm, trace.force_N
+    return hashlib.sha256(b"".join(column.astype("<f8").tobytes() for column in columns)).hexdigest()
 
 
 def load_resin(name: str = DEFAULT) -> Resin:
@@ -85,8 +81,11 @@ def read_resin(entry: Entry) -> Resin:
     top = read_table(entry.path, KEYS)
     low, high, step = top.number("ratio_min"), top.number("ratio_max"), top.number("ratio_step", 0.1)
     if not (0 <= low <= high and step > 0):
-        words = f"needs 0 <= ratio_min <= ratio_max and ratio_step > 0, given {low}, {high}, {step}"
-        raise top.fault("ratio_min", words, "inconsistent")
+        raise top.fault(
+            "ratio_min",
+            f"needs 0 <= ratio_min <= ratio_max and ratio_step > 0, given {low}, {high}, {step}",
+            "inconsistent",
+        )
     liquids = _liquids(top)
     also = " / ".join((str(top.data.get("title", "")), *(liquid.name for liquid in liquids)))
     meaning, by, per = read_ratio_meaning(top, also)
@@ -134,9 +133,8 @@ def read_points(path: Path) -> tuple[str, str, list[Point]]:
     The name is the file's own where it has none. An InputError names file and line.
     """
     top = read_table(path, ("schema", "base", "name", "point"), schema=None)
-    points = list(map(_point, top.tables("point")))
     _check_units(top, given=True)
-    return top.string("base", DEFAULT), top.string("name", path.stem), points
+    return top.string("base", DEFAULT), top.string("name", path.stem), list(map(_point, top.tables("point")))
 
 
 @cache
@@ -179,8 +177,9 @@ def _check_unit(table: TomlTable, key: str, quantity: Quantity) -> None:
 def _positive(table: TomlTable, key: str, zero: bool = False) -> Quantity:
     quantity = table.quantity(key)
     if quantity.low < 0 or (quantity.low == 0 and not zero):
-        words = f"has low = {quantity.low}; it must be {'at least 0' if zero else 'above 0'}"
-        raise table.fault(key, words, "out_of_range")
+        raise table.fault(
+            key, f"has low = {quantity.low}; it must be {'at least 0' if zero else 'above 0'}", "out_of_range"
+        )
     return quantity
 
 
@@ -188,14 +187,13 @@ def _liquids(top: TomlTable) -> tuple[Liquid, ...]:
     """Read the components; exactly one of them is weighed by the ratio."""
     liquids = []
     for item in top.tables("component"):
-        item.only(("name", "parts", "density_g_per_cm3", "viscosity_Pa_s"))
+        item.only(("name", "parts", *MIXED))
         parts = item.get("parts", (int, float, str), 'a number above 0 or "ratio"')
         if parts != "ratio" and not (isinstance(parts, int | float) and 0 < parts < float("inf")):
             raise item.fault("parts", 'must be a number above 0 or "ratio"', "malformed")
-        density, viscosity = _positive(item, "density_g_per_cm3"), _positive(item, "viscosity_Pa_s")
-        liquids.append(Liquid(item.string("name"), None if parts == "ratio" else float(parts), density, viscosity))
-    by_ratio = sum(liquid.parts is None for liquid in liquids)
-    if by_ratio != 1 or len({liquid.name for liquid in liquids}) < len(liquids):
+        properties = (_positive(item, key) for key in MIXED)
+        liquids.append(Liquid(item.string("name"), None if parts == "ratio" else float(parts), *properties))
+    if sum(liquid.parts is None for liquid in liquids) != 1 or len({liquid.name for liquid in liquids}) < len(liquids):
         raise top.fault("component", 'needs different names, and parts = "ratio" exactly once', "inconsistent")
     return tuple(liquids)
 
@@ -213,8 +211,9 @@ def _modulus(table: TomlTable) -> tuple[ModulusLaw, Numbers, dict[str, NDArray] 
     draws, prior = (table.table(key).only(law.parameters) for key in ("posterior", "prior"))
     columns = {key: np.array(draws.numbers(key)) for key in law.parameters}
     if len({len(column) for column in columns.values()}) != 1:
-        words = f"needs equally long lists of numbers for {', '.join(law.parameters)}"
-        raise table.fault("posterior", words, "malformed")
+        raise table.fault(
+            "posterior", f"needs equally long lists of numbers for {', '.join(law.parameters)}", "malformed"
+        )
     return law, numbers, columns, {key: _positive(prior, key) for key in law.parameters}
 
 
@@ -235,14 +234,17 @@ def _point(table: TomlTable) -> Point:
     seen = puck.numbers("seen_s", None)
     if seen is not None and len(seen) != 2:
         raise puck.fault("seen_s", "must be the shortest and the longest time", "malformed")
-    arms = tuple(ResinArm(arm.quantity("tau_s"), arm.quantity("beta")) for arm in puck.tables("arm", required=False))
-    size = puck.number("diameter_mm"), puck.number("height_mm")
-    words, plates, alpha = (
-        (puck.string("sha256"), puck.string("file")),
+    recordings = PuckPoint(
+        puck.string("sha256"),
+        puck.string("file"),
+        puck.number("diameter_mm"),
+        puck.number("height_mm"),
+        seen,
+        tuple(ResinArm(arm.quantity("tau_s"), arm.quantity("beta")) for arm in puck.tables("arm", required=False)),
         puck.string("plates", ""),
         _alpha(puck, "alpha"),
     )
-    return Point(ratio, young, PuckPoint(*words, *size, seen, arms, plates, alpha))
+    return Point(ratio, young, recordings)
 
 
 def _alpha(table: TomlTable, key: str) -> Quantity | None:
@@ -253,14 +255,15 @@ def _alpha(table: TomlTable, key: str) -> Quantity | None:
 def _check_physics(resin: Resin, modulus: TomlTable) -> None:
     """Refuse a law whose central curve is not positive or does not run its law's way over the range."""
     if not np.all(resin.law.valid(resin.ratio_min, resin.central)):
-        words = f"is not valid down to ratio_min = {resin.ratio_min} with its central values; is the gel point below?"
-        raise modulus.fault("law", words, "inconsistent")
+        raise modulus.fault(
+            "law",
+            f"is not valid down to ratio_min = {resin.ratio_min} with its central values; is the gel point below?",
+            "inconsistent",
+        )
     young = resin.young_MPa(np.linspace(resin.ratio_min, resin.ratio_max, 101))
-    words = ""
     if not np.all(np.isfinite(young) & (young > 0)):
-        words = "gives a modulus that is not positive over the whole ratio range"
-    elif resin.ratio_min < resin.ratio_max and not np.all(np.diff(young) * resin.law.direction > 0):
-        way = "grow" if resin.law.direction > 0 else "fall"
-        words = f"gives a modulus that does not {way} with {resin.ratio_meaning}"
-    if words:
-        raise modulus.fault("law", words, "inconsistent")
+        raise modulus.fault("law", "gives a modulus that is not positive over the whole ratio range", "inconsistent")
+    if resin.ratio_min < resin.ratio_max and not np.all(np.diff(young) * resin.law.direction > 0):
+        raise modulus.fault(
+            "law", f"gives a modulus that does not {resin.law.way} with {resin.ratio_meaning}", "inconsistent"
+        )

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,23 +14,18 @@ from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.serialise import to_plain
 from dummydesign.core.user_library import check_name, entries, hidden_by, user_folder
+from dummydesign.measurement.ramp_detection import Hold, find_holds
+from dummydesign.measurement.trace import Trace, read_trace
+from dummydesign.pad.material.relaxation import PronyTerm
+from dummydesign.pad.tables.puck import PuckTable, table_for
 from dummydesign.resin.model.resin import Point, PuckPoint, ResinArm
 from dummydesign.resin.model.resin_file import DEFAULT, KIND, load_resin, recording_sha256, save_resin
 from dummydesign.resin.puck_test.contradictions import check_slips, odd_press, pairs_of, warnings_of
+from dummydesign.resin.puck_test.loading_fit import LoadingCurve, PuckFit, fit_pucks, reduce_press
 from dummydesign.resin.puck_test.plates import Plates, read_plates
+from dummydesign.resin.puck_test.relaxation_fit import PuckRelaxation, fit_relaxation
 from dummydesign.resin.update.modulus import known_puck, rebuild
-
-if TYPE_CHECKING:
-    from dummydesign.measurement.ramp_detection import Hold
-    from dummydesign.measurement.trace import Trace
-    from dummydesign.pad.material.relaxation import PronyTerm
-    from dummydesign.pad.tables.puck import PuckTable
-    from dummydesign.resin.puck_test.loading_fit import PuckFit
-    from dummydesign.resin.puck_test.relaxation_fit import PuckRelaxation
-    from dummydesign.resin.update.relaxation import ArmUpdate
-
-Array = np.ndarray
-Window = tuple[float, float]
+from dummydesign.resin.update.relaxation import ArmUpdate
 
 FIRST_SHARE, LAST_SHARE = 0.03, 0.5
 """Compressions that are used, in heights: past the toe, and short of where the side lies on the plates."""
@@ -41,23 +36,25 @@ LARGEST_MISFIT = 0.1
 0.8 to 3.2 % (``materials/measured/ecoflex-moduli.csv``)."""
 
 
-def loading(displacement_mm: Array, force_N: Array) -> tuple[Array, Array]:
+def loading(displacement_mm: np.ndarray, force_N: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The first loading of a trace: up to its largest displacement, on rising displacements only."""
     end = int(np.argmax(displacement_mm)) + 1
     depth, index = np.unique(np.maximum.accumulate(displacement_mm[:end]), return_inverse=True)
     return depth, np.bincount(index, force_N[:end]) / np.bincount(index)
 
 
-def steps(displacement_mm: Array, force_N: Array, window: Window) -> tuple[Array, Array]:
-    """The first loading at zero and over a window: means over equal steps of displacement, for noise to fall."""
+def steps(
+    displacement_mm: np.ndarray, force_N: np.ndarray, window: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """The first loading before zero and over a window: means over equal steps of displacement, for noise to fall."""
     depth, load = loading(displacement_mm, force_N)
     edges = np.linspace(window[0], min(window[1], float(depth[-1])), STEPS + 1)
     work = np.r_[0.0, np.cumsum(0.5 * (load[1:] + load[:-1]) * np.diff(depth))]
     mean = np.diff(np.interp(edges, depth, work)) / np.diff(edges)
-    # the force before the machine's zero is the same noise about the same zero
-    before = force_N[: int(np.argmax(displacement_mm > 0.0))]
-    zero = float(np.median(before)) if len(before) else float(np.interp(0.0, depth, load))
-    return np.r_[0.0, 0.5 * (edges[1:] + edges[:-1])], np.r_[zero, mean]
+    # medians of a rising curve are a point of it, also where contact lies before the machine's zero
+    before = slice(int(np.argmax(displacement_mm > 0.0)) or 1)
+    at, zero = np.median(displacement_mm[before]), np.median(force_N[before])
+    return np.r_[at, 0.5 * (edges[1:] + edges[:-1])], np.r_[zero, mean]
 
 
 def add_compression(
@@ -94,9 +91,6 @@ def add_compression(
     A modulus far from the resin's that a usual mistake explains (unit of the force, radius for diameter) is refused;
     what else contradicts is in ``contradictions`` and in the first warnings.
     """
-    from dummydesign.measurement.trace import read_trace
-    from dummydesign.pad.tables.puck import table_for
-
     for what, value in (("diameter_mm", diameter_mm), ("height_mm", height_mm), ("mass_g", mass_g or 1.0)):
         if not (np.isfinite(value) and value > 0.0):
             raise out_of_range(what, value, "above 0", "any finite value")
@@ -112,14 +106,17 @@ def add_compression(
             own.name,
         )
     if own and replace_own and base is None:
-        message = f"--replace begins resin '{own.name}' again; say from which one with --resin"
-        raise InputError(message, "missing", "resin")
+        raise InputError(
+            f"--replace begins resin '{own.name}' again; say from which one with --resin", "missing", "resin"
+        )
     resin = load_resin(base or (name if known is not None else DEFAULT))
     resin.check_ratio(ratio)
     table = table_for(diameter_mm, height_mm)
-    given = [read_trace(one) for one in ([file] if isinstance(file, str | Path) else file)]
     # their order does not matter
-    traces = sorted(given, key=lambda trace: (trace.name, recording_sha256(trace)))
+    traces = sorted(
+        map(read_trace, [file] if isinstance(file, str | Path) else file),
+        key=lambda trace: (trace.name, recording_sha256(trace)),
+    )
     sha256 = [recording_sha256(trace) for trace in traces]
     if len(set(sha256)) < len(traces):
         raise InputError("a recording is listed twice; give each press once", "duplicate", "file")
@@ -130,8 +127,11 @@ def add_compression(
     held = [_holds(trace, window) for trace in traces]
     if any(held) and not all(held):
         without = ", ".join(trace.name for trace, holds in zip(traces, held) if not holds)
-        message = f"{without}: no hold; curves with and without holds are not fitted together, leave one kind out"
-        raise InputError(message, "inconsistent", "file")
+        raise InputError(
+            f"{without}: no hold; curves with and without holds are not fitted together, leave one kind out",
+            "inconsistent",
+            "file",
+        )
     before = known_puck(resin, puck.sha256)
     scatter = np.zeros((len(traces), len(traces)))
     relaxation: dict[str, Any] | None = None
@@ -141,7 +141,8 @@ def add_compression(
         fit = relaxed = _fit_holds(traces, held, table, window, puck, plates)
         puck, (relaxation, unseen) = _with_arms(puck, relaxed), _of_holds(relaxed, held)
     else:
-        fit = _fit_loading(traces, table, window, puck, plates)
+        curves = [LoadingCurve(one.name, "puck", *steps(one.displacement_mm, one.force_N, window)) for one in traces]
+        fit = fit_pucks(curves, diameter_mm, height_mm, table, (window[0] * (1 - 1e-9), window[1]), plates)
         rates = [_unrelaxed(trace, resin.prony(ratio)) for trace in traces]
         scatter = np.outer(rates, rates)
     alpha, young = fit.known.alpha, Quantity(*fit.known.young_kPa, "fitted", source)
@@ -151,14 +152,13 @@ def add_compression(
     check_slips(pairs[0])
     pairs += odd_press([trace.name for trace in traces], young.value, fit.levels, fit.level_covariance + scatter)
     path = user_folder() / KIND / f"{own.name if own else name}.toml"
-    action, former = "added", None
+    action, former = "added", ""
     if before and before.puck:
         was, now = before.puck, (ratio, diameter_mm, height_mm, plates.name)
         same = (before.ratio, was.diameter_mm, was.height_mm, was.plates) == now
         action = "unchanged" if same and set(puck.sha256.split()) <= set(was.sha256.split()) else "replaced"
-        if action == "replaced":
-            declared = f", plates {was.plates}" if was.plates else ""
-            former = f"ratio {before.ratio:g}, {was.diameter_mm:g} x {was.height_mm:g} mm{declared}"
+        former = f"ratio {before.ratio:g}, {was.diameter_mm:g} x {was.height_mm:g} mm"
+        former += f", plates {was.plates}" if was.plates else ""
     contradictions, first = warnings_of(pairs, alpha.value)
     warnings = [*first, *unseen, *_doubts(fit, plates, traces, window)]
     if action != "unchanged":
@@ -169,24 +169,25 @@ def add_compression(
         if relaxation is not None:
             relaxation |= {"updates": [one.to_dict() for one in updates]}
         save_resin(changed)
-    answer = {
-        "name": name,
-        "base": resin.name,
-        "ratio": ratio,
-        "young_kPa": young,
-        "law": {"name": "ogden, one term", "alpha": alpha.value, "alpha_low": alpha.low, "alpha_high": alpha.high},
-        "plates": plates.name or None,
-        "friction": fit.known.friction._asdict(),
-        "rmse_N": fit.rmse_N,
-        "compression_mm": window,
-        "relaxation": relaxation,
-        "warnings": warnings,
-        "action": action,
-        "before": former,
-        "files": {"resin": str(path)},
-        "contradictions": contradictions,
-    }
-    return to_plain(answer)
+    return to_plain(
+        {
+            "name": name,
+            "base": resin.name,
+            "ratio": ratio,
+            "young_kPa": young,
+            "law": {"name": "ogden, one term", "alpha": alpha.value, "alpha_low": alpha.low, "alpha_high": alpha.high},
+            "plates": plates.name or None,
+            "friction": fit.known.friction._asdict(),
+            "rmse_N": fit.rmse_N,
+            "compression_mm": window,
+            "relaxation": relaxation,
+            "warnings": warnings,
+            "action": action,
+            "before": former if action == "replaced" else None,
+            "files": {"resin": str(path)},
+            "contradictions": contradictions,
+        }
+    )
 
 
 RAMP_TIMES = 10.0
@@ -205,13 +206,12 @@ def _update_warning(
     # mean speed from contact to the first hold
     touched = [float(trace.time_s[int(np.argmax(trace.displacement_mm > 0.0))]) for trace in traces]
     fastest = max(one[0].displacement_mm / max(one[0].start_s - at, 1e-9) for one, at in zip(held, touched))
-    depth = max(holds[0].displacement_mm for holds in held)
-    if fastest < (needed := depth / (RAMP_TIMES * update.tau_s)):
+    needed = max(holds[0].displacement_mm for holds in held) / (RAMP_TIMES * update.tau_s)
+    if fastest < needed:
         advice.append(f"press at {_round_up(needed):g} mm/s or faster (fastest ramp here: {fastest:.2g} mm/s)")
     step = min(float(np.median(np.diff(trace.time_s))) for trace in traces)
     if step > update.tau_s / SAMPLES_A_TIME:
-        rate = _round_up(SAMPLES_A_TIME / update.tau_s)
-        advice.append(f"sample at {rate:g} Hz or more (here: {1.0 / step:.0f} Hz)")
+        advice.append(f"sample at {_round_up(SAMPLES_A_TIME / update.tau_s):g} Hz or more (here: {1.0 / step:.0f} Hz)")
     advice = advice or ["press with less noise of the force"]
     return {"code": "relaxation_not_seen", "message": f"{update.notice}; to measure it {' and '.join(advice)}"}
 
@@ -222,10 +222,8 @@ def _round_up(value: float) -> float:
     return float(next(one for one in SPEEDS if one * power >= value * (1 - 1e-9)) * power)
 
 
-def _holds(trace: Trace, window: Window) -> tuple[Hold, ...]:
+def _holds(trace: Trace, window: tuple[float, float]) -> tuple[Hold, ...]:
     """Holds of a trace inside the compressions that are used."""
-    from dummydesign.measurement.ramp_detection import find_holds
-
     seen = find_holds(trace.time_s, trace.displacement_mm)
     holds = tuple(hold for hold in seen if window[0] < hold.displacement_mm <= window[1])
     if seen and not holds:
@@ -240,47 +238,43 @@ def _holds(trace: Trace, window: Window) -> tuple[Hold, ...]:
     return holds
 
 
-def _window(traces: Sequence[Trace], height_mm: float, table: PuckTable) -> Window:
+def _window(traces: Sequence[Trace], height_mm: float, table: PuckTable) -> tuple[float, float]:
     """Compressions that are used: up to the deepest press. [mm]"""
-    share = min(LAST_SHARE, float(table.compression[-1]) - 0.02)
-    first, last = FIRST_SHARE * height_mm, 0.0
+    first, last = FIRST_SHARE * height_mm, min(LAST_SHARE, float(table.compression[-1]) - 0.02) * height_mm
     for trace in traces:
         largest = float(np.max(trace.displacement_mm))
         if largest >= height_mm:
             raise out_of_range("displacement in mm", largest, 0, height_mm, f"{trace.name}: the puck's height")
-        last = max(last, min(share * height_mm, largest))
-        if min(share * height_mm, largest) < 4.0 * first:
+        if largest < 4.0 * first:
             raise InputError(
                 f"{trace.name}: largest displacement_mm = {largest:.3g} is too small; compress the puck by at least "
-                f"{4.0 * first:.3g} mm, better {share * height_mm:.3g} mm",
+                f"{4.0 * first:.3g} mm, better {last:.3g} mm",
                 "out_of_range",
                 "displacement_mm",
                 largest,
             )
-    return first, last
+    return first, min(last, max(float(np.max(trace.displacement_mm)) for trace in traces))
 
 
-def _doubts(fit: PuckFit, plates: Plates, traces: Sequence[Trace], window: Window) -> list[dict[str, str]]:
+def _doubts(fit: PuckFit, plates: Plates, traces: Sequence[Trace], window: tuple[float, float]) -> list[dict[str, str]]:
     """Warnings where the curves contradict what was declared of the plates, or are those of no real puck."""
-    doubts = []
+    doubts = {}
     if fit.contradicts:
-        message = (
+        doubts["plates_doubted"] = (
             f"the curves contradict plates declared {plates.name}; check the declaration, the height and the diameter, "
             "or leave --friction out: the modulus is then fitted with any friction"
         )
-        doubts.append({"code": "plates_doubted", "message": message})
     used = [
         trace.force_N[(trace.displacement_mm >= window[0]) & (trace.displacement_mm <= window[1])] for trace in traces
     ]
     share = fit.rmse_N / max(float(np.sqrt(np.mean(np.concatenate(used) ** 2))), 1e-300)
     if share > LARGEST_MISFIT:
-        message = (
+        doubts["lack_of_fit"] = (
             f"the law of a puck misses the forces by {100 * share:.0f} % (19 silicones: 1 to 3 %); check that "
             f"{', '.join(trace.name for trace in traces)} is of a puck between plates, its diameter, its height and "
             "the zero of its displacement"
         )
-        doubts.append({"code": "lack_of_fit", "message": message})
-    return doubts
+    return [{"code": code, "message": message} for code, message in doubts.items()]
 
 
 def _unrelaxed(trace: Trace, arms: Sequence[PronyTerm]) -> float:
@@ -291,25 +285,14 @@ def _unrelaxed(trace: Trace, arms: Sequence[PronyTerm]) -> float:
     return math.log1p(float(np.array([arm.beta for arm in arms]) @ (times * -np.expm1(-1.0 / times))))
 
 
-def _fit_loading(traces: Sequence[Trace], table: PuckTable, window: Window, puck: PuckPoint, plates: Plates) -> PuckFit:
-    from dummydesign.resin.puck_test.loading_fit import LoadingCurve, fit_pucks
-
-    first, last = window
-    curves = [LoadingCurve(one.name, "puck", *steps(one.displacement_mm, one.force_N, window)) for one in traces]
-    return fit_pucks(curves, puck.diameter_mm, puck.height_mm, table, (first * (1 - 1e-9), last), plates)
-
-
 def _fit_holds(
     traces: Sequence[Trace],
     held: Sequence[tuple[Hold, ...]],
     table: PuckTable,
-    window: Window,
+    window: tuple[float, float],
     puck: PuckPoint,
     plates: Plates,
 ) -> PuckRelaxation:
-    from dummydesign.resin.puck_test.loading_fit import reduce_press
-    from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
-
     # half a hundredth of the height more, so that a hold at the very end is not cut by its own noise
     wider = window[0], window[1] + 0.005 * puck.height_mm
     presses = [
@@ -322,23 +305,24 @@ def _fit_holds(
 def _with_arms(puck: PuckPoint, fit: PuckRelaxation) -> PuckPoint:
     """The puck with the arms that its holds showed, and as much of a slow one as relaxed within them."""
     source = f"holds of puck {puck.diameter_mm:g} x {puck.height_mm:g} mm, {puck.file}"
-    within = f"{source}; what relaxes within them, the time may be longer"
     shown = [(arm, "fitted", source) for arm in fit.arms if not arm.reason]
-    shown += [(arm, "inferred", within) for arm in fit.arms if arm.slow]
-    arms = [ResinArm(Quantity(*arm.tau_s, *how), Quantity(*arm.beta, *how)) for arm, *how in shown]
+    slow = f"{source}; what relaxes within them, the time may be longer"
+    shown += [(arm, "inferred", slow) for arm in fit.arms if arm.slow]
+    arms = (ResinArm(Quantity(*arm.tau_s, *how), Quantity(*arm.beta, *how)) for arm, *how in shown)
     return replace(puck, seen_s=fit.seen_s, arms=tuple(arms))
 
 
 def _of_holds(fit: PuckRelaxation, held: Sequence[tuple[Hold, ...]]) -> tuple[dict[str, Any], list[dict[str, str]]]:
     """The relaxation as the answer has it, and a warning for each arm without a value."""
     reasons = [arm.reason for arm in fit.arms if arm.reason]
-    relaxation = {
+    return {
         "holds": [hold for holds in held for hold in holds],
         "seen_s": fit.seen_s,
         "prony": [{"tau_s": arm.tau_s._asdict(), "beta": arm.beta._asdict()} for arm in fit.arms if not arm.reason],
         "not_identifiable": [{"tau_s": None, "beta": None, "reason": reason} for reason in reasons],
         "comparison": fit.comparison,
         "noise": fit.noise,
-    }
-    said = [f"an arm of the relaxation has no value: {reason}" for reason in reasons]
-    return relaxation, [{"code": "not_identifiable", "message": message} for message in said]
+    }, [
+        {"code": "not_identifiable", "message": f"an arm of the relaxation has no value: {reason}"}
+        for reason in reasons
+    ]

@@ -12,17 +12,10 @@ import numpy as np
 from dummydesign.core.errors import InputError
 from dummydesign.core.parsing import YOUNG
 from dummydesign.measurement.plausible import UNITS
-from dummydesign.resin.model.resin import Point, Resin, log_spread
+from dummydesign.resin.model.resin import SURPRISE, Point, Resin, log_spread
 from dummydesign.resin.puck_test.plates import ALPHA_RANGE
 from dummydesign.resin.update.modulus import spread_between, without_points
 
-Array = np.ndarray
-
-SURPRISE = 3.0
-"""Standard deviations of ln of their ratio from which on two numbers contradict each other."""
-ODD_PRESS = 2.7
-"""The same of a press against the others of its puck: by the scatter alone it is passed by chance in 3 % of pucks with
-2 to 4 presses at most."""
 VOLUME_SPREAD = 0.02
 """Standard deviation of ln volume by diameter and height: 0.2 mm of either and the meniscus, assumed."""
 SLIP_FITS = 0.5
@@ -42,7 +35,7 @@ SLIPS = {
 class Pair:
     """Two numbers of one thing, the standard deviation of ln of their ratio, and what to check where they differ.
 
-    ``what`` says of what, with the unit; ``limit`` is how many standard deviations are a contradiction.
+    ``what`` says of what, with the unit.
     """
 
     what: str
@@ -50,12 +43,16 @@ class Pair:
     b: float
     spread: float
     check: str
-    limit: float = SURPRISE
 
     @property
     def deviations(self) -> float:
         """By how many standard deviations ``a`` lies above ``b``."""
         return math.log(self.a / self.b) / self.spread
+
+    @property
+    def far(self) -> bool:
+        """Whether the two contradict each other."""
+        return abs(self.deviations) > SURPRISE
 
     def to_dict(self) -> dict[str, Any]:
         """Return what it is and the two numbers."""
@@ -85,22 +82,32 @@ def pairs_of(resin: Resin, point: Point, mass_g: float | None = None) -> list[Pa
             "check diameter, height, ratio and the unit of the force",
         )
     ]
-    for other in resin.points:
-        if math.isclose(other.ratio, point.ratio, abs_tol=0.5 * resin.ratio_step):
-            where = other.puck.file if other.puck else other.young_kPa.source
-            what = f"young_kPa of this puck and of {where}"
-            check = "one is of another mix, size or unit; measure again or give its own ratio"
-            pairs.append(Pair(what, young, other.young_kPa.value, spread_between(point, other), check))
+    pairs += [
+        Pair(
+            f"young_kPa of this puck and of {other.puck.file if other.puck else other.young_kPa.source}",
+            young,
+            other.young_kPa.value,
+            spread_between(point, other),
+            "one is of another mix, size or unit; measure again or give its own ratio",
+        )
+        for other in resin.points
+        if resin.same_ratio(point, other)
+    ]
     if mass_g is not None and puck is not None:
         density = resin.property("density_g_per_cm3", point.ratio)
-        expected_g = density.value * 0.25e-3 * math.pi * puck.diameter_mm**2 * puck.height_mm
-        spread = math.hypot(VOLUME_SPREAD, log_spread(density))
-        check = "check diameter and height; voids make a puck lighter"
-        pairs.append(Pair("mass_g weighed and by size and density", mass_g, expected_g, spread, check))
+        pairs.append(
+            Pair(
+                "mass_g weighed and by size and density",
+                mass_g,
+                density.value * 0.25e-3 * math.pi * puck.diameter_mm**2 * puck.height_mm,
+                math.hypot(VOLUME_SPREAD, log_spread(density)),
+                "check diameter and height; voids make a puck lighter",
+            )
+        )
     return pairs
 
 
-def odd_press(names: Sequence[str], young_kPa: float, levels: Array, covariance: Array) -> list[Pair]:
+def odd_press(names: Sequence[str], young_kPa: float, levels: np.ndarray, covariance: np.ndarray) -> list[Pair]:
     """The press that differs most from the mean of the others at equal strain; nothing of a single press.
 
     Parameters
@@ -115,33 +122,35 @@ def odd_press(names: Sequence[str], young_kPa: float, levels: Array, covariance:
     count = len(names)
     if count < 2:
         return []
-    others = (1.0 - np.eye(count)) / (count - 1)
-    less = np.eye(count) - others
+    less = np.eye(count) - (1.0 - np.eye(count)) / (count - 1)
     away = less @ levels
     spreads = np.sqrt(np.diag(less @ covariance @ less.T))
     at = int(np.argmax(np.abs(away) / spreads))
     one, mean = young_kPa * np.exp(away[at] * np.array([1.0 - 1.0 / count, -1.0 / count]))
     rest = " and ".join(name for name in names if name != names[at])
-    check = "the files are of two pucks, or the puck slipped; add each puck by itself"
     return [
-        Pair(f"young_kPa by {names[at]} and by {rest}", float(one), float(mean), float(spreads[at]), check, ODD_PRESS)
+        Pair(
+            f"young_kPa by {names[at]} and by {rest}",
+            float(one),
+            float(mean),
+            float(spreads[at]),
+            "the files are of two pucks, or the puck slipped; add each puck by itself",
+        )
     ]
 
 
 def check_slips(pair: Pair) -> None:
     """Refuse a modulus that is far from the resin's where a usual mistake explains it, or that no resin has."""
     low, high = YOUNG.usual
-    far = abs(pair.deviations) > SURPRISE
     near = max(SURPRISE * pair.spread, SLIP_FITS)
     misses = sorted((abs(math.log(pair.a * size / pair.b)), words) for words, size in SLIPS.items())
     slips = [words for miss, words in misses[:2] if miss <= near]
-    if low <= pair.a <= high and not (far and slips):
+    if low <= pair.a <= high and not (pair.far and slips):
         return
-    cause = " or ".join(slips) or pair.check
     raise InputError(
         f"the puck says {pair.a:.3g} kPa, the resin {pair.b:.3g} kPa ({abs(pair.deviations):.1f} standard deviations "
-        f"apart): probably {cause}, or the ratio is another. Put it right; if all is right, begin with a resin of "
-        "its hardness (resins add-hardness --resin BASE)",
+        f"apart): probably {' or '.join(slips) or pair.check}, or the ratio is "
+        "another. Put it right; if all is right, begin with a resin of its hardness (resins add-hardness --resin BASE)",
         "implausible_unit",
         "force_N",
         pair.a,
@@ -151,12 +160,15 @@ def check_slips(pair: Pair) -> None:
 
 def warnings_of(pairs: Sequence[Pair], alpha: float) -> tuple[tuple[Pair, ...], tuple[dict[str, str], ...]]:
     """Pairs that contradict each other and a warning each, the largest first, and one of an exponent at its bound."""
-    far = sorted((one for one in pairs if abs(one.deviations) > one.limit), key=lambda one: -abs(one.deviations))
-    said = [
-        f"{one.what}: {one.a:.3g} and {one.b:.3g}, {abs(one.deviations):.1f} standard deviations apart; {one.check}"
+    far = sorted((one for one in pairs if one.far), key=lambda one: -abs(one.deviations))
+    warnings = [
+        {
+            "code": "contradiction",
+            "message": f"{one.what}: {one.a:.3g} and {one.b:.3g}, {abs(one.deviations):.1f} standard deviations apart; "
+            f"{one.check}",
+        }
         for one in far
     ]
-    warnings = [{"code": "contradiction", "message": text} for text in said]
     if min(abs(alpha - end) for end in ALPHA_RANGE) < AT_BOUND:
         message = f"the Ogden exponent ended at the bound of its range, {alpha:.3g}; check diameter and height"
         warnings.append({"code": "exponent_at_bound", "message": message})

@@ -2,7 +2,7 @@
 
 Model of a curve k: load(x) = A E u(c; alpha) B(c; alpha, friction), c = (x - x_k) / height, with u the closed
 form between frictionless plates and B the table of ``pad.tables.puck``; x_k is where that curve's contact
-begins. The machine's load is zeroed at x = 0, in the data and in the model alike. Modulus, stiffening and
+begins. The load is zeroed at a curve's first point, in the data and in the model alike. Modulus, stiffening and
 friction are common to all curves of the batch.
 
 A declaration of the plates (``puck_test.plates``) gives the friction a prior. Modulus, friction and alpha of a puck are
@@ -32,8 +32,6 @@ from dummydesign.pad.tables.puck import PuckTable, uniaxial
 from dummydesign.resin.model.resin import PUCK_SCATTER
 from dummydesign.resin.puck_test.plates import ALPHA_RANGE, OPEN, OverFriction, Plates, over_friction
 
-Array = np.ndarray
-
 GRIPS = np.linspace(0.0, 1.0, 26)
 LARGEST_OFFSET = 0.04
 
@@ -44,8 +42,12 @@ class LoadingCurve:
 
     name: str
     puck: str
-    compression_mm: Array
-    load_N: Array
+    compression_mm: np.ndarray
+    load_N: np.ndarray
+
+
+Part = tuple[np.ndarray, np.ndarray, float]
+"""A curve's compressions over height, stresses in kPa, and the compression where its load is zeroed."""
 
 
 @dataclass(frozen=True)
@@ -61,8 +63,8 @@ class PuckFit:
     rmse_N: float
     misfit: float
     misfit_open: float
-    levels: Array
-    level_covariance: Array
+    levels: np.ndarray
+    level_covariance: np.ndarray
 
     @property
     def contradicts(self) -> bool:
@@ -72,22 +74,18 @@ class PuckFit:
 
 @dataclass(frozen=True)
 class FrictionFit:
-    """Best fit at one friction; ``spread`` are the standard deviations of ln modulus and alpha by the law's misfit.
+    """Best fit at one friction; ``misfit`` is the rms of ln of fitted over measured force.
 
-    ``parameters`` are ln modulus [kPa], alpha and an offset over height for each curve; ``residuals`` ln of fitted over
-    measured force, a list a curve, with their ``jacobian``.
+    ``parameters`` are ln modulus [kPa], alpha and an offset over height for each curve, then what else is fitted;
+    ``spread`` their standard deviations. ``residual`` (values,) is what was made least, ``jacobian`` its slopes.
     """
 
     grip: float
-    parameters: Array
-    residuals: list[Array]
-    jacobian: Array
-    spread: Array
-
-    @property
-    def mean_square(self) -> float:
-        """Mean square of the residuals."""
-        return float(np.mean(np.concatenate(self.residuals) ** 2))
+    parameters: np.ndarray
+    residual: np.ndarray
+    jacobian: np.ndarray
+    spread: np.ndarray
+    misfit: float
 
 
 @dataclass(frozen=True)
@@ -95,7 +93,7 @@ class LoadingFit(PuckFit):
     """With what each friction would make of the batch, by rising grip, and its chi square above the best."""
 
     profile: list[FrictionFit]
-    excess: Array
+    excess: np.ndarray
     variance: float
 
 
@@ -110,53 +108,58 @@ def fit_pucks(
     """Fit one batch."""
     table.check_shape(diameter_mm, height_mm)
     low, high = window_mm
-    if not (0.0 < low < high <= 0.56 * height_mm):
-        message = f"window_mm = {low:g} to {high:g} must lie within 0 and {0.56 * height_mm:.4g} (0.56 heights)"
-        raise InputError(message, "out_of_range", "window_mm", window_mm, (0.0, 0.56 * height_mm))
     area = 0.25 * np.pi * diameter_mm**2
-    parts, loads = [], []
+    parts: list[Part] = []
+    loads = []
     for curve in curves:
         inside = (curve.compression_mm >= low) & (curve.compression_mm <= high)
-        load = curve.load_N - float(np.interp(0.0, curve.compression_mm, curve.load_N))
+        zero_mm, load = float(curve.compression_mm[0]), curve.load_N - curve.load_N[0]
         if inside.sum() < 5 or not np.all(load[inside] > 0.0):
-            message = f"curve {curve.name}: needs 5 or more loads above 0 between {low:g} and {high:g} mm"
-            raise InputError(message, "not_enough_data", "curve", curve.name)
-        parts.append((curve.compression_mm[inside] / height_mm, load[inside] / area * 1e3))
+            raise InputError(
+                f"curve {curve.name}: needs 5 or more loads above 0 between {low:g} and {high:g} mm",
+                "not_enough_data",
+                "curve",
+                curve.name,
+            )
+        parts.append((curve.compression_mm[inside] / height_mm, load[inside] / area * 1e3, zero_mm / height_mm))
         loads.append(curve.load_N[inside])
     points = _profile(parts, table, GRIPS)
-    misfit_open = math.sqrt(min(point.mean_square for point in points))
+    misfit_open = min(point.misfit for point in points)
     grips, prior = plates.nodes(GRIPS)
-    if plates:
+    if plates.friction:
         points = _profile(parts, table, grips, points)
-    squares = np.array([point.mean_square for point in points])
-    best = points[int(np.argmin(squares))]
-    scatter = float(np.std([np.mean(rest) for rest in best.residuals], ddof=1)) if len(parts) > 1 else PUCK_SCATTER
-    variance = (scatter**2 + best.mean_square) / len({curve.puck for curve in curves})
-    excess = (squares - best.mean_square) / variance
+    best = min(points, key=lambda point: point.misfit)
+    means = [np.mean(rest) for rest in _residuals(parts, table, best.grip, best.parameters)]
+    scatter = float(np.std(means, ddof=1)) if len(parts) > 1 else PUCK_SCATTER
+    variance = (scatter**2 + best.misfit**2) / len({curve.puck for curve in curves})
+    excess = (np.array([point.misfit**2 for point in points]) - best.misfit**2) / variance
     young, alpha = np.array([point.parameters[:2] for point in points]).T
-    young_spread, alpha_spread = np.array([point.spread for point in points]).T
+    young_spread, alpha_spread = np.array([point.spread[:2] for point in points]).T
     known = over_friction(
         np.array([point.grip for point in points]),
         excess + prior,
         np.stack([young, np.hypot(np.sqrt(variance), young_spread)]),
         np.stack([alpha, alpha_spread]),
     )
-    misfit = math.sqrt(best.mean_square)
-    rmse_N = misfit * float(np.sqrt(np.mean(np.concatenate(loads) ** 2)))
+    rmse_N = best.misfit * float(np.sqrt(np.mean(np.concatenate(loads) ** 2)))
     levels, error = press_levels(
         lambda grip: np.concatenate(_residuals(parts, table, grip, best.parameters)),
         best.jacobian,
         best.grip,
         _law_covariance(parts),
-        [c for c, _ in parts],
+        [c for c, *_ in parts],
     )
     error += REPEAT**2 * np.eye(len(parts))
-    return LoadingFit(known, rmse_N, misfit, misfit_open, levels, error, points, excess, variance)
+    return LoadingFit(known, rmse_N, best.misfit, misfit_open, levels, error, points, excess, variance)
 
 
 def press_levels(
-    residual: Callable[[float], Array], jacobian: Array, grip: float, covariance: Array, strains: Sequence[Array]
-) -> tuple[Array, Array]:
+    residual: Callable[[float], np.ndarray],
+    jacobian: np.ndarray,
+    grip: float,
+    covariance: np.ndarray,
+    strains: Sequence[np.ndarray],
+) -> tuple[np.ndarray, np.ndarray]:
     """Levels of the presses of a fit and their covariance, with contact and friction of each press left open.
 
     A press that is stiffer than the others is fitted by an earlier contact for the most part; the two, and a film that
@@ -194,7 +197,7 @@ def press_levels(
 
 
 def _profile(
-    parts: list[tuple[Array, Array]], table: PuckTable, grips: Array, near: Sequence[FrictionFit] = ()
+    parts: list[Part], table: PuckTable, grips: np.ndarray, near: Sequence[FrictionFit] = ()
 ) -> list[FrictionFit]:
     """Best fits at some grips, by rising grip; the first begins at the nearest of those known."""
     points: list[FrictionFit] = []
@@ -204,56 +207,50 @@ def _profile(
     return points[::-1]
 
 
-def _model(table: PuckTable, alpha: float, grip_value: float, compression: Array, offset: float) -> Array:
-    """Load over area and modulus, zeroed at no compression."""
+def _model(table: PuckTable, alpha: float, grip_value: float, compression: np.ndarray, zero: float) -> np.ndarray:
+    """Load over area and modulus, zeroed at a compression."""
 
-    def load(c: Array) -> Array:
+    def load(c: np.ndarray) -> np.ndarray:
         c = np.maximum(c, 0.0)
         return uniaxial(alpha, c) * table.factor(alpha, grip_value, c)
 
-    return load(compression - offset) - load(np.array([-offset]))[0]
+    return load(compression) - load(np.array([zero]))[0]
 
 
-def _residuals(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float, q: Array) -> list[Array]:
+def _residuals(parts: list[Part], table: PuckTable, grip_value: float, q: np.ndarray) -> list[np.ndarray]:
     """Logarithm of fitted over measured stress of each curve."""
-    models = [np.exp(q[0]) * _model(table, q[1], grip_value, c, at) for (c, _), at in zip(parts, q[2:])]
-    return [np.log(np.maximum(model, 1e-12) / stress) for model, (_, stress) in zip(models, parts)]
+    young, alpha, *offsets = [np.exp(q[0]), *q[1:]]
+    models = [_model(table, alpha, grip_value, c - at, zero - at) for (c, _, zero), at in zip(parts, offsets)]
+    return [np.log(np.maximum(young * model, 1e-12) / stress) for model, (_, stress, _) in zip(models, parts)]
 
 
-def _best(
-    parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float, guess: FrictionFit | None
-) -> FrictionFit:
+def _best(parts: list[Part], table: PuckTable, grip_value: float, guess: FrictionFit | None) -> FrictionFit:
     count = len(parts)
-    c, stress = parts[0]
+    c, stress, _ = parts[0]
     middle = len(c) // 2
     model = _model(table, 2.0, grip_value, c[middle : middle + 1], 0.0)[0]
     starts = [np.r_[np.log(stress[middle] / model), 2.0, np.zeros(count)]]
     if guess is not None:
         # a neighbour may lie in another valley of alpha and offset
         starts.append(np.r_[guess.parameters[0], np.clip(guess.parameters[1], 1.01, 5.99), guess.parameters[2:]])
-    lower = np.r_[-20.0, ALPHA_RANGE[0], np.full(count, -LARGEST_OFFSET)]
-    upper = np.r_[20.0, ALPHA_RANGE[1], np.full(count, LARGEST_OFFSET)]
-
     solved = solve_by_differences(
         lambda q: np.concatenate(_residuals(parts, table, grip_value, q)),
         starts,
-        lower,
-        upper,
+        np.r_[-20.0, ALPHA_RANGE[0], np.full(count, -LARGEST_OFFSET)],
+        np.r_[20.0, ALPHA_RANGE[1], np.full(count, LARGEST_OFFSET)],
         scale=np.r_[0.1, 0.5, np.full(count, 0.003)],
     )
-    assert solved.jacobian is not None
+    assert solved.residual is not None and solved.jacobian is not None
     # a contact known to no more than its bounds is a prior of them
     bounds = np.diag(np.r_[0.0, 0.0, np.full(count, LARGEST_OFFSET**-2)])
     information = solved.jacobian.T @ np.linalg.solve(_law_covariance(parts), solved.jacobian) + bounds
-    spread = np.sqrt(np.diag(np.linalg.inv(information)))[:2]
-    return FrictionFit(
-        grip_value, solved.parameters, _residuals(parts, table, grip_value, solved.parameters), solved.jacobian, spread
-    )
+    spread, misfit = np.sqrt(np.diag(np.linalg.inv(information))), float(np.sqrt(np.mean(solved.residual**2)))
+    return FrictionFit(grip_value, solved.parameters, solved.residual, solved.jacobian, spread, misfit)
 
 
-def _law_covariance(parts: list[tuple[Array, Array]]) -> Array:
+def _law_covariance(parts: list[Part]) -> np.ndarray:
     """Covariance of the residuals by what the law misfits, the same in every curve, and the table's error."""
-    c = np.concatenate([c for c, _ in parts])
+    c = np.concatenate([c for c, *_ in parts])
     return LEAST_MISFIT**2 * alike(c, ALIKE) + TABLE_ERROR**2 * np.eye(len(c))
 
 
@@ -269,44 +266,47 @@ class PuckPress:
     """One press in bins."""
 
     holds: tuple[Hold, ...]
-    time_s: Array
-    displacement_mm: Array
-    average: Array
-    start_s: Array
-    end_s: Array
-    samples: Array
-    force_N: Array
-    compression_mm: Array
+    time_s: np.ndarray
+    displacement_mm: np.ndarray
+    average: np.ndarray
+    start_s: np.ndarray
+    end_s: np.ndarray
+    samples: np.ndarray
+    force_N: np.ndarray
+    compression_mm: np.ndarray
     white_N: float
 
 
 def reduce_press(
-    time_s: Array, displacement_mm: Array, force_N: Array, holds: tuple[Hold, ...], window_mm: tuple[float, float]
+    time_s: np.ndarray,
+    displacement_mm: np.ndarray,
+    force_N: np.ndarray,
+    holds: tuple[Hold, ...],
+    window_mm: tuple[float, float],
 ) -> PuckPress:
     """Cut a press into bins: evenly in displacement over each ramp, growing by a third over each hold.
 
-    Forces are counted from their median before the displacement reaches zero, which a contact that comes a little
-    earlier does not move. Bins outside the window and what
-    follows the last hold are left out.
+    Forces are counted from their median before the displacement reaches zero, in the bins and in their ``average``.
+    Bins outside the window and what follows the last hold are left out.
     """
     last = int(np.searchsorted(time_s, holds[-1].end_s, side="right"))
     time, x, force = time_s[:last], displacement_mm[:last], force_N[:last]
     touch = int(np.argmax(x > 0.0))
-    force = force - (float(np.median(force[:touch])) if touch else float(force[0]))
+    force = force - float(np.median(force[: touch or 1]))
     step = float(np.median(np.diff(time)))
     edges = _edges(time, x, touch, step, holds)
-    parts = np.linspace(0.0, 1.0, 5)[:-1]
-    nodes = np.r_[(edges[:-1, None] + np.diff(edges)[:, None] * parts).ravel(), edges[-1]]
+    nodes = np.r_[(edges[:-1, None] + np.diff(edges)[:, None] * np.linspace(0.0, 0.75, 4)).ravel(), edges[-1]]
     held = np.any([(nodes > h.start_s + 3 * step) & (nodes < h.end_s) for h in holds], axis=0)
     motion = np.where(held, mean_around(nodes, time, x), np.interp(nodes, time, x))
     binning = cut(time, edges)
     displacement = binning.mean(x)
+    zero = [np.interp(np.median(time[: touch or 1]), nodes, one) for one in np.eye(len(nodes))]
     keep = (displacement >= window_mm[0]) & (displacement <= window_mm[1])
     return PuckPress(
         holds,
         nodes,
         motion,
-        binning.average(time, nodes)[keep],
+        binning.average(time, nodes)[keep] - np.array(zero),
         binning.start_s[keep],
         binning.end_s[keep],
         binning.samples[keep],
@@ -316,7 +316,7 @@ def reduce_press(
     )
 
 
-def _edges(time: Array, x: Array, touch: int, step: float, holds: tuple[Hold, ...]) -> Array:
+def _edges(time: np.ndarray, x: np.ndarray, touch: int, step: float, holds: tuple[Hold, ...]) -> np.ndarray:
     """Bin edges [s]: what is before contact, then each ramp evenly in displacement and each hold growing."""
     edges = [np.array([time[0]])]
     begin = time[max(touch - 1, 0)]
@@ -333,14 +333,14 @@ def _edges(time: Array, x: Array, touch: int, step: float, holds: tuple[Hold, ..
     return distinct(np.concatenate(edges), 1e-9)
 
 
-def _white(time: Array, force: Array, holds: tuple[Hold, ...]) -> float:
+def _white(time: np.ndarray, force: np.ndarray, holds: tuple[Hold, ...]) -> float:
     """White noise of a sample in the later nine tenths of the holds. [N]"""
     late = [(time >= hold.start_s + 0.1 * hold.duration_s) & (time <= hold.end_s) for hold in holds]
     return white_noise(np.concatenate([np.diff(force[rows], 2) for rows in late]), robust=True)
 
 
 LEAST_MISFIT = 0.02
-"""Misfit of the one-term law that is always reckoned with: the middle of 19 mixtures, ``docs/ecoflex.md``."""
+"""Misfit of the one-term law that is always reckoned with: the middle of 19 mixtures, ``docs/real-data.md``."""
 ALIKE = 0.15
 """Compression, over height, within which the law misfits alike."""
 RIPPLE, RIPPLE_LENGTH = 0.0025, 0.02
@@ -368,17 +368,22 @@ class PuckNoise:
     misfit: float
 
 
-def joined(presses: Sequence[PuckPress], name: str) -> Array:
+def longest_hold(presses: Sequence[PuckPress]) -> float:
+    """The longest hold of all presses. [s]"""
+    return max(hold.duration_s for press in presses for hold in press.holds)
+
+
+def joined(presses: Sequence[PuckPress], name: str) -> np.ndarray:
     """Values of the bins of all presses, one after the other."""
     return np.concatenate([getattr(press, name) for press in presses])
 
 
-def alike(c: Array, length: float) -> Array:
+def alike(c: np.ndarray, length: float) -> np.ndarray:
     """Correlation of what goes smoothly with the compression, over a length of it."""
     return np.exp(-0.5 * ((c[:, None] - c) / length) ** 2)
 
 
-def covariance(presses: Sequence[PuckPress], height_mm: float, noise: PuckNoise) -> Array:
+def covariance(presses: Sequence[PuckPress], height_mm: float, noise: PuckNoise) -> np.ndarray:
     """Covariance of the residuals of ln force at the bins of all presses of a puck, shape (bins, bins).
 
     Its law misfits alike in every press; noise and drift are each press's own, and so is :data:`REPEAT`.
@@ -396,25 +401,24 @@ def covariance(presses: Sequence[PuckPress], height_mm: float, noise: PuckNoise)
     return total
 
 
-def whitener(presses: Sequence[PuckPress], height_mm: float, noise: PuckNoise) -> Array:
+def whitener(presses: Sequence[PuckPress], height_mm: float, noise: PuckNoise) -> np.ndarray:
     """Inverse Cholesky factor: whitened = factor @ residual."""
     return inference.whitener(covariance(presses, height_mm, noise))
 
 
-def estimate(presses: Sequence[PuckPress], height_mm: float, residual: Array, jacobian: Array) -> PuckNoise:
+def estimate(presses: Sequence[PuckPress], height_mm: float, residual: np.ndarray, jacobian: np.ndarray) -> PuckNoise:
     """Sizes of slow noise and misfit from residuals of ln force and their sensitivity to what was fitted."""
-    level = float(joined(presses, "force_N").max())
-    longest = max(hold.duration_s for press in presses for hold in press.holds)
+    units = float(joined(presses, "force_N").max()), longest_hold(presses), 1.0
     white_N = float(np.sqrt(np.mean([press.white_N**2 for press in presses])))
-    start = np.array([1e-3 * level, 0.1 * longest, 1.2 * LEAST_MISFIT])
-    low = np.array([1e-5 * level, 1e-2 * longest, LEAST_MISFIT])
-    high = np.array([0.02 * level, longest, 0.3])
 
-    def noise_of(sizes: Array) -> PuckNoise:
+    def noise_of(sizes: np.ndarray) -> PuckNoise:
         return PuckNoise(white_N, *sizes.tolist())
 
-    def cost(sizes: Array) -> float:
+    def cost(sizes: np.ndarray) -> float:
         own = covariance(presses, height_mm, noise_of(sizes))
         return inference.restricted_likelihood(own[None], residual[None], jacobian[None])
 
+    start, low, high = np.multiply(
+        [[1e-3, 0.1, 1.2 * LEAST_MISFIT], [1e-5, 1e-2, LEAST_MISFIT], [0.02, 1.0, 0.3]], units
+    )
     return noise_of(inference.likeliest(cost, start, low, high)[0])

@@ -14,8 +14,6 @@ from dummydesign.core.user_library import data_folder
 from dummydesign.pad.tables.puck import friction_of, grip
 from dummydesign.resin.model.resin import Interval
 
-Array = np.ndarray
-
 LUBRICATED, BONDED = "lubricated", "bonded"
 LARGEST = 5.0
 QUANTILES = (0.5, 0.025, 0.975)
@@ -35,9 +33,6 @@ class Plates:
     name: str = ""
     friction: Quantity | None = None
 
-    def __bool__(self) -> bool:
-        return self.friction is not None
-
     @property
     def words(self) -> str:
         """The declaration as a source states it."""
@@ -45,7 +40,7 @@ class Plates:
             return "plate friction left open"
         return f"plates declared {self.name}" if self.name in (LUBRICATED, BONDED) else f"plate friction {self.name}"
 
-    def nodes(self, free: Array) -> tuple[Array, Array]:
+    def nodes(self, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Grips at which a fit profiles the friction, rising, and what the prior adds to chi square at each.
 
         Even in grip over ``free`` without a declaration, even in normal deviates of a declared interval.
@@ -71,7 +66,7 @@ class OverFriction:
     alpha: Interval
 
 
-def over_friction(grips: Array, chi_square: Array, log_young: Array, alpha: Array) -> OverFriction:
+def over_friction(grips: np.ndarray, chi_square: np.ndarray, log_young: np.ndarray, alpha: np.ndarray) -> OverFriction:
     """Integrate what was fitted at each friction over the frictions.
 
     Parameters
@@ -85,15 +80,14 @@ def over_friction(grips: Array, chi_square: Array, log_young: Array, alpha: Arra
     weights = density * np.where((np.arange(len(grips)) % max(len(grips) - 1, 1) == 0) & (len(grips) > 1), 0.5, 1.0)
     share = np.r_[0.0, np.cumsum(0.5 * (density[1:] + density[:-1]))]
     frictions = np.interp(QUANTILES, share / share[-1], grips) if len(grips) > 1 else grips.repeat(3)
-    young = np.exp(_mixed(weights, *log_young))
     return OverFriction(
-        Interval(*young.tolist()),
+        Interval(*np.exp(_mixed(weights, *log_young)).tolist()),
         Interval(*map(friction_of, frictions.tolist())),
         Interval(*np.clip(_mixed(weights, *alpha), *ALPHA_RANGE).tolist()),
     )
 
 
-def _mixed(weights: Array, centre: Array, spread: Array) -> Array:
+def _mixed(weights: np.ndarray, centre: np.ndarray, spread: np.ndarray) -> np.ndarray:
     """Median and 95 % interval of a mixture of normal distributions."""
     from scipy.special import ndtr
 
@@ -108,8 +102,8 @@ def read_plates(text: str | float | None) -> Plates:
         return OPEN
     name = str(text).strip().lower()
     if name == LUBRICATED:
-        path = data_folder() / "materials" / "plates.toml"
-        return Plates(name, read_table(path, ("schema", LUBRICATED)).table(LUBRICATED).quantity("friction"))
+        top = read_table(data_folder() / "materials" / "plates.toml", ("schema", LUBRICATED))
+        return Plates(name, top.table(LUBRICATED).quantity("friction"))
     if name == BONDED:
         return Plates(name, Quantity(math.inf, math.inf, math.inf, "assumed", "declared"))
     try:

@@ -38,10 +38,8 @@ from dummydesign.inference.least_squares import CHI_SQUARE_95, aicc, simplest, s
 from dummydesign.pad.tables.puck import PuckTable, uniaxial
 from dummydesign.resin.model.resin import PUCK_SCATTER, Interval
 from dummydesign.resin.puck_test import loading_fit as loading
-from dummydesign.resin.puck_test.loading_fit import PuckFit, PuckNoise, PuckPress, joined, whitener
+from dummydesign.resin.puck_test.loading_fit import FrictionFit, PuckFit, PuckNoise, PuckPress, joined, whitener
 from dummydesign.resin.puck_test.plates import ALPHA_RANGE, OPEN, Plates, over_friction
-
-Array = np.ndarray
 
 STRENGTHS = (1e-4, 30.0)
 KEPT = 256
@@ -49,25 +47,11 @@ KEPT = 256
 
 
 @dataclass(frozen=True, eq=False)
-class FitTrial:
-    """Best parameters at one friction, with whitened residuals (bins,) and Jacobian (bins, parameters).
+class FitTrial(FrictionFit):
+    """With whitened residuals (bins,) and Jacobian (bins, parameters), and the rms residual of the force."""
 
-    ``misfit`` is the rms of the residuals of ln force, ``rmse_N`` of those of the force.
-    """
-
-    grip: float
-    parameters: Array
     chi_square: float
-    residual: Array
-    jacobian: Array
-    misfit: float
     rmse_N: float
-
-    @property
-    def spread(self) -> Array:
-        """Standard deviations of the parameters; an undetermined one has a very large one."""
-        _, singular, turn = np.linalg.svd(self.jacobian, full_matrices=False)
-        return np.sqrt(np.sum((turn / np.maximum(singular, 1e-10 * singular[0])[:, None]) ** 2, axis=0))
 
 
 class PuckProblem:
@@ -85,65 +69,63 @@ class PuckProblem:
         # a slope by differences moves one parameter: what the others give is kept
         self.curve, self.column = lru_cache(KEPT)(self.elastic), lru_cache(KEPT)(self._column)
         self.steps = [np.diff(press.time_s) for press in presses]
-        self.longest = max(hold.duration_s for press in presses for hold in press.holds)
+        self.longest = loading.longest_hold(presses)
         shortest = float(np.min(joined(presses, "end_s") - joined(presses, "start_s")))
         self.times = (max(shortest, 1e-4 * self.longest), 10.0 * self.longest)
-        start = PuckNoise(0.0, 1e-3 * float(self.force_N.max()), 1.0, 0.02)
-        self.factor = whitener(presses, height_mm, start)
+        self.factor = whitener(presses, height_mm, PuckNoise(0.0, 1e-3 * float(self.force_N.max()), 1.0, 0.02))
 
-    def elastic(self, alpha: float, grip: float, offset: float, press: int = 0) -> Array:
+    def elastic(self, alpha: float, grip: float, offset: float, press: int = 0) -> np.ndarray:
         """Long-term force over E at the nodes of a press, zeroed where its forces are: at its beginning. [N/kPa]"""
         c = np.maximum(self.presses[press].displacement_mm / self.height_mm - offset, 0.0)
         load = self.area * uniaxial(alpha, c) * np.exp(self.log_factor(grip)(alpha, c))
         return load - load[0]
 
-    def arm(self, elastic: Array, tau_s: float, press: int = 0) -> Array:
+    def arm(self, elastic: np.ndarray, tau_s: float, press: int = 0) -> np.ndarray:
         """Force of an arm of strength one at the nodes, exact for forces that are linear between them."""
         ratio = self.steps[press] / tau_s
         return np.r_[0.0, linear_recurrence(np.exp(-ratio), np.diff(elastic) * (-np.expm1(-ratio) / ratio))]
 
-    def arms(self, q: Array) -> int:
+    def arms(self, q: np.ndarray) -> int:
         """Number of arms of a vector."""
         return (len(q) - self.first) // 2
 
-    def parts(self, q: Array, grip: float, times: Sequence[float] | Array) -> Array:
+    def parts(self, q: np.ndarray, grip: float, times: Sequence[float] | np.ndarray) -> np.ndarray:
         """Force over E of the bins: elastic, then an arm of strength one for each time, shape (bins, 1 + times)."""
-        alpha, grip = float(q[1]), float(grip)
-        offsets = [float(q[2 + number]) for number in range(len(self.presses))]
+        alpha, *offsets = q[1 : self.first].tolist()
         taus = [np.inf, *(float(tau) for tau in times)]
         return np.concatenate(
             [
-                np.stack([self.column(number, alpha, grip, offset, tau) for tau in taus], axis=1)
+                np.stack([self.column(number, alpha, float(grip), offset, tau) for tau in taus], axis=1)
                 for number, offset in enumerate(offsets)
             ]
         )
 
-    def _column(self, number: int, alpha: float, grip: float, offset: float, tau_s: float) -> Array:
+    def _column(self, number: int, alpha: float, grip: float, offset: float, tau_s: float) -> np.ndarray:
         """Bins of a press: its elastic force over E (infinite time), or that of an arm of strength one."""
         elastic = self.curve(alpha, grip, offset, number)
-        force = elastic if np.isinf(tau_s) else self.arm(elastic, tau_s, number)
-        return self.presses[number].average @ force
+        return self.presses[number].average @ (elastic if np.isinf(tau_s) else self.arm(elastic, tau_s, number))
 
-    def predict(self, q: Array, grip: float) -> Array:
+    def predict(self, q: np.ndarray, grip: float) -> np.ndarray:
         """Force of the bins. [N]"""
         arms = self.arms(q)
         beta, tau = np.exp(q[self.first : self.first + arms]), np.exp(q[self.first + arms :])
         return np.exp(q[0]) * (self.parts(q, grip, tau) @ np.r_[1.0, beta])
 
-    def residual(self, q: Array, grip: float) -> Array:
+    def residual(self, q: np.ndarray, grip: float) -> np.ndarray:
         """Logarithm of fitted over measured force of the bins."""
         return np.log(np.maximum(self.predict(q, grip), 1e-9) / self.force_N)
 
-    def box(self, arms: int) -> tuple[Array, Array]:
+    def box(self, arms: int) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest parameters."""
         weak, strong = np.log(STRENGTHS)
         short, long = np.log(self.times)
         offsets = [loading.LARGEST_OFFSET] * len(self.presses)
-        low = [-20.0, ALPHA_RANGE[0], *(-one for one in offsets), *[weak] * arms, *[short] * arms]
-        high = [20.0, ALPHA_RANGE[1], *offsets, *[strong] * arms, *[long] * arms]
-        return np.array(low), np.array(high)
+        return (
+            np.array([-20.0, ALPHA_RANGE[0], *(-one for one in offsets), *[weak] * arms, *[short] * arms]),
+            np.array([20.0, ALPHA_RANGE[1], *offsets, *[strong] * arms, *[long] * arms]),
+        )
 
-    def starts(self, arms: int, grip: float, count: int = 2) -> list[Array]:
+    def starts(self, arms: int, grip: float, count: int = 2) -> list[np.ndarray]:
         """The best of all combinations of times on a grid, E and strengths by non-negative least squares."""
         from scipy.optimize import nnls
 
@@ -167,7 +149,7 @@ class PuckProblem:
         starts.sort(key=lambda pair: pair[0])
         return [np.array(q) for _, q in starts[:count]]
 
-    def fit(self, starts: list[Array], grip: float) -> FitTrial:
+    def fit(self, starts: list[np.ndarray], grip: float) -> FitTrial:
         """Trust-region least squares of the whitened residuals; arms in the order of their times."""
         arms, first = self.arms(starts[0]), self.first
         best = solve_by_differences(
@@ -180,7 +162,11 @@ class PuckProblem:
         misfit, rmse_N = (
             float(np.sqrt(np.mean(rest**2))) for rest in (self.residual(q, grip), self.predict(q, grip) - self.force_N)
         )
-        return FitTrial(grip, q, best.chi_square, best.residual, best.jacobian[:, columns], misfit, rmse_N)
+        jacobian = best.jacobian[:, columns]
+        _, singular, turn = np.linalg.svd(jacobian, full_matrices=False)
+        # an undetermined parameter has a very large error
+        spread = np.sqrt(np.sum((turn / np.maximum(singular, 1e-10 * singular[0])[:, None]) ** 2, axis=0))
+        return FitTrial(grip, q, best.residual, jacobian, spread, misfit, best.chi_square, rmse_N)
 
     def aicc(self, trial: FitTrial) -> float:
         """Corrected Akaike criterion under the whitening of now; friction and two sizes of noise are counted."""
@@ -188,18 +174,18 @@ class PuckProblem:
         return aicc(fit, len(trial.parameters) + 3, len(trial.residual))
 
 
-def _smooth_log_factor(table: PuckTable, grip: float) -> Callable[[float, Array], Array]:
+def _smooth_log_factor(table: PuckTable, grip: float) -> Callable[[float, np.ndarray], np.ndarray]:
     """ln B of one friction: cubic in compression, a polynomial in alpha, for kinks would halt the search."""
     from scipy.interpolate import CubicSpline
 
-    rows = np.stack([np.log(table.factor(alpha, grip, table.compression)) for alpha in table.alpha], axis=1)
-    spline = CubicSpline(table.compression, rows)
-    low, high = table.compression[[0, -1]]
+    at = table.alpha
+    spline = CubicSpline(
+        table.compression, np.stack([np.log(table.factor(one, grip, table.compression)) for one in at], axis=1)
+    )
 
-    def value(alpha: float, c: Array) -> Array:
-        at = table.alpha
+    def value(alpha: float, c: np.ndarray) -> np.ndarray:
         weights = [np.prod((alpha - np.delete(at, k)) / (at[k] - np.delete(at, k))) for k in range(len(at))]
-        return spline(np.clip(c, low, high)) @ np.array(weights)
+        return spline(np.clip(c, *table.compression[[0, -1]])) @ np.array(weights)
 
     return value
 
@@ -224,9 +210,6 @@ class PuckArm:
     slow: bool = False
 
 
-Comparison = dict[str, dict[str, float]]
-
-
 @dataclass(frozen=True)
 class PuckRelaxation(PuckFit):
     """What presses with holds say; intervals are 95 %.
@@ -237,7 +220,7 @@ class PuckRelaxation(PuckFit):
 
     arms: tuple[PuckArm, ...]
     seen_s: tuple[float, float]
-    comparison: Comparison
+    comparison: dict[str, dict[str, float]]
     noise: PuckNoise
 
 
@@ -248,9 +231,8 @@ def fit_relaxation(
     problem = PuckProblem(presses, diameter_mm, height_mm, table)
     rivals: dict[int, FitTrial] = {}
     for arms in range(MOST_ARMS, -1, -1):
-        grips = (rivals[MOST_ARMS].grip,) if plates and rivals else COARSE
-        tried = [problem.fit(problem.starts(arms, grip), grip) for grip in grips]
-        rivals[arms] = min(tried, key=lambda one: one.chi_square)
+        grips = (rivals[MOST_ARMS].grip,) if plates.friction and rivals else COARSE
+        rivals[arms] = _likeliest([problem.fit(problem.starts(arms, grip), grip) for grip in grips])
         if arms == MOST_ARMS:
             problem.factor = whitener(presses, height_mm, _noise(problem, rivals[arms]))
             rivals[arms] = problem.fit([rivals[arms].parameters], rivals[arms].grip)
@@ -260,21 +242,22 @@ def fit_relaxation(
     problem.factor = whitener(presses, height_mm, noise)
     nodes, prior = plates.nodes(GRIPS)
     profile = _profile(problem, nodes, rivals[chosen])
-    misfit = min(one.misfit for one in profile)
-    free = _profile(problem, np.array(COARSE), min(profile, key=lambda one: one.chi_square)) if plates else []
+    free = _profile(problem, np.array(COARSE), _likeliest(profile)) if plates.friction else []
+    misfit, misfit_open = (min(one.misfit for one in some) for some in (profile, [*profile, *free]))
     comparison = {str(arms): {"rmse_N": trial.rmse_N, "aicc": scores[arms]} for arms, trial in sorted(rivals.items())}
-    return _summarise(
-        problem, profile, comparison, noise, prior, (misfit, min([misfit, *(one.misfit for one in free)]))
-    )
+    return _summarise(problem, profile, comparison, noise, prior, (misfit, misfit_open))
 
 
-def _profile(problem: PuckProblem, grips: Array, start: FitTrial) -> list[FitTrial]:
+def _likeliest(trials: list[FitTrial]) -> FitTrial:
+    return min(trials, key=lambda one: one.chi_square)
+
+
+def _profile(problem: PuckProblem, grips: np.ndarray, start: FitTrial) -> list[FitTrial]:
     """Best fits at some grips, from the nearest that was fitted; by rising grip."""
     profile: list[FitTrial] = []
-    warm = start.parameters
     for grip in grips[np.argsort(np.abs(grips - start.grip))]:
-        nearest = min(profile, key=lambda one: abs(one.grip - grip)).parameters if profile else warm
-        profile.append(problem.fit([nearest, warm] if profile else [warm], float(grip)))
+        nearest = sorted(profile, key=lambda one: abs(one.grip - grip))[:1]
+        profile.append(problem.fit([one.parameters for one in (*nearest, start)], float(grip)))
     return sorted(profile, key=lambda one: one.grip)
 
 
@@ -286,9 +269,9 @@ def _noise(problem: PuckProblem, trial: FitTrial) -> PuckNoise:
 def _summarise(
     problem: PuckProblem,
     profile: list[FitTrial],
-    comparison: Comparison,
+    comparison: dict[str, dict[str, float]],
     noise: PuckNoise,
-    prior: Array,
+    prior: np.ndarray,
     misfit: tuple[float, float],
 ) -> PuckRelaxation:
     costs = [one.chi_square + more for one, more in zip(profile, prior)]
@@ -299,17 +282,16 @@ def _summarise(
     low = np.min([one.parameters - width for one, width in zip(kept, reach)], axis=0)
     high = np.max([one.parameters + width for one, width in zip(kept, reach)], axis=0)
     q, arms, first = best.parameters, problem.arms(best.parameters), problem.first
-    ends = problem.box(arms)
     parts = []
     for k in range(arms):
         strength, time = first + k, first + arms + k
         tau_s, beta = (
             Interval(*np.exp([q[i], max(low[i], -40.0), min(high[i], 40.0)]).tolist()) for i in (time, strength)
         )
-        reason, slow = _reason(problem, tau_s, beta, q[time] - ends[0][time]), tau_s.high > problem.longest
-        parts.append(PuckArm(tau_s, beta, reason, slow))
+        reason = _reason(problem, tau_s, beta)
+        parts.append(PuckArm(tau_s, beta, reason, tau_s.high > problem.longest))
     # what a slow arm still carries at the end of the file counts as stiffness
-    longest = int(np.argmax([max(hold.duration_s for hold in press.holds) for press in problem.presses]))
+    longest = int(np.argmax([loading.longest_hold([press]) for press in problem.presses]))
     elastic = problem.elastic(q[1], best.grip, q[2 + longest], longest)
     carried = [float(problem.arm(elastic, arm.tau_s.value, longest)[-1] / elastic[-1]) * arm.slow for arm in parts]
     stiff = 1.0 + sum(arm.beta.value * share for arm, share in zip(parts, carried))
@@ -384,18 +366,17 @@ def _fastest_seen(problem: PuckProblem, best: FitTrial) -> float:
     others, _ = np.linalg.qr(best.jacobian[:, : problem.first])
     columns = columns - others @ (others.T @ columns)
     hidden = np.nonzero(np.sum(columns**2, axis=0) < SHOWN**-2)[0]
-    shown = times[min(hidden[-1] + 1, len(times) - 1)] if hidden.size else times[0]
-    return max(float(shown), 2.0 * step)
+    return max(float(times[min(hidden[-1] + 1, len(times) - 1) if hidden.size else 0]), 2.0 * step)
 
 
-def _reason(problem: PuckProblem, tau_s: Interval, beta: Interval, above_shortest: float) -> str:
+def _reason(problem: PuckProblem, tau_s: Interval, beta: Interval) -> str:
     """Why an arm is not identifiable, or nothing."""
     if tau_s.high > problem.longest:
         return (
             f"its time ({tau_s.value:.3g} s) may be longer than the longest hold ({problem.longest:.4g} s): hold "
             "longer to see it"
         )
-    if above_shortest < 1e-3:
+    if tau_s.value < 1.001 * problem.times[0]:
         return f"faster than the samples show ({problem.times[0]:.2g} s)"
     for name, interval in (("time", tau_s), ("strength", beta)):
         if interval.high > WIDEST * interval.low:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import Quantity, value_at
 from dummydesign.core.user_library import Entry, make_room, read_toml
-from dummydesign.resin.model.resin import NEO_HOOKEAN, PUCK_SCATTER, Point, Resin
+from dummydesign.resin.model.resin import NEO_HOOKEAN, PUCK_SCATTER, SURPRISE, Point, Resin
 from dummydesign.resin.model.resin_file import KIND, Numbers, load_resin, read_points, read_resin, save_resin
 from dummydesign.resin.update.relaxation import NOTE, ArmUpdate, update_relaxation
 
@@ -38,7 +38,11 @@ def update_resin(resin: Resin, points: Sequence[Point], name: str, seed: int = S
     """
     if not points:
         raise InputError("no points: give at least one [[point]] with ratio and young_kPa", "missing", "point")
-    every = in_order([*resin.points, *points])
+    # an order of their own, whatever the one in which they came
+    every = sorted(
+        [*resin.points, *points],
+        key=lambda one: (one.ratio, one.puck.sha256 if one.puck else "", one.young_kPa.value),
+    )
     resin.check_ratio([point.ratio for point in every])
     prior = base_numbers(resin)
     names = [key for key, quantity in prior.items() if quantity.low < quantity.high]
@@ -65,11 +69,10 @@ def update_resin(resin: Resin, points: Sequence[Point], name: str, seed: int = S
         widening = max(math.sqrt(float(np.mean((whiten @ misfit) ** 2))), 1.0)
     draws = numbers_at(z)
     central = {key: float(value[0]) for key, value in numbers_at(best[None, :]).items()}
-    title = f"{base_title(resin)}, updated by {len(every)} measured point{'s' if len(every) > 1 else ''}"
     return replace(
         resin,
         name=name,
-        title=title,
+        title=f"{base_title(resin)}, updated by {len(every)} measured point{'s' if len(every) > 1 else ''}",
         origin="user",
         numbers=_summary(prior, draws, central, len(every)),
         posterior={key: draws[key] for key in prior},
@@ -86,12 +89,7 @@ def base_title(resin: Resin) -> str:
 
 def base_numbers(resin: Resin) -> Numbers:
     """Return the law's numbers as they were before any point: of the base, when points updated it."""
-    if resin.posterior is None:
-        return dict(resin.numbers)
-    if not resin.prior_numbers:
-        message = f"resin {resin.name} has points but no prior; start from its base"
-        raise InputError(message, "missing", "resin.modulus.prior")
-    return dict(resin.prior_numbers)
+    return dict(resin.prior_numbers or resin.numbers)
 
 
 def _misfit(resin: Resin, points: Sequence[Point], numbers: dict[str, NDArray]) -> NDArray:
@@ -108,7 +106,7 @@ def correlation(points: Sequence[Point]) -> NDArray:
     shared = np.array(
         [math.sqrt(max(1.0 - (PUCK_SCATTER / one.spread) ** 2, 0.0)) if one.puck else 0.0 for one in points]
     )
-    alike = np.array([[bool(a.puck and b.puck and a.puck.plates == b.puck.plates) for a in points] for b in points])
+    alike = [[bool(a.puck and b.puck and a.puck.plates == b.puck.plates) for a in points] for b in points]
     return np.outer(shared, shared) * alike + np.diag(1.0 - shared**2)
 
 
@@ -172,19 +170,22 @@ def contradictions(
     """Say which points contradict each other, the law, or what was believed before."""
     notices = []
     for first, second in combinations(sorted(points, key=lambda point: point.ratio), 2):
-        step = second.log_young - first.log_young
-        spread = spread_between(first, second)
-        same = math.isclose(first.ratio, second.ratio, abs_tol=0.5 * resin.ratio_step)
-        if same and abs(step) > 2.6 * spread:
-            notices.append(f"{_text(first)} and {_text(second)} differ by more than their intervals allow")
-        elif not same and step * resin.law.direction < -2.6 * spread:
-            way = "grow" if resin.law.direction > 0 else "fall"
-            notices.append(f"{_text(first)} and {_text(second)}: the modulus must {way} with the ratio")
-    far = [(point, abs(size)) for point, size in zip(points, misfit) if abs(size) > 2.6]
-    notices += [f"{_text(one)} is {off:.1f} standard deviations off the law {resin.law.name}" for one, off in far]
-    asked = [(key, abs(size)) for key, size in zip(names, deviates) if abs(size) > 2.6]
-    away = f"standard deviations from what resin {resin.name} states"
-    notices += [f"the points ask for a {key} {off:.1f} {away}" for key, off in asked]
+        deviations = (second.log_young - first.log_young) / spread_between(first, second)
+        both = f"{_text(first)} and {_text(second)}"
+        if resin.same_ratio(first, second) and abs(deviations) > SURPRISE:
+            notices.append(f"{both} differ by more than their intervals allow")
+        elif not resin.same_ratio(first, second) and deviations * resin.law.direction < -SURPRISE:
+            notices.append(f"{both}: the modulus must {resin.law.way} with the ratio")
+    notices += [
+        f"{_text(point)} is {abs(off):.1f} standard deviations off the law {resin.law.name}"
+        for point, off in zip(points, misfit)
+        if abs(off) > SURPRISE
+    ]
+    notices += [
+        f"the points ask for a {key} {abs(off):.1f} standard deviations from what resin {resin.name} states"
+        for key, off in zip(names, deviates)
+        if abs(off) > SURPRISE
+    ]
     if widening > 1.0:
         notices.append(f"all intervals of the points were widened {widening:.1f} times so that they agree")
     return notices
@@ -194,22 +195,17 @@ def _text(point: Point) -> str:
     return f"{point.young_kPa.value:g} kPa at ratio {point.ratio:g}"
 
 
-def in_order(points: Sequence[Point]) -> list[Point]:
-    """Points in an order of their own, whatever the one in which they came."""
-    return sorted(points, key=lambda one: (one.ratio, one.puck.sha256 if one.puck else "", one.young_kPa.value))
-
-
 def rebuild(resin: Resin, points: Sequence[Point], name: str) -> tuple[Resin, dict[str, tuple[ArmUpdate, ...]]]:
     """Begin again from the base with these points; also what became of its arms by each puck's recordings.
 
-    The order of the points does not matter: law, relaxation and elastic law are updated in :func:`in_order`.
+    The order of the points does not matter: law, relaxation and elastic law are updated by rising ratio.
     """
     base = without_points(resin)
     changed = update_resin(base, points, name) if points else base
-    alphas = [point.puck.alpha for point in changed.points if point.puck and point.puck.alpha]
-    changed, updates = replace(changed, ogden_alpha=pooled_alpha(alphas)), {}
-    for puck, ratio in ((point.puck, point.ratio) for point in changed.points):
-        if puck is not None and puck.seen_s is not None:
+    pucks = [(point.puck, point.ratio) for point in changed.points if point.puck]
+    changed, updates = replace(changed, ogden_alpha=pooled_alpha([puck.alpha for puck, _ in pucks if puck.alpha])), {}
+    for puck, ratio in pucks:
+        if puck.seen_s is not None:
             changed, updates[puck.sha256] = update_relaxation(changed, puck.arms, ratio, puck.seen_s)
     return changed, updates
 

@@ -5,7 +5,7 @@ The base's arms are carried to the puck's ratio, with what is not known of its l
 - a measured arm takes the place of the base's nearest one within a factor of three in time where that is a guess
   (assumed or inferred): a guess has no weight beside a measurement. Where the base's is measured too, the posterior
   of ln beta is normal, with weights 1 / variance of both, and so is that of ln tau. Where the two miss each other by
-  more than 2.6 of their joint standard deviation, both are widened until they agree (Birge ratio) and this is
+  more than three of their joint standard deviation, both are widened until they agree (Birge ratio) and this is
   reported;
 - a measured arm without a counterpart is taken as measured;
 - an arm of the base inside the times that the presses show, without a counterpart, is not there: the measured
@@ -29,12 +29,11 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.quantity import HALF_WIDTH, Quantity
-from dummydesign.resin.model.resin import Interval, Resin, ResinArm, log_spread
+from dummydesign.resin.model.resin import SURPRISE, Interval, Resin, ResinArm, log_spread
 
 SAME_TIME = 3.0
 GUESSES = ("assumed", "inferred")
 DRAWS = 4000
-SURPRISE = 2.6
 NOTE = "relaxation: "
 """How the notes begin that an update adds to a resin."""
 
@@ -58,7 +57,7 @@ class ArmUpdate:
         """Return plain values; strengths as {value, low, high} or null."""
         beta = None if self.arm is None else _of(self.arm.beta)
         strengths = {"base_beta": self.base_beta, "measured_beta": self.measured_beta, "beta": beta}
-        plain = {key: None if one is None else one._asdict() for key, one in strengths.items()}
+        plain = {key: one and one._asdict() for key, one in strengths.items()}
         return {"tau_s": self.tau_s, "from": self.came_from, **plain}
 
 
@@ -79,14 +78,13 @@ def update_relaxation(
     updates.sort(key=lambda one: one.tau_s)
     arms = sorted((one.arm for one in updates if one.arm is not None), key=lambda arm: arm.tau_s.value)
     notices = (NOTE + one.notice for one in updates if one.notice)
-    changed = replace(
+    return replace(
         resin,
         arms=tuple(arms),
         relaxation_ratio_ref=ratio,
         prior_relaxation=resin.prior_relaxation or (resin.arms, resin.relaxation_ratio_ref),
         notes=tuple(dict.fromkeys([*resin.notes, *notices])),
-    )
-    return changed, tuple(updates)
+    ), tuple(updates)
 
 
 def _measured(arm: ResinArm, base: ResinArm | None, known: Interval | None) -> ArmUpdate:
@@ -103,19 +101,17 @@ def _measured(arm: ResinArm, base: ResinArm | None, known: Interval | None) -> A
             f"the strength at {tau.value:.3g} s, {beta.value:.3g}, differs from the one measured before "
             f"({known.value:.3g}); both were widened {widening:.1f} times so that they agree"
         )
-    source = f"{beta.source}; before ({base.beta.source}) by inverse variance of ln beta"
-    both = ResinArm(tau, _with(replace(beta, source=source), value))
-    return ArmUpdate(tau.value, "both", known, own, both, notice)
+    beta = replace(beta, source=f"{beta.source}; before ({base.beta.source}) by inverse variance of ln beta")
+    return ArmUpdate(tau.value, "both", known, own, ResinArm(tau, _with(beta, value)), notice)
 
 
 def _of_base(arm: ResinArm, known: Interval | None, ratio: float, seen_s: tuple[float, float]) -> ArmUpdate:
     """An arm of the base that no measured one replaces, with its strength at this ratio."""
-    time = arm.tau_s.value
+    time, value = arm.tau_s.value, known or Interval(0.0, 0.0, 0.0)
     if seen_s[0] <= time <= seen_s[1]:
         return ArmUpdate(
             time, "gone", known, None, None, f"the base's arm at {time:g} s is replaced by the measured ones"
         )
-    value = known or Interval(0.0, 0.0, 0.0)
     notice = (
         f"the base's arm at {time:g} s, {value.value:.3g} ({value.low:.3g} to {value.high:.3g}), is kept: "
         f"the presses show {seen_s[0]:.2g} to {seen_s[1]:.3g} s"

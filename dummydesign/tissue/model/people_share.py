@@ -100,11 +100,10 @@ def tolerance_factor(subjects: int, share: float, confidence: float = CONFIDENCE
     >>> [round(tolerance_factor(n, 0.95), 2) for n in (5, 15, 40)]
     [4.2, 2.57, 2.13]
     """
-    from scipy.special import ndtri
-    from scipy.stats import nct
+    from scipy.special import nctdtrit, ndtri
 
     root = math.sqrt(subjects)
-    return float(nct.ppf(confidence, subjects - 1, root * ndtri(share))) / root
+    return float(nctdtrit(subjects - 1, root * ndtri(share), confidence)) / root
 
 
 @dataclass(frozen=True, eq=False)

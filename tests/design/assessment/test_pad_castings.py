@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.quantity import HALF_WIDTH
-from dummydesign.design.assessment.pad_castings import verdict_of_design
+from dummydesign.design.assessment.pad_castings import poured_curves, verdict_of_design
 from dummydesign.design.scoring.castings import (
     COUNT,
     FORCE_LAW,
@@ -18,10 +18,12 @@ from dummydesign.design.scoring.castings import (
     Tolerances,
 )
 from dummydesign.design.scoring.finite_strain import EXACT
-from dummydesign.design.scoring.press_simulation import steady_depth
-from dummydesign.design.scoring.verdict import CLASSES, readings_of
+from dummydesign.design.scoring.press_simulation import PadBatch, steady_depth
+from dummydesign.design.scoring.settings import crown_making
+from dummydesign.design.scoring.verdict import CLASSES, Readings, readings_of
+from dummydesign.design.scoring.windows import readings_along
 from dummydesign.resin import load_resin
-from tests.support.cast_pads import SHARP, cast_pad, kinds_of, known, space_of
+from tests.support.cast_pads import CROWNED, SHARP, cast_pad, kinds_of, known, space_of
 from tests.support.refusal import raises_code
 
 PAD = 10.0, 15.3
@@ -204,7 +206,35 @@ def test_the_band_of_castings_holds_95_percent_of_castings_that_it_was_not_drawn
     other = dataclasses.replace(cast, castings=Castings(cast.castings.resin, 3000, seed=5))
     np.testing.assert_allclose(other.depth_band_mm(force)[2], unreached, atol=0.04)
     protocol = cast.space.targets.protocol
-    drawn = steady_depth(other.slabs(other.pours()), force, protocol.slow_mm_s, cast.space.sampling.coarse)
+    coarse = cast.space.sampling.coarse
+    drawn = [steady_depth(some, force, protocol.slow_mm_s, coarse) for some in other.slabs(other.pours())]
+    drawn = np.concatenate(drawn)
     inside = np.nan_to_num((drawn >= stiff) & (drawn <= soft)).mean(axis=0)
     known_force = np.isfinite(soft)
     assert known_force[:1].all() and (np.abs(inside[known_force] - 0.95) < 0.015).all(), inside
+
+
+@pytest.mark.parametrize("pad, making", [(CROWNED, crown_making()), (("slab", 10.0, 15.3), None)])
+def test_castings_pressed_in_portions_read_as_each_pressed_alone(pad, making):
+    space, law, castings = space_of()
+    more = cast_pad(space, law, dataclasses.replace(castings, n=5000), pad, Tolerances(60.0, crown=making))
+    pours, grid = more.pours(), space.targets.protocol.steady_grid_N
+    read = more.readings()
+    assert [len(some.slab) for some in more.slabs(pours)] == [2400, 2400, 200]
+    for start, row in ((0, 7), (2400, 2399), (4800, 199)):
+        curves, index = poured_curves(more.law, pours, space)(start)
+        n = [start + row]
+        one = PadBatch(curves, index[[row]], pours.young_MPa[n], space.resin.tau_s, pours.beta[n])
+        own = readings_along(one, space.targets, grid, space.sampling.coarse)
+        for name, values in vars(more.finite_strain.judged(own, pours.finite_strain[n])).items():
+            np.testing.assert_allclose(getattr(read, name)[n], values, rtol=1e-9)
+
+
+def test_with_the_resin_known_few_castings_are_pressed_where_they_are_alike(cast):
+    first = dataclasses.replace(cast)
+    more = dataclasses.replace(cast.castings, n=4800)
+    assert len(np.unique(cast.kinds(cast.resin_known))) > 1
+    assert len(dataclasses.replace(cast, castings=more, first=first).resin_known.peak_N) == 4800
+    alike = Readings(*(np.tile(values[:1], (COUNT, 1)) for values in vars(cast.resin_known).values()))
+    vars(first)["resin_known"] = alike
+    assert dataclasses.replace(cast, castings=more, first=first).resin_known is alike

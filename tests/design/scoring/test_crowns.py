@@ -43,6 +43,10 @@ def drawn(n=40, seed=5, height=0.1, radius=0.15):
     return Crowns(rng.uniform(-height, height, n), 1.0 + rng.uniform(-radius, radius, n))
 
 
+def with_crowns(law, crowns, designed, thickness):
+    return crowned_curves(law, crowns, thickness, RADIUS, GEL)(crowns, designed)
+
+
 def rows(law, thickness, n):
     return make_curves(law, [thickness], RADIUS, GEL).take(np.zeros(n, int))
 
@@ -51,7 +55,7 @@ def test_crowns_as_designed_leave_the_curves_as_they_are(space):
     for shape, thickness in PADS:
         law = law_of(space, shape, thickness)
         designed = rows(law, thickness, 3)
-        made = crowned_curves(law, Crowns(np.zeros(3), np.ones(3)), designed, thickness, RADIUS, GEL)
+        made = with_crowns(law, Crowns(np.zeros(3), np.ones(3)), designed, thickness)
         for name, values in vars(designed).items():
             np.testing.assert_allclose(getattr(made, name), values, rtol=1e-12)
 
@@ -60,7 +64,7 @@ def test_crowns_as_designed_leave_the_curves_as_they_are(space):
 def test_each_pad_has_the_force_of_its_own_crown(space, shape, thickness):
     """against the response table of each of the crowns, one by one"""
     law, crowns, one = law_of(space, shape, thickness), drawn(), read_shape(shape)
-    made = crowned_curves(law, crowns, rows(law, thickness, 40), thickness, RADIUS, GEL)
+    made = with_crowns(law, crowns, rows(law, thickness, 40), thickness)
     for n, (higher, blunter) in enumerate(zip(crowns.higher_mm, crowns.blunter)):
         own = TabulatedShapeLaw(type(one)(one.radius_mm * blunter, one.height_mm + higher, one.foot_mm))
         h = np.array([thickness + higher])
@@ -73,7 +77,7 @@ def test_each_pad_has_the_force_of_its_own_crown(space, shape, thickness):
 def test_a_higher_crown_reaches_a_force_deeper_and_a_blunter_one_less_deep(space):
     law = law_of(space, *PADS[0])
     crowns = Crowns(np.array([0.0, 0.1, 0.0]), np.array([1.0, 1.0, 1.15]))
-    made = crowned_curves(law, crowns, rows(law, PADS[0][1], 3), PADS[0][1], RADIUS, GEL)
+    made = with_crowns(law, crowns, rows(law, PADS[0][1], 3), PADS[0][1])
     designed, high, blunt = made.depth_at(np.arange(3), np.full(3, 100.0))
     assert blunt < designed < high
 
@@ -143,7 +147,7 @@ def test_scatter_of_small_errors_is_the_slope_times_their_deviation(space):
 def test_depths_in_many_curves_at_once_are_those_in_each(space):
     shape, thickness = PADS[1]
     law, crowns = law_of(space, shape, thickness), drawn(700)
-    made = crowned_curves(law, crowns, rows(law, thickness, 700), thickness, RADIUS, GEL)
+    made = with_crowns(law, crowns, rows(law, thickness, 700), thickness)
     slab, area = np.arange(700), np.geomspace(0.1, 1e4, 9) * np.ones((700, 1))
     found = made.depth_at(slab, area)
     for n in (0, 333, 699):

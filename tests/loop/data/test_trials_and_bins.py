@@ -19,8 +19,7 @@ from dummydesign.loop.data.trials import (
     shows_tension,
     stack,
 )
-from dummydesign.measurement.motion import Ramp
-from dummydesign.measurement.ramp_detection import find_ramp
+from dummydesign.measurement.ramp_detection import Ramp, find_ramp
 from dummydesign.measurement.trace import Trace
 from tests.support import puck_presses as pucks
 

@@ -11,7 +11,7 @@ from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit, fit_base, fit_with_noise, with_sizes
 from dummydesign.loop.model.campaign_law import law_of
-from dummydesign.loop.model.forward_model import LAW_TERMS, SMOOTH_TERMS, WAVES, WAVES_END, LawError
+from dummydesign.loop.model.forward_model import LAW_TERMS, SMOOTH_TERMS, WAVES, WAVES_END, LawError, wave_number
 from dummydesign.measurement.campaign_file import read_campaign
 
 USUAL = 0.001
@@ -92,3 +92,12 @@ def test_waves_move_the_edge_less_than_in_a_fit_that_takes_the_law_for_smooth(ed
         z.append(better[-1] / np.sqrt(waved.covariance[at, at]))
     assert np.mean(np.square(better)) < 0.8 * np.mean(np.square(plain))
     assert np.mean(np.square(z)) < 3.0
+
+
+def test_heights_of_waves_are_linear_between_knots_for_each_trial_and_no_number_stays_none():
+    rng = np.random.default_rng(7)
+    terms, share = rng.normal(size=(LAW_TERMS, 5)), rng.uniform(0.0, 0.8, (5, 300))
+    share[0, :3] = 0.0, WAVES_END, np.nan
+    knots = np.arange(WAVES + 1.0)
+    wanted = [np.interp(x, knots, np.r_[0.0, own]) for x, own in zip(wave_number(share), terms[SMOOTH_TERMS:].T)]
+    np.testing.assert_allclose(LawError(terms).waved(share), 1.0 + np.stack(wanted), rtol=1e-14)

@@ -1,0 +1,153 @@
+"""Whether a recording is a press at all: one explanation of the force by the displacement, from rest to the hold's end.
+
+A body that is pressed and relaxes cannot push harder while nothing moves, cannot push before it is touched. So its
+force is a sum of elastic forces that rise with depth, each relaxing by exponentials, none of them negative:
+
+    F(t) = level + drift t + sum w_ij int r_j(t - s) dg_i(d(s)),  d(t) = x(t - delay) - contact,  w_ij >= 0,
+
+with g_i powers of depth and r_j constant or exp(-t / tau_j), and of arms d^2 e, e' = d' - e d^2 / tau_j, as the
+published law of tissue has them, by non-negative least squares [1]. The way back is left out: there contact is lost,
+at times that depend on the depth.
+
+References
+----------
+.. [1] C. L. Lawson and R. J. Hanson, Solving Least Squares Problems, SIAM (1995), chapter 23.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.recurrence import linear_recurrence
+from dummydesign.measurement.importing.baseline import digit_step
+from dummydesign.measurement.plateau import noise_of
+from dummydesign.measurement.ramp_detection import Summary
+
+POWERS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.5, 9.0, 13.0])
+TIMES_S = np.geomspace(0.004, 40.0, 9)
+SAMPLES = 260
+"""Samples that are kept, even along the curve of displacement and force over time."""
+LAW_ERROR = 0.005
+"""Share of the force that these functions may miss of a press, and the least force it is taken of, over the largest."""
+LEAST = 0.1
+SLOW_S = 0.1
+"""Ramps that last less are judged in the hold alone: there a load cell's filter, of 5 to 20 ms, is seen. [s]"""
+UNJUDGED = 10.0  # times as much may be missed of a part that is not judged
+LIMIT = 6.0
+"""Misfit (root mean square over noise and law error) of a part of a press beyond which it is not explained."""
+DELAYED = "force_delayed"
+PARTS = ("before contact", "in the rise", "after the stop", "in the hold")
+SETTLES_S = 0.3
+DELAYS_S = np.r_[0.0, np.arange(-60e-3, 61e-3, 5e-3)]
+FEWEST = 5  # samples of a part that is judged
+BETTER = 0.5
+"""Share of the misfit that a delay must leave at most to be named."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Whether a press is explained within its noise; else where it is worst, by how many times its noise it is missed
+    there, and a delay of the force that explains it better (0: none). [s]"""
+
+    explains: bool
+    where: str = ""
+    misfit: float = 0.0
+    delay_s: float = 0.0
+
+    @property
+    def by(self) -> str:
+        """The option that would explain it; empty without one."""
+        return f"--delay {self.delay_s:.3g}" if self.delay_s else ""
+
+    @property
+    def code(self) -> str:
+        """Code of the warning."""
+        return DELAYED if self.delay_s else "not_explained"
+
+    @property
+    def message(self) -> str:
+        """What a user must know of it."""
+        if not self.delay_s:
+            text = f"the displacement does not explain the force {self.where}: no pad and no skin presses so"
+            return f"{text}; plot both over time: a position in steps, a slower source, a drift, another clock?"
+        late = "later" if self.delay_s > 0 else "earlier"
+        return (
+            f"the force is about {1e3 * abs(self.delay_s):.0f} ms {late} than the displacement: contact and depth are "
+            f"wrong; import with {self.by}, or declare the load cell's filter with --lowpass where the trace is used"
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """As ``judged`` in JSON."""
+        return {"explains": self.explains, "where": self.where, "by": self.by}
+
+
+def judge_press(time: NDArray, x: NDArray, force: NDArray, summary: Summary) -> Judgement:
+    """Judge one press.
+
+    Parameters
+    ----------
+    time, x, force : ndarray, shape (n,)
+        From rest, zero at contact, compression positive. [s, mm, N]
+    summary : Summary
+        Its ramp and hold.
+    """
+    stop, end = summary.stop_time_s, max(summary.hold_end_s, summary.stop_time_s)
+    kept = _thinned(time, x, force, end)
+    noise = np.hypot(noise_of(force), digit_step(force) / np.sqrt(12.0))
+    size = np.hypot(LAW_ERROR * np.maximum(np.abs(force[kept]), LEAST * float(force.max())), noise)
+    t = time[kept]
+    part = np.where(t > stop + SETTLES_S, 3, np.where(t > stop, 2, np.where(x[kept] > 0.0, 1, 0)))
+    judged = [k for k in range(len(PARTS)) if summary.depth_mm >= SLOW_S * summary.velocity_mm_s or k == 3]
+    size *= np.where(np.isin(part, judged), 1.0, UNJUDGED)
+
+    def misfits(delay_s: float) -> NDArray:
+        """Misfit of each part, the contact carried along."""
+        depth = np.interp(time - delay_s, time, x)[kept] + summary.velocity_mm_s * delay_s
+        if not depth.max() > 0.0:
+            return np.full(len(judged), np.inf)
+        left = (force[kept] - _explained(t, depth, force[kept], size)) / size
+        return np.array(
+            [np.sqrt(np.mean(left[part == k] ** 2)) if np.sum(part == k) >= FEWEST else 0.0 for k in judged]
+        )
+
+    own = misfits(0.0)
+    worst = int(own.argmax())
+    if own[worst] <= LIMIT:
+        return Judgement(True)
+    delays = [(float(misfits(delay).max()), float(delay)) for delay in DELAYS_S[1:]]
+    least, delay = min(delays)
+    return Judgement(False, PARTS[judged[worst]], float(own[worst]), delay if least < BETTER * own[worst] else 0.0)
+
+
+def _thinned(time: NDArray, x: NDArray, force: NDArray, end_s: float) -> NDArray:
+    """Samples up to a time, closest where most happens."""
+    count = max(int(np.searchsorted(time, end_s, side="right")), 3)
+    steps = [np.diff(values[:count]) / max(float(np.ptp(values[:count])), 1e-12) for values in (time, x, force)]
+    way = np.r_[0.0, np.cumsum(np.sqrt(np.sum(np.square(steps), axis=0)))]
+    return np.unique(np.searchsorted(way, np.linspace(0.0, way[-1], SAMPLES)).clip(0, count - 1))
+
+
+def _explained(time: NDArray, depth: NDArray, force: NDArray, size: NDArray) -> NDArray:
+    """The nearest force that a body can have. [N]"""
+    from scipy.optimize import nnls
+
+    share = np.maximum(depth, 0.0) / depth.max()
+    elastic = share ** POWERS[:, None]
+    step = np.maximum(np.diff(time, prepend=time[0]), 1e-9) / TIMES_S[:, None]
+
+    def relaxed(elastic: NDArray, step: NDArray) -> NDArray:
+        """Loads that decay, loaded evenly within each step."""
+        kept = np.exp(-step)
+        return linear_recurrence(kept, (1.0 - kept) / step * np.diff(elastic, prepend=0.0))
+
+    fading = relaxed(elastic, step[:, None]).reshape(-1, len(time))
+    middle = 0.5 * (share + np.r_[share[0], share[:-1]])
+    tissue = share**2 * relaxed(share, step * np.maximum(middle**2, 1e-6))
+    even = np.stack([np.ones_like(time), (time - time[0]) / max(float(np.ptp(time)), 1e-9)])
+    columns = np.concatenate([elastic, fading, tissue, even, -even]).T
+    weights, _ = nnls(columns / size[:, None], force / size, maxiter=50 * columns.shape[1])
+    return columns @ weights

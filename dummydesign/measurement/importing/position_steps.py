@@ -1,0 +1,62 @@
+"""A position that is written in steps, by its digits or by a slower source that is held: known where it changes."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.measurement.importing.decisions import ImportLog
+
+MIDDLE, SLOWER = 0.45, 2.5
+"""Share of the travel about its middle that is on the way, and samples from one change to the next there from which a
+position goes in steps."""
+COARSE, TOLD = 0.003, 0.01
+"""Step over the travel from which it matters, and from which it is told."""
+FEWEST = 6
+STANDS = 3.0
+"""Multiple of the usual time between two changes beyond which the punch stands."""
+EVEN, MOST = 0.02, 30.0
+"""How far a rounded position's steps may be off multiples of one digit, and the largest multiple."""
+
+
+def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> NDArray:
+    """The position at each sample: between changes on a line, where it stands as it is written. [mm]
+
+    A rounded position is half way between two values where it changes; one that is held is that of the new value. The
+    steps of a rounded position are all multiples of one digit.
+
+    Parameters
+    ----------
+    time, x : ndarray, shape (n,)
+        [s, mm]
+    """
+    step, reach = np.abs(np.diff(x)), float(np.ptp(x))
+    rows = np.flatnonzero(step) + 1
+    on_the_way = rows[np.abs(x[rows] - x.min() - 0.5 * reach) < MIDDLE * reach]
+    if len(on_the_way) < FEWEST:
+        return x
+    usual, size = float(np.median(np.diff(time[on_the_way]))), float(np.median(step[on_the_way - 1]))
+    if usual < SLOWER * float(np.median(np.diff(time))) or size < COARSE * reach:
+        return x
+    digits = step[rows - 1] / step[rows - 1].min()
+    rounded = bool(np.all(np.abs(digits - np.round(digits)) < EVEN * digits)) and digits.max() < MOST
+    after, before = (0.5, 0.5) if rounded else (0.0, 1.0)
+    at = [*(0.5 * (time[rows] + time[rows - 1]) if rounded else time[rows])]
+    value = [*(0.5 * (x[rows] + x[rows - 1]) if rounded else x[rows])]
+    for one, other in pairwise(rows):
+        if time[other] - time[one] > STANDS * usual:
+            at += [time[one] + after * usual, time[other] - before * usual]
+            value += [x[one], x[one]]
+    first, last = float(time[rows[0]] - before * usual), float(time[rows[-1]] + after * usual)
+    at, value = np.array([time[0] - usual, first, *at, last]), np.array([x[0], x[0], *value, x[-1]])
+    order = np.argsort(at, kind="stable")
+    why = f"it changes every {usual:.3g} s only, by {size:.2g} mm: " + ("few digits" if rounded else "a slower source")
+    log.decide("position", "read where it changes", why)
+    if size > TOLD * reach:
+        known = f"contact, depth and hold are known to {size:.2g} mm and {usual:.2g} s only"
+        log.warn(
+            "coarse_position", f"the position goes in steps of {size:.2g} mm: {known}; record it as often as the force"
+        )
+    return np.interp(time, at[order], value[order])

@@ -1,0 +1,108 @@
+"""A press is explained as a whole, or the recording is told to be none; presses by other code (machine_presses)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dummydesign.measurement.importing.decisions import Settings
+from dummydesign.measurement.importing.judge import judge_press
+from dummydesign.measurement.importing.read import import_files
+from dummydesign.measurement.ramp_detection import summarise
+from tests.support.machine_presses import recording
+
+SLOW = {"velocity_mm_s": 10.0, "hold_s": 5.0, "filtered": False}
+
+
+def judged(time, x, force):
+    return judge_press(time, x, force, summarise("a.csv", time, x, force))
+
+
+def read(tmp_path, time, x, force, **settings):
+    file = tmp_path / "press.csv"
+    rows = np.stack([time, x, force], axis=1)
+    np.savetxt(file, rows, "%.6f", ",", header="time_s,displacement_mm,force_N", comments="")
+    found = import_files([file], Settings(**settings))[0][0]
+    return found.presses[0], {one["code"] for one in found.warnings}
+
+
+@pytest.mark.parametrize("seed", range(300, 316))
+def test_tissue_pads_and_balls_are_explained_whatever_they_are_made_of(seed):
+    record = recording(seed)
+    assert judged(record.time_s, record.displacement_mm, record.force_N).explains
+
+
+def test_a_force_that_comes_late_is_told_with_its_delay(tmp_path):
+    """A delay that is named is right; one that is not is told as a contact in doubt."""
+    named = 0
+    for seed, late_s in zip(range(320, 328), (0.03, -0.03, 0.05, -0.05, 0.04, -0.04, 0.03, -0.05)):
+        record = recording(seed, **SLOW)
+        time, x = record.time_s, record.displacement_mm
+        press, codes = read(tmp_path, time, x + 50.0, np.interp(time - late_s, time, record.force_N), contact="auto")
+        found = press.judged
+        assert codes - {"force_drifts", "hold_too_short"}
+        if found.delay_s:
+            named += 1
+            assert found.delay_s == pytest.approx(late_s, abs=0.006) and "force_delayed" in codes
+            assert found.to_dict()["by"] == f"--delay {found.delay_s:.3g}" and not found.explains
+    assert named >= 4
+
+
+def test_a_force_that_jumps_while_nothing_moves_is_not_explained():
+    record = recording(330, **SLOW)
+    time, force = record.time_s, record.force_N.copy()
+    stop = summarise("a.csv", time, record.displacement_mm, force).stop_time_s
+    force[time > stop + 1.0] *= 1.2
+    found = judged(time, record.displacement_mm, force)
+    assert not found.explains and found.where == "in the hold" and found.misfit > 6.0
+
+
+@pytest.mark.parametrize("seed", range(340, 346))
+@pytest.mark.parametrize("kind", ["digits", "held"])
+def test_a_position_in_steps_is_read_where_it_changes(seed, kind, tmp_path):
+    record = recording(seed, **SLOW, unload=False)
+    time, x = record.time_s, record.displacement_mm
+    if kind == "digits":
+        x = np.round(x / 0.05) * 0.05
+    else:
+        x = np.interp(np.floor(time / 0.02) * 0.02, time, x)
+    press, _ = read(tmp_path, time, x, record.force_N)
+    whole, _ = read(tmp_path, time, record.displacement_mm, record.force_N)
+    assert press.summary.depth_mm == pytest.approx(whole.summary.depth_mm, abs=0.05)
+    assert press.summary.steady_force_N == pytest.approx(whole.summary.steady_force_N, rel=0.01)
+    assert press.summary.velocity_mm_s == pytest.approx(10.0, rel=0.1)
+    assert press.summary.hold_s == pytest.approx(5.0, abs=0.06) and press.judged.explains
+
+
+@pytest.mark.parametrize("rows", [7, 40])
+def test_stamps_that_come_in_packets_are_spread_evenly(rows, tmp_path):
+    record = recording(350, **SLOW)
+    time = record.time_s
+    arrival = time[np.minimum((np.arange(len(time)) // rows + 1) * rows - 1, len(time) - 1)]
+    stamps = arrival + 2e-5 * (np.arange(len(time)) % rows)
+    press, _ = read(tmp_path, stamps, record.displacement_mm, record.force_N)
+    assert press.summary.velocity_mm_s == pytest.approx(10.0, rel=0.01)
+    assert press.summary.hold_s == pytest.approx(5.0, rel=0.02)
+
+
+def test_a_recording_that_becomes_slower_has_no_packets(tmp_path):
+    record = recording(351, **SLOW, unload=False)
+    time = record.time_s
+    stop = summarise("a.csv", time, record.displacement_mm, record.force_N).stop_time_s
+    kept = (time < stop + 0.5) | (np.arange(len(time)) % 250 == 0)
+    columns = (values[kept] for values in (time, record.displacement_mm, record.force_N))
+    press, _ = read(tmp_path, *columns)
+    assert press.summary.velocity_mm_s == pytest.approx(10.0, rel=0.01)
+    assert press.summary.hold_s == pytest.approx(5.0, rel=0.11)
+
+
+def test_a_position_computed_from_the_force_and_a_zero_at_a_touch_are_told(tmp_path):
+    record = recording(360, **SLOW)
+    _, codes = read(tmp_path, record.time_s, record.true_force_N / 5.0, record.true_force_N)
+    assert "proportional" in codes
+    touched = record.displacement_mm > 0.3
+    begin = int(np.argmax(touched))
+    _, codes = read(
+        tmp_path, *(one[begin:] for one in (record.time_s, record.displacement_mm - 0.3, record.force_N)), tare="none"
+    )
+    assert "no_free_travel" in codes

@@ -287,7 +287,7 @@ def _svg_text(text: Text, h: float) -> str:
     anchor = ' text-anchor="middle"' if text.middle else ""
     turn = f' transform="rotate(-90 {x:.3f} {y:.3f})"' if text.upright else ""
     return (
-        f'<text x="{x:.3f}" y="{y:.3f}" font-family="Helvetica, Arial, sans-serif" '
+        f'<text x="{x:.3f}" y="{y:.3f}" font-family="Helvetica, Liberation Sans, Arial, sans-serif" '
         f'font-size="{text.height / CAP_SHARE:.2f}" fill="#111"{anchor}{turn}>{html.escape(text.words)}</text>'
     )
 

@@ -50,8 +50,8 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> NDArray:
             at += [time[one] + after * usual, time[other] - before * usual]
             value += [x[one], x[one]]
     first, last = float(time[rows[0]] - before * usual), float(time[rows[-1]] + after * usual)
-    at, value = np.array([time[0] - usual, first, *at, last]), np.array([x[0], x[0], *value, x[-1]])
-    order = np.argsort(at, kind="stable")
+    places, values = np.array([time[0] - usual, first, *at, last]), np.array([x[0], x[0], *value, x[-1]])
+    order = np.argsort(places, kind="stable")
     why = f"it changes every {usual:.3g} s only, by {size:.2g} mm: " + ("few digits" if rounded else "a slower source")
     log.decide("position", "read where it changes", why)
     if size > TOLD * reach:
@@ -59,4 +59,4 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> NDArray:
         log.warn(
             "coarse_position", f"the position goes in steps of {size:.2g} mm: {known}; record it as often as the force"
         )
-    return np.interp(time, at[order], value[order])
+    return np.interp(time, places[order], values[order])

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from dummydesign.loop import next_measurement as planning
+from dummydesign.loop.data import trials
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.candidates import first_fit
 from dummydesign.loop.fitting.fit import fit_base
@@ -20,7 +21,7 @@ def test_a_planned_press_stops_where_its_hold_begins_however_finely_the_motion_i
     presses, law = plain
     chosen = planning.options(presses, law)[:6]
     usual = planning.planned_presses(presses, None, chosen)
-    monkeypatch.setattr(planning, "ramp_and_hold", partial(ramp_and_hold, hold_points=20))
+    monkeypatch.setattr(trials, "ramp_and_hold", partial(ramp_and_hold, hold_points=20))
     coarse = planning.planned_presses(presses, None, chosen)
     np.testing.assert_allclose(coarse.stop_s, usual.stop_s, atol=1e-9)
     for made in (usual, coarse):

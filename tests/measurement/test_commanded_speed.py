@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from dummydesign.measurement.commanded_speed import CommandedSpeed
 from dummydesign.measurement.ramp_detection import find_ramp
 
 
@@ -39,7 +40,7 @@ def test_the_interval_holds_the_speed_of_drawn_presses_and_no_wrong_one_is_sure(
 def test_a_short_fast_ramp_at_250_hz_is_not_read_as_a_slower_one(phase):
     time, x = pressed(250.0, 20_000.0, 4.0, 250.0, phase)
     found = find_ramp(time, x, "slowed").speed
-    assert found.low_mm_s <= 250.0 <= found.high_mm_s
+    assert isinstance(found, CommandedSpeed) and found.low_mm_s <= 250.0 <= found.high_mm_s
     assert found.value_mm_s > 0.94 * 250.0 or not found.sure
 
 

@@ -12,8 +12,8 @@ from dummydesign.measurement.importing.decisions import ImportLog
 MIDDLE, SLOWER = 0.45, 2.5
 """Share of the travel about its middle that is on the way, and samples from one change to the next there from which a
 position goes in steps."""
-COARSE, TOLD = 0.003, 0.01
-"""Step over the travel from which it matters, and from which it is told."""
+COARSE, WARNED = 0.003, 0.01
+"""Step over the travel from which it matters, and from which there is a warning."""
 FEWEST = 6
 STANDS = 3.0
 """Multiple of the usual time between two changes beyond which the punch stands."""
@@ -54,7 +54,7 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> NDArray:
     order = np.argsort(places, kind="stable")
     why = f"it changes every {usual:.3g} s only, by {size:.2g} mm: " + ("few digits" if rounded else "a slower source")
     log.decide("position", "read where it changes", why)
-    if size > TOLD * reach:
+    if size > WARNED * reach:
         known = f"contact, depth and hold are known to {size:.2g} mm and {usual:.2g} s only"
         log.warn(
             "coarse_position", f"the position goes in steps of {size:.2g} mm: {known}; record it as often as the force"

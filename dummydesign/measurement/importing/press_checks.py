@@ -62,10 +62,10 @@ def check_press(
     time: NDArray, x: NDArray, force: NDArray, contact: ContactEstimate, summary: Summary, warn: Warn
 ) -> Judgement:
     """Warn of what looks wrong in one press; and whether it is explained as a whole."""
-    judged, told = judge_press(time, x, force, summary), set()
+    judged, codes = judge_press(time, x, force, summary), set()
 
     def tell(code: str, message: str) -> None:
-        told.add(code)
+        codes.add(code)
         warn(code, message)
 
     press = _Press(time, x, force, max(contact.baseline.noise_N, noise_of(force)), summary, tell)
@@ -85,7 +85,7 @@ def check_press(
         _units,
     ):
         check(press)
-    if not judged.explains and not told & FAULTS:
+    if not judged.explains and not codes & FAULTS:
         warn(judged.code, judged.message)
     return judged
 

@@ -53,7 +53,7 @@ def tray_covers(spec: MouldSpec, plan: Layout) -> Outline:
     """The rounded rectangle that holds the tray with its ears."""
     outer = tray_outline(spec, plan)
     across = max(outer.length_mm, 2 * (ear_side_mm(outer) + EAR_RADIUS_MM))
-    # The ears stand beside the rounded corners, which stay free.
+    # The ears leave the rounded corners free.
     corner = across / 2 - ear_side_mm(outer) - EAR_RADIUS_MM
     return Outline(across, outer.width_mm + 2 * (EAR_OUT_MM + EAR_RADIUS_MM), min(corner, outer.radius_mm))
 

@@ -36,7 +36,7 @@ GRIPS = np.linspace(0.0, 1.0, 26)
 LARGEST_OFFSET = 0.04
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LoadingCurve:
     """Load over compression of one test; curves with the same ``puck`` are repeats on it. [mm, N]"""
 
@@ -50,7 +50,7 @@ Part = tuple[np.ndarray, np.ndarray, float]
 """A curve's compressions over height, stresses in kPa, and the compression where its load is zeroed."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PuckFit:
     """What the curves of one puck say, whichever way they were fitted.
 
@@ -72,7 +72,7 @@ class PuckFit:
         return self.misfit**2 - self.misfit_open**2 > CONTRADICTS * (TABLE_ERROR**2 + self.misfit_open**2)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FrictionFit:
     """Best fit at one friction; ``misfit`` is the rms of ln of fitted over measured force.
 
@@ -88,7 +88,7 @@ class FrictionFit:
     misfit: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LoadingFit(PuckFit):
     """With what each friction would make of the batch, by rising grip, and its chi square above the best."""
 
@@ -261,7 +261,7 @@ counts: the friction tables' error."""
 RAMP_BINS = 25
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PuckPress:
     """One press in bins."""
 

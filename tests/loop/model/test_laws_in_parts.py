@@ -20,8 +20,8 @@ from dummydesign.loop.model.campaign_law import ROUGHNESS, SLAB_ERROR, CampaignL
 from dummydesign.loop.model.campaign_pad_law import DENSE, POINTS, THICKER, CampaignPadLaw
 from dummydesign.loop.pad_scatter import carried_share, pad_scatter, recorded_ln, recorded_spread
 from dummydesign.loop.result import worth_of
-from dummydesign.pad.first_touch import low_end
-from dummydesign.pad.force_law import PadCurve, interpolate_curve
+from dummydesign.pad.first_touch import interpolate_curve, low_end
+from dummydesign.pad.force_law import PadCurve
 from dummydesign.pad.pad_under_punch import Pad, Puck
 from tests.support import puck_presses as pucks
 from tests.support.known_laws import puck_law, slab_law

@@ -10,7 +10,7 @@ from dummydesign.measurement.ramp_detection import find_holds
 from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import Ogden
 from dummydesign.pad.pad_under_punch import Puck
-from dummydesign.pad.tables.puck import friction_of, grip, load_puck_table, uniaxial
+from dummydesign.pad.tables.puck import friction_of, grip, load_puck_table, load_shapes, uniaxial
 from dummydesign.resin.puck_test.add_compression import steps
 from dummydesign.resin.puck_test.loading_fit import LoadingCurve, fit_pucks, reduce_press
 from dummydesign.resin.puck_test.plates import read_plates
@@ -99,6 +99,7 @@ def test_another_shape_and_bad_curves_are_refused(table, monkeypatch, tmp_path):
     with raises_code("table_unavailable", "table"):
         load_puck_table()
     load_puck_table.cache_clear()
+    load_shapes.cache_clear()  # it holds the table that was read before
 
 
 @pytest.mark.parametrize("contact_mm", [0.2, -0.7, -1.1])

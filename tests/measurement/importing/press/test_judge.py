@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.measurement.importing.decisions import Settings
+from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.judge import judge_press
+from dummydesign.measurement.importing.position_steps import read_between_changes
 from dummydesign.measurement.importing.read import import_files
 from dummydesign.measurement.ramp_detection import summarise
 from tests.support.machine_presses import recording
@@ -106,3 +107,10 @@ def test_a_position_computed_from_the_force_and_a_zero_at_a_touch_are_told(tmp_p
         tmp_path, *(one[begin:] for one in (record.time_s, record.displacement_mm - 0.3, record.force_N)), tare="none"
     )
     assert "no_free_travel" in codes
+
+
+def test_a_position_that_moves_with_each_sample_or_hardly_in_steps_is_left_as_it_is():
+    record, log = recording(370, **SLOW), ImportLog("a.csv", Settings())
+    for x in (record.displacement_mm, np.round(record.displacement_mm / 0.002) * 0.002):
+        assert read_between_changes(record.time_s, x, log) is x
+    assert log.decisions == []

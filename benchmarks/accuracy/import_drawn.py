@@ -4,7 +4,8 @@
 pads with overshoot (0 to 10 %), ringing, drift (to 0.1 N/s), slope with travel (to 0.01 N/mm, as of a dragged cable),
 digits of the force, noise that wanders, dropped rows and, in three of ten, a zero of the position far from contact.
 Each is written in a drawn layout (languages, units, two time bases, wrong units of the header:
-:mod:`benchmarks.accuracy.import_layouts`; ``--plain``: as a canonical CSV) and imported. The table gives the rates of
+:mod:`benchmarks.accuracy.import_layouts`; ``--plain``: as a canonical CSV) and imported, with ``--spoil KIND`` as a
+slower position, a late force or packets of rows record it. The table gives the rates of
 wrong answers without a warning, of questions of files that say all, and of intervals (95 %) of contact and steady force
 with the truth. A steady force off by more than 1 % that lies within its stated interval counts as ``stated``.
 """
@@ -15,7 +16,7 @@ import argparse
 import json
 import tempfile
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -120,6 +121,23 @@ def forces(law: str, time: NDArray, x: NDArray) -> NDArray:
     return np.where(x > 0.0, np.maximum(force, 0.0), 0.0)
 
 
+def spoiled(press: Drawn, kind: str, rng: np.random.Generator) -> Drawn:
+    """The same press as another rig records it: a position in steps or held, a force that is late, packets of rows."""
+    time, x, force = press.time_s, press.displacement_mm, press.force_N
+    if kind == "steps":
+        step = float(rng.choice([0.02, 0.05, 0.1, 0.2]))
+        return replace(press, displacement_mm=np.round(x / step) * step)
+    if kind == "held":
+        rate = float(rng.choice([5.0, 10.0, 20.0, 30.0]))
+        return replace(press, displacement_mm=np.interp(np.floor(time * rate) / rate, time, x))
+    if kind == "late":
+        late = float(rng.choice([-1.0, 1.0]) * np.exp(rng.uniform(np.log(0.005), np.log(0.05))))
+        return replace(press, force_N=np.interp(time - late, time, force))
+    rows = int(rng.integers(5, 60))
+    last = np.minimum((np.arange(len(time)) // rows + 1) * rows - 1, len(time) - 1)
+    return replace(press, time_s=time[last] + 1e-5 * (np.arange(len(time)) % rows))
+
+
 def write_plain(file: Path, press: Drawn, rng: np.random.Generator) -> dict[str, Any]:
     """Write a canonical CSV with rows dropped at random."""
     kept = rng.random(len(press.time_s)) >= press.kinds["dropped"]
@@ -158,6 +176,7 @@ def main() -> None:
     parser.add_argument("--draws", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=20261126)
     parser.add_argument("--plain", action="store_true")
+    parser.add_argument("--spoil", choices=("steps", "held", "late", "packets"))
     parser.add_argument("--out", type=Path)
     parser.add_argument("--show", type=int, default=0)
     options = parser.parse_args()
@@ -168,6 +187,7 @@ def main() -> None:
         for number in range(options.draws):
             rng = np.random.default_rng([options.seed, number])
             press, file = draw(rng), Path(folder, f"press_{number}.csv")
+            press = spoiled(press, options.spoil, rng) if options.spoil else press
             columns = (press.time_s, press.displacement_mm, press.force_N)
             truth = write_plain(file, press, rng) if options.plain else write_file(file, rng, *columns)
             try:

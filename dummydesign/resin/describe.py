@@ -38,7 +38,6 @@ def explain(resin: Resin) -> dict[str, Any]:
 
 def _curve(resin: Resin, rows: int) -> list[dict[str, Any]]:
     """Ratios with modulus and interval, sensitivity and Prony terms relative to the long-term modulus."""
-    rows = rows if resin.ratio_min < resin.ratio_max else 1
     return [
         {
             "ratio": ratio,
@@ -46,7 +45,9 @@ def _curve(resin: Resin, rows: int) -> list[dict[str, Any]]:
             "d_ln_young_per_percent_ratio": 0.01 * resin.log_slope(ratio),
             "prony": to_plain(resin.prony(ratio)),
         }
-        for ratio in np.linspace(resin.ratio_min, resin.ratio_max, rows).tolist()
+        for ratio in np.linspace(
+            resin.ratio_min, resin.ratio_max, rows if resin.ratio_min < resin.ratio_max else 1
+        ).tolist()
     ]
 
 
@@ -60,8 +61,7 @@ def hardness_text(curve: list[dict[str, Any]]) -> str:
 def resin_warnings(resin: Resin) -> list[dict[str, str]]:
     """Say what of the resin is not measured, and which points contradict each other."""
     warnings = [{"code": "contradictory_points", "message": text} for text in resin.contradictions]
-    doubtful = resin.uncertain()
-    if doubtful:
+    if doubtful := resin.uncertain():
         message = f"{len(doubtful)} numbers of resin {resin.name} are inferred or assumed: {', '.join(doubtful)}"
         warnings.append({"code": "not_measured", "message": message})
     return warnings

@@ -58,13 +58,24 @@ def add_hardness(
         words, code = ("give one of", "missing") if not given else ("give only one of", "conflict")
         raise InputError(f"{words} --shore-00 and --shore-a, as the supplier states it", code, "shore")
     scale, shore = given[0]
-    young = hardness_law().modulus(shore, scale)
+    law = hardness_law()
+    young = law.modulus(shore, scale)
     shadowed = make_room(KIND, "resin", name, replace_own)
     resin = _moved(load_resin(base), young) if base is not None else _fixed(young)
     stated = f"Shore {scale} {shore:g}"
     resin = replace(resin, name=name, title=f"{resin.title}, {stated} as stated by its supplier", origin="user")
     factor = max(young.high / young.value, young.value / young.low)
+    hardest = f"the hardest product of known modulus has Shore A {law.sure_to_a:g}"
+    ends = [
+        (
+            shore < law.sure_from_a,
+            "end_of_scale",
+            f"{stated} is at the end of its scale: give --shore-00 or press a puck",
+        ),
+        (shore > law.sure_to_a, "hardness_extrapolated", f"{stated} is extrapolated: {hardest}; press a puck"),
+    ]
     warnings = [
+        *({"code": code, "message": text} for beyond, code, text in ends if beyond and scale == SHORE_A),
         {
             "code": "hardness_only",
             "message": f"made from {stated} alone: the modulus is known to a factor of "
@@ -72,14 +83,6 @@ def add_hardness(
         },
         *shadowed,
     ]
-    law = hardness_law()
-    if scale == SHORE_A and shore < law.sure_from_a:
-        message = f"{stated} is at the end of its scale: give --shore-00 where the supplier states it, or press a puck"
-        warnings.insert(0, {"code": "end_of_scale", "message": message})
-    elif scale == SHORE_A and shore > law.sure_to_a:
-        known = f"the hardest product of known modulus has Shore A {law.sure_to_a:g}"
-        message = f"the modulus of {stated} is extrapolated: {known}. Press a puck"
-        warnings.insert(0, {"code": "hardness_extrapolated", "message": message})
     return {
         "name": name,
         "shore": {"scale": scale, "value": shore},

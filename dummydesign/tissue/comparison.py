@@ -86,18 +86,19 @@ def presses_of(
 def _speeds_not_seen(unsure: Sequence[tuple[ReducedTrace, float]]) -> list[tuple[str, str]]:
     """A notice where a press's speed is not seen and another likely one changes the subjects' largest peak force.
 
-    Changes of up to twice the share to which the steady force can be set are left out.
+    Changes of up to twice the share to which the steady force can be set are left out; NaN is an unknown one.
     """
-    matter = [(trace, change) for trace, change in unsure if abs(change) > 2.0 * STEADY_TOLERANCE]
+    matter = [(trace, change) for trace, change in unsure if not abs(change) <= 2.0 * STEADY_TOLERANCE]
     if not matter:
         return []
     trace, change = max(matter, key=lambda one: abs(one[1]))
+    much = "" if np.isnan(change) else f"{100.0 * change:+.0f} % "
     return [
         (
             "speed_not_seen",
             f"{len({one.trace.name for one, _ in matter})} presses do not show the speed that was commanded: "
             f"{trace.trace.name} shows {trace.ramp.speed.words}, {trace.velocity_mm_s:.3g} is used. Subjects' peaks "
-            f"may be {100.0 * change:+.0f} % off. Give --velocity, or record the approach with more samples a second",
+            f"may be {much}off. Give --velocity, or record the approach with more samples a second",
         )
     ]
 
@@ -259,7 +260,10 @@ def compare_traces(
             path = None if test.deceleration_mm_s2 or not follows else overshooting_path(trace)
             motions = [(speed, braking)]
             if not (trace.ramp.speed.sure or test.velocities_mm_s or trace.trace.name in declared):
-                motions += [(v, test.deceleration_mm_s2 or own) for v, own in trace.ramp.speed.ends]
+                if tissue.measured:  # curves answer for speeds that were pressed alone
+                    unsure.append((trace, np.nan))
+                else:
+                    motions += [(v, test.deceleration_mm_s2 or own) for v, own in trace.ramp.speed.ends]
             band, *others = (
                 tissue.force_range(trace.steady_force_N, v, trace.hold_s, a, lowpass, path) for v, a in motions
             )

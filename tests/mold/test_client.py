@@ -32,7 +32,7 @@ def test_command_gives_one_json_object_with_the_contract(lidded_package, lidded_
         assert Path(path).is_file() and Path(path).stat().st_size > 0, role
     assert Path(result.files["mould"]).name == "mould_t8.step"
     assert {"cavity", "pad_nominal", "pad_compensated", "mould", "master", "frame"} <= set(result.volumes_mm3)
-    assert set(result.masses_g) == {"polyol", "isocyanate", "silicone"}
+    assert set(result.masses_g) == {"polyol", "isocyanate", "silicone", "silicone (lid)"}
     assert no_check_fails(result.checks)
     assert len({item["id"] for item in result.checks}) == len(result.checks) > 35
     assert result.spec_hash == lidded_spec.hash and len(result.step_sha256) == 64

@@ -301,6 +301,7 @@ class MeasuredAim(MeasuredParameters):
         rows = [one.shape_N(force_N, velocity_mm_s, hold_s) for one in self.people]
         rises, holds = (np.array(each) for each in zip(*rows))
         if is_share(self.aim):
+            rises[:, 0] = 0.0  # at contact: what little one reads there says nothing of people
             return self._bound(rises), self._bound(holds)
         over = np.mean if self.aim == "average" else np.max
         return over(rises, axis=0), over(holds, axis=0)

@@ -78,7 +78,7 @@ class Lab:
         ]
         words = words[words[0] == "dummydesign" :]
         environment = {**os.environ, "HOME": f"{self.folder}/home", "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-        environment |= {"DUMMYDESIGN_HOME": f"{self.folder}/home/dd", "OPENBLAS_NUM_THREADS": "1"}
+        environment |= {"DUMMYDESIGN_HOME": str(self.folder / "own"), "OPENBLAS_NUM_THREADS": "1"}
         (self.folder / "home").mkdir(exist_ok=True)
         begun = time.monotonic()
         whole = [sys.executable, "-m", "dummydesign", *words, "--json"]

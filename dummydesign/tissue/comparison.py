@@ -249,10 +249,8 @@ def compare_traces(
     span = held.min(axis=0), held.max(axis=0)
     follows = not law_named(tissue.law).ideal_ramp and not law_named(tissue.law).measured
     conditions, by_condition, rows = [], [], list[dict[str, Any]]()
-    declared, unsure = (
-        {trace.name for trace in traces if trace.commanded_speed_mm_s},
-        list[tuple[ReducedTrace, float]](),
-    )
+    declared = {trace.name for trace in traces if trace.commanded_speed_mm_s}
+    unsure: list[tuple[ReducedTrace, float]] = []
     for measured, _, group in condition_groups(reduced):
         speed, pressed = test.speed_of(measured), []
         for trace in group:

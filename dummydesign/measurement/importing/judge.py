@@ -42,7 +42,7 @@ LIMIT = 6.0
 DELAYED = "force_delayed"
 PARTS = ("before contact", "in the rise", "after the stop", "in the hold")
 SETTLES_S = 0.3
-DELAYS_S = np.r_[0.0, np.arange(-60e-3, 61e-3, 5e-3)]
+DELAYS_S = np.arange(-60e-3, 61e-3, 5e-3)
 FEWEST = 5  # samples of a part that is judged
 BETTER = 0.5
 """Share of the misfit that a delay must leave at most to be named."""
@@ -118,8 +118,7 @@ def judge_press(time: NDArray, x: NDArray, force: NDArray, summary: Summary) -> 
     worst = int(own.argmax())
     if own[worst] <= LIMIT:
         return Judgement(True)
-    delays = [(float(misfits(delay).max()), float(delay)) for delay in DELAYS_S[1:]]
-    least, delay = min(delays)
+    least, delay = min((float(misfits(delay).max()), float(delay)) for delay in DELAYS_S)
     return Judgement(False, PARTS[judged[worst]], float(own[worst]), delay if least < BETTER * own[worst] else 0.0)
 
 

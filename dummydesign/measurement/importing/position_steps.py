@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,34 @@ EVEN, MOST = 0.02, 30.0
 """How far a rounded position's steps may be off multiples of one digit, and the largest multiple."""
 
 
+@dataclass(frozen=True)
+class Steps:
+    """How a position changes on its way: how often, and the usual time and size of a change. [s, mm]"""
+
+    number: int
+    usual_s: float
+    size_mm: float
+
+    @property
+    def message(self) -> str:
+        """What a user must know where they are coarse."""
+        return (
+            f"the position goes in steps of {self.size_mm:.2g} mm: contact, depth and hold are known to "
+            f"{self.size_mm:.2g} mm and {self.usual_s:.2g} s only; record it with more digits, or as often as the force"
+        )
+
+
+def steps_of(time: NDArray, x: NDArray) -> Steps:
+    """The steps of a position that moves, those of its ends left out."""
+    step, reach = np.abs(np.diff(x)), float(np.ptp(x))
+    rows = np.flatnonzero(step) + 1
+    rows = rows[np.abs(x[rows] - x.min() - 0.5 * reach) < MIDDLE * reach]
+    if not len(rows):
+        return Steps(0, 0.0, 0.0)
+    usual = np.median(np.diff(time[rows])) if len(rows) > 1 else np.ptp(time)
+    return Steps(len(rows), float(usual), float(np.median(step[rows - 1])))
+
+
 def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> NDArray:
     """The position at each sample: between changes on a line, where it stands as it is written. [mm]
 
@@ -32,31 +60,24 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> NDArray:
     time, x : ndarray, shape (n,)
         [s, mm]
     """
-    step, reach = np.abs(np.diff(x)), float(np.ptp(x))
+    steps, reach = steps_of(time, x), float(np.ptp(x))
+    usual, size = steps.usual_s, steps.size_mm
+    if steps.number < FEWEST or usual < SLOWER * float(np.median(np.diff(time))) or size < COARSE * reach:
+        return x
+    step = np.abs(np.diff(x))
     rows = np.flatnonzero(step) + 1
-    on_the_way = rows[np.abs(x[rows] - x.min() - 0.5 * reach) < MIDDLE * reach]
-    if len(on_the_way) < FEWEST:
-        return x
-    usual, size = float(np.median(np.diff(time[on_the_way]))), float(np.median(step[on_the_way - 1]))
-    if usual < SLOWER * float(np.median(np.diff(time))) or size < COARSE * reach:
-        return x
     digits = step[rows - 1] / step[rows - 1].min()
     rounded = bool(np.all(np.abs(digits - np.round(digits)) < EVEN * digits)) and digits.max() < MOST
     after, before = (0.5, 0.5) if rounded else (0.0, 1.0)
-    at = [*(0.5 * (time[rows] + time[rows - 1]) if rounded else time[rows])]
-    value = [*(0.5 * (x[rows] + x[rows - 1]) if rounded else x[rows])]
-    for one, other in pairwise(rows):
-        if time[other] - time[one] > STANDS * usual:
-            at += [time[one] + after * usual, time[other] - before * usual]
-            value += [x[one], x[one]]
-    first, last = float(time[rows[0]] - before * usual), float(time[rows[-1]] + after * usual)
-    places, values = np.array([time[0] - usual, first, *at, last]), np.array([x[0], x[0], *value, x[-1]])
+    changes = (0.5 * (time[rows] + time[rows - 1]), 0.5 * (x[rows] + x[rows - 1])) if rounded else (time[rows], x[rows])
+    stands = np.diff(time[rows]) > STANDS * usual
+    begun, ended = time[rows[:-1]][stands] + after * usual, time[rows[1:]][stands] - before * usual
+    ends = time[rows[0]] - before * usual, time[rows[-1]] + after * usual
+    places = np.r_[time[0] - usual, ends[0], changes[0], begun, ended, ends[1]]
+    values = np.r_[x[0], x[0], changes[1], np.tile(x[rows[:-1]][stands], 2), x[-1]]
     order = np.argsort(places, kind="stable")
     why = f"it changes every {usual:.3g} s only, by {size:.2g} mm: " + ("few digits" if rounded else "a slower source")
     log.decide("position", "read where it changes", why)
     if size > WARNED * reach:
-        known = f"contact, depth and hold are known to {size:.2g} mm and {usual:.2g} s only"
-        log.warn(
-            "coarse_position", f"the position goes in steps of {size:.2g} mm: {known}; record it as often as the force"
-        )
+        log.warn("coarse_position", steps.message)
     return np.interp(time, places[order], values[order])

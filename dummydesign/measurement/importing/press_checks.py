@@ -18,6 +18,7 @@ from dummydesign.measurement.importing.baseline import LEAST_LEAD_IN, digit_step
 from dummydesign.measurement.importing.contact import ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.judge import DELAYED, Judgement, judge_press
+from dummydesign.measurement.importing.position_steps import steps_of
 from dummydesign.measurement.importing.sign_convention import find_presses, find_signs, middle_of_three
 from dummydesign.measurement.plateau import noise_of
 from dummydesign.measurement.ramp_detection import Summary, summarise
@@ -148,16 +149,14 @@ def _coarse(press: _Press) -> None:
 
 def _steps(press: _Press) -> None:
     """Position in steps, by its digits or by a slower source that is held: most samples of the rise repeat the last."""
-    depth, x = press.summary.depth_mm, press.x
-    rise = (x[1:] > 0.05 * depth) & (x[1:] < 0.95 * depth) & (press.time[1:] < press.summary.stop_time_s)
-    moved = np.abs(np.diff(x))[rise]
-    step = float(np.median(moved[moved > 0.0])) if 0 < np.count_nonzero(moved) < 0.5 * len(moved) else 0.0
-    if 0.5 * step > COARSE * depth:
-        press.warn(
-            "coarse_position",
-            f"the position goes in steps of {step:.2g} mm: contact, depth, speed and hold are known to {step:.2g} mm "
-            "only; record it with more digits, or as often as the force",
-        )
+    rise = (press.x > 0.0) & (press.time < press.summary.stop_time_s)
+    time, x = press.time[rise], press.x[rise]
+    if len(time) < 2:
+        return
+    steps = steps_of(time, x)
+    held = steps.usual_s > 2.0 * float(np.median(np.diff(time)))
+    if held and 0.5 * steps.size_mm > COARSE * press.summary.depth_mm:
+        press.warn("coarse_position", steps.message)
 
 
 def _hold(press: _Press) -> None:

@@ -157,8 +157,8 @@ class HardnessLaw:
                 SHORE_00: "above it give --shore-a; below it press a puck (resins add-compression)",
                 SHORE_A: "below it give --shore-00; above it is no material for a soft dummy",
             }[scale]
-            name, key = f"Shore {scale}", f"shore_{scale.lower()}"
-            raise out_of_range(name, f"{shore:g}", f"{low:g}", f"{high:g}", advice, key)
+            quantity = f"shore_{scale.lower()}"
+            raise out_of_range(f"Shore {scale}", f"{shore:g}", f"{low:g}", f"{high:g}", advice, quantity)
 
     def expected(self, young_kPa: Quantity, by_hardness: bool = False) -> Hardness:
         """Reading that a material of a modulus should give, with its 95 % interval.

@@ -14,7 +14,7 @@ from dummydesign.design.sweep.run import whatif
 from dummydesign.design.sweep.spec import Study, parse_shapes
 from dummydesign.geometry.punch import equal_area_radius_mm
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.pad.force_source import solve_points
+from dummydesign.pad.force_source import corners_of, solve_points
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.report.whatif import best_first
 from dummydesign.resin import load_resin
@@ -162,6 +162,7 @@ def test_solved_rows_have_the_force_of_the_solved_pad_and_a_fillet_makes_it_soft
     under_fillet = whatif(replace(crowned, edge_radii_mm=(2.0,)))["rows"][0]
     young_MPa, crown = 1e-3 * under_fillet["young_kPa"], read_shape(CROWN)
     pad = Pad(4.5, young_MPa, sharp.punches[0][1], geometry=crown, edge_radius_mm=2.0)
-    depth = under_fillet["depth_mm_at_N"]["5"]
-    assert solve_points(pad, np.array([depth])).force_N == pytest.approx([5.0], rel=2e-3)
+    depth = np.array([under_fillet["depth_mm_at_N"]["5"]])
+    of_square, _ = corners_of(pad)(depth)
+    assert of_square * solve_points(pad, depth).force_N == pytest.approx([5.0], rel=2e-3)
     assert depth > 1.01 * by_table["depth_mm_at_N"]["5"]

@@ -41,7 +41,8 @@ def test_a_search_is_shown_while_its_tissue_and_its_folder_are_what_they_were(pa
     folder = root / "designs" / answer["inputs"]["out"].rpartition("/")[2]
     assert answer["inputs"]["tissue"] == f"tissue/{ODD}.toml" and folder.is_dir()
     # its verdict is red; nothing is said of what changed
-    assert ["not representative" in one for one in page.locator(problems).all_inner_texts()] == [True]
+    assert answer["verdict"]["light"] == "red"
+    assert ["do not cast" in one for one in page.locator(problems).all_inner_texts()] == [True]
     own.write_text(own.read_text(encoding="utf-8") + "\n# another day\n", encoding="utf-8")
     page.wait_for_function("(one) => document.querySelectorAll(one).length === 2", arg=problems)
     manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))

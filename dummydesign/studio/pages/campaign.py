@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from nicegui import events, run, ui
+from nicegui import background_tasks, events, run, ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.campaign_file import FILE
@@ -47,7 +47,6 @@ class CampaignPresses:
     def __init__(self, root: Path, state: State) -> None:
         self.root, self.state, self.campaign = root, state, state.campaign
         self.folder = self.root / self.campaign
-        self.wanted, self.at_work = 0, False
         with ui.element("div").classes("pair"):
             self.status_area = widgets.area("state")
             with ui.element("div"):
@@ -64,7 +63,6 @@ class CampaignPresses:
         with ui.element("div").classes("links"):
             widgets.file_links([*links, ("campaign.toml", f"{self.campaign}/campaign.toml")])
             widgets.zip_link(self.campaign)
-        self.holder = widgets.area()
         self.values = widgets.fold(
             "Values of the presses: order, age, temperature, rest",
             "values",
@@ -86,27 +84,18 @@ class CampaignPresses:
 
     def renew(self) -> None:
         """Check the campaign anew, once for all that changed in the meantime."""
-        self.wanted += 1
-        if not self.at_work:
-            with self.holder:
-                ui.timer(0.2, self.check, once=True)
+        background_tasks.create_lazy(self.check(), name=f"check {self.status_area.id} of {self.status_area.client.id}")
 
     async def check(self) -> None:
         """Check the campaign, apart from the page."""
-        if self.at_work:
-            return
-        self.at_work, seen = True, -1
         try:
-            while seen != self.wanted:
-                seen = self.wanted
-                status = await run.io_bound(check_campaign, self.folder)
-                if status is not None:
-                    self.show(status)
+            status = await run.io_bound(check_campaign, self.folder)
         except InputError as problem:
             with widgets.fresh(self.status_area):
                 widgets.tell_problem(str(problem))
-        finally:
-            self.at_work = False
+        else:
+            if status is not None and not self.status_area.is_deleted:
+                self.show(status)
 
     def show(self, status: CampaignStatus) -> None:
         """How far the campaign is."""

@@ -37,13 +37,13 @@ ERRORS = {
     "plain model, rms N": "base_rmse_N",
     "peak off by N": "peak_error_N",
 }
-COMPARED = {
-    "press": "file",
+COMPARED: dict[str, str | Callable[[Any], object]] = {
+    "press": lambda row: Path(row["file"]).name,
     "mm/s": "velocity_mm_s",
     "steady N": "steady_force_N",
     "depth mm": "depth_mm",
     "peak N": "peak_force_N",
-    "subjects N": "subjects",
+    "subjects N": lambda row: people.span_text([row.get(f"range_peak_{end}_N") for end in ("low", "high")]),
     "fraction in range": "inside_fraction",
 }
 
@@ -214,16 +214,9 @@ class PressComparison:
         if path := files.get("report_values"):
             plots = figures.compared_plots(self.root / path)
             html('<div data-test="compared-plots">{}</div>', Markup(plots_html(plots)))
-        widgets.records(COMPARED, map(compared_row, answer.get("by_trace", [])))
+        widgets.records(COMPARED, answer.get("by_trace", []))
         widgets.warnings(answer)
         widgets.show_report(self.root, files, "report of the comparison")
-
-
-def compared_row(press: Mapping[str, Any]) -> dict[str, Any]:
-    """A press with the name of its file and the peaks of the subjects in one cell."""
-    ends = (press.get(f"range_peak_{end}_N") for end in ("low", "high"))
-    subjects = " to ".join(f"{value:.3g}" for value in ends if value is not None)
-    return {**press, "file": Path(press["file"]).name, "subjects": subjects}
 
 
 def show_verdict(verdict: Mapping[str, Any]) -> None:
@@ -496,6 +489,18 @@ def _numbers() -> dict[QuantitySpec, float | None]:
     return numbers
 
 
+LIMIT_COLUMNS: dict[str, str | Callable[[Any], object]] = {
+    "result": lambda row: row["result"].upper(),
+    "limit of": people.limit_name,
+    "limit": "limit",
+    "unit": "unit",
+    "pad": lambda row: people.number_text(row["pad"]),
+    "people, 95 %": lambda row: people.span_text([row["person_low_95"], row["person_high_95"]]),
+    "why": "reason",
+    "press": "press",
+}
+
+
 def show_people(root: Path, answer: Mapping[str, Any]) -> None:
     """Result, presses, limits, warnings and the report of an answer of ``on-person``."""
     files, result = answer.get("files") or {}, dict(answer)
@@ -512,21 +517,7 @@ def show_people(root: Path, answer: Mapping[str, Any]) -> None:
     else:
         html('<p data-test="people">{}</p>', text)
     widgets.table(*people.press_table(result))
-    rows = [
-        [
-            row["result"].upper(),
-            people.limit_name(row),
-            row["limit"],
-            row["unit"],
-            people.number_text(row["pad"]),
-            people.span_text([row["person_low_95"], row["person_high_95"]]),
-            row["reason"],
-            file,
-        ]
-        for row, file in people.limit_rows(result)
-    ]
-    if rows:
-        head = ["result", "limit of", "limit", "unit", "pad", "people, 95 %", "why", "press"]
-        widgets.table(head, rows, words=True)
+    if rows := people.limit_rows(result):
+        widgets.records(LIMIT_COLUMNS, ({"press": file, **row} for row, file in rows), words=True)
     widgets.warnings(answer)
     widgets.show_report(root, files, "report of the presses on people")

@@ -117,7 +117,7 @@ class PadView:
     pad: EvaluatedPad
     plots: Sequence[Plot]
     figures: Sequence[Mapping[str, Any]]
-    presses: Sequence[Sequence[object]]
+    presses: Sequence[Mapping[str, Any]]
     modulus: str
 
 
@@ -344,7 +344,7 @@ class DesignPage:
             message = f"this pad cannot be evaluated ({type(problem).__name__}: {problem})"
             return InputError(message, "unsupported", "pad", state.shape)
         plots = figures.pad_plots(evaluator.problem, shape, pad)
-        rows = search.press_rows(condition_rows(pad.candidate, evaluator.problem.targets, shape))
+        rows = condition_rows(pad.candidate, evaluator.problem.targets, shape)
         modulus = f"modulus {1e3 * float(evaluator.problem.resin.young_MPa(state.ratio)):.3g} kPa"
         return PadView(evaluator, shape, pad, plots, [one.figure() for one in plots], rows, modulus)
 
@@ -412,7 +412,7 @@ class DesignPage:
         with self.numbers:
             if (calibrated := view.evaluator.problem.calibrated) is not None:
                 widgets.warnings({"warnings": calibrated.warnings})
-            widgets.table(search.PRESS_HEAD, view.presses, under=f"the {len(view.presses)} presses in numbers")
+            search.show_presses(view.presses, f"the {len(view.presses)} presses in numbers")
         verdict = await run.io_bound(self._verdict, state, view)
         if number != self.wanted or verdict is None:
             return

@@ -8,8 +8,8 @@ import pytest
 
 from dummydesign.project.folder import make_project, read_project
 from dummydesign.studio import trash as bin
-from tests.studio.test_pages import MISSED, NAMELESS, RULES, WHERE, settled
-from tests.support.studio import browser, running
+from tests.studio.test_pages import MISSED, NAMELESS, RULES, WHERE
+from tests.support.studio import browser, live, running, settled
 from tests.support.studio import test_id as by
 from tests.support.walkthrough_files import write
 
@@ -50,8 +50,7 @@ def page(studio):
 
 def visit(page, address):
     page.goto(address)
-    page.wait_for_selector("h1")
-    page.wait_for_timeout(1500)
+    live(page)
 
 
 def drop(page, *paths):

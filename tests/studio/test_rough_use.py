@@ -175,7 +175,6 @@ def test_a_mould_in_a_folder_that_another_one_took_is_not_shown(page, studio):
     lab.job(root, 1, "mould", words, answer, 0)
     opened(page, studio, "mould?shape=slab&thickness_mm=6&ratio=16")
     page.wait_for_selector(f"{by('other-mould')} >> nth=0")
-    page.wait_for_timeout(1000)
     assert page.locator(f"{by('found-mould')} {by('zip')}").count() == 0
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from dummydesign.loop.calibration_file import write_calibration
 from tests.support import lab_project as lab
 from tests.support.made_calibration import calibration
-from tests.support.studio import choose, opened
+from tests.support.studio import choose, opened, settled
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -119,6 +121,19 @@ def test_a_typed_number_counts_once_it_is_typed_to_its_end_and_is_never_cut_in_s
     page.wait_for_selector(".command code >> text=--thickness 7.5")
 
 
+def test_a_number_that_is_being_typed_is_left_alone_when_the_verdict_settles(page, studio):
+    opened(page, studio, "design?tissue=forefinger&shape=slab&thickness_mm=6&ratio=15")
+    page.wait_for_selector(SETTLED)
+    page.locator(by("number-ratio")).fill("15.5")
+    thickness = page.locator(by("number-thickness"))
+    thickness.select_text()
+    thickness.press_sequentially("8")
+    page.wait_for_selector(f"{SETTLED} >> text=ratio 15.5")
+    assert thickness.input_value() == "8"
+    thickness.press("Enter")
+    page.wait_for_selector(f"{SETTLED} >> text=slab, 8 mm, ratio 15.5")
+
+
 MAIN = {
     "": ("newest", "next", "steps"),
     "measured": ("run-import",),
@@ -161,7 +176,9 @@ def test_axe_finds_no_fault_on_any_page_nor_in_any_tab(page, studio):
     for path in MAIN:
         opened(page, studio, path)
         page.wait_for_selector(by(MAIN[path][0]))
-        page.wait_for_timeout(1500)
+        settled(page)
+        shown = page.locator("body").inner_text()
+        assert not re.search("<(div|figure|span|p|table)[ >]", shown), (path, shown)  # HTML that was escaped
         faults = axe.run(page).response["violations"]
         told = [(one["id"], one["nodes"][0]["html"][:200]) for one in faults]
         assert told == [], (path, told)

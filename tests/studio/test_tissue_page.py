@@ -174,7 +174,7 @@ def test_two_people_become_one_tissue_by_the_command_lines_that_are_shown(page, 
     lines = [text for text in page.locator(".command code").all_inner_texts() if "people" in text]
     assert len(lines) == 3 and all(f"tissue/people/{name}.toml" in line for name, line in zip(STIFFER, lines))
     page.locator(by("run-people")).click()
-    page.wait_for_timeout(1200)
+    page.wait_for_selector(f"{by('stop-people')}:visible")
     page.reload()  # it goes on without the page that began it
     page.wait_for_selector(f"{by('found-people')} table")
     tissue = load_tissue(str(home / "materials" / "tissues" / "people.toml"))
@@ -198,8 +198,7 @@ def test_the_page_with_results_fits_a_phone_and_names_its_controls(page):
     page.locator(by("people")).click()
     page.locator(by("guess-people")).click()
     page.set_viewport_size({"width": 390, "height": 844})
-    page.wait_for_timeout(800)
-    assert page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") <= 0
+    page.wait_for_function("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
     assert page.evaluate(NAMELESS) == [] and page.evaluate(RULES) == []
 
 

@@ -84,8 +84,8 @@ def _to_mould(page, studio, base, told):
     told["seconds"]["slider"], told["seconds"]["slider_processor"] = _slide(page, studio.process.pid)
     _search_slabs(page, click)
     page.wait_for_selector(f"{by('found-suggest')} {by('why')}", timeout=LONG_MS)
+    page.wait_for_function("location.search.includes('design=')")
     page.wait_for_selector(f"{by('verdict')} .verdict.red[data-state=settled]")
-    page.wait_for_timeout(1000)
     click(by("mould"))
     page.wait_for_selector(by("run-mould"))
     click(by("run-mould"))
@@ -169,7 +169,6 @@ def _slide(page, number):
             )
         )
     spent = None if before is None else (processor_s(number) - before) / 9
-    page.wait_for_timeout(600)
     return sorted(taken)[4], spent
 
 

@@ -138,10 +138,27 @@ def test_id(name: str) -> str:
 test_id.__test__ = False
 
 
+def live(page):
+    """Wait until a page is connected to its studio: what is done before is lost."""
+    page.wait_for_selector("h1")
+    page.wait_for_function("window.did_handshake === true")
+
+
 def opened(page, studio, path):
     """Open a page of a studio and its root."""
     page.goto(f"{studio[0].home}{path}")
-    page.wait_for_selector("h1")
+    live(page)
+
+
+def settled(page) -> None:
+    """Wait until the page has been the same for a second, 20 seconds at most."""
+    before = ""
+    for _ in range(20):
+        now = page.evaluate("document.body.innerHTML")
+        if now == before:
+            return
+        before = now
+        page.wait_for_timeout(1000)
 
 
 def unfold(page, test):

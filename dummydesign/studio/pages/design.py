@@ -81,10 +81,15 @@ class Slider:
 
     def set(self, value: float) -> None:
         """Move it from here, without a call."""
-        self.value = float(value)
+        self.value = self._written = float(value)
         self._field.set_value(f"{self.value:.6g}")
         self._note.set_text("")
         self._bar.set_value(self.value)
+
+    def rest(self) -> None:
+        """Write down where the bar was moved to; a number that is being typed is left alone."""
+        if self.value != self._written:
+            self.set(self.value)
 
     def _take(self, value: float) -> None:
         if value != self.value:
@@ -391,7 +396,7 @@ class DesignPage:
         """After the last move: castings in the verdict, what comes next, solid, address, ends of the lengths."""
         keep_state(state)
         for slider in (self.thickness, self.ratio, *self.lengths.values()):
-            slider.set(slider.value)
+            slider.rest()
         self._clear()
         if (state.kind, state.thickness_mm) != self.kind_of_lengths:
             self._set_lengths()

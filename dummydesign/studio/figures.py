@@ -323,12 +323,12 @@ def _faces(nodes: np.ndarray) -> np.ndarray:
 
 
 KIND_COLUMNS: dict[str, str | Callable[[Any], object]] = {
-    "pad": "kind",
-    "verdict": lambda row: level_name(row["level"]),
-    "misfit": "misfit_rms_ln_force",
-    "usable after a puck": lambda row: f"{100.0 * row['after_puck']:.0f} %",
-    "thickness mm": "thickness_mm",
-    "ratio": "ratio",
+    "pad": lambda row: f"{row['kind']}: {row['reason']}" if row["shape"] is None else row["kind"],
+    "verdict": lambda row: level_name(row.get("level", "")) + " (estimate)" * (row.get("by") in ("table", "law")),
+    "misfit": lambda row: row.get("misfit_rms_ln_force"),
+    "usable after a puck": lambda row: f"{100.0 * row['after_puck']:.0f} %" if "after_puck" in row else None,
+    "thickness mm": lambda row: row.get("thickness_mm"),
+    "ratio": lambda row: row.get("ratio"),
 }
 
 
@@ -336,18 +336,6 @@ def kind_rows(answer: Mapping[str, Any]) -> list[dict[str, Any]]:
     """The best pad of each kind as the command judged it; the recommended one first, with its final verdict."""
     best = answer["recommendation"]
     kind = best["shape"].partition(":")[0]
-    final = {"level": answer["verdict"]["level"], "thickness_mm": best["thickness_mm"], "ratio": best["ratio"]}
-    rows = [row | final if row["kind"] == kind else row for row in answer["shapes"] if row["shape"] is not None]
-    return sorted(rows, key=lambda row: (row["kind"] != kind, -row["after_puck"]))
-
-
-def kind_sentences(answer: Mapping[str, Any]) -> list[str]:
-    """Sentences on the choice among the kinds, from the numbers of the answer."""
-    best, choice = answer["recommendation"], answer["choice"]
-    pad = f"the {best['shape'].partition(':')[0]} pad, {best['thickness_mm']:g} mm, ratio {best['ratio']:g}"
-    if choice["next_best"] is None:
-        sentences = [f"No other kind was compared with {pad}."]
-    else:
-        sentences = [f"Chosen: {pad}, because {choice['text']}."]
-    missing = [row for row in answer["shapes"] if row["shape"] is None]
-    return [*sentences, *(f"No {row['kind']} pad: {row['reason']}." for row in missing)]
+    final = {"level": answer["verdict"]["level"], "by": "", **{key: best[key] for key in ("thickness_mm", "ratio")}}
+    rows = [row | final if row["kind"] == kind else row for row in answer["shapes"]]
+    return sorted(rows, key=lambda row: (row["kind"] != kind, -row.get("after_puck", -1.0)))

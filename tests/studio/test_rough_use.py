@@ -170,8 +170,8 @@ def test_a_mould_in_a_folder_that_another_one_took_is_not_shown(page, studio):
         "moulds/mould_t6",
     ]
     part = {"name": "polyol", "mass_g": 61.0}
-    pour = {"fill_mass_g": 70.0, "silicone_mass_g": None, "components": [part]}
-    answer = {"inputs": {"ratio": 16.0, "thickness_mm": 6.0}, "pour": pour, "files": {"a": "moulds/mould_t6/a.step"}}
+    answer = {"inputs": {"ratio": 16.0, "thickness_mm": 6.0}, **lab.weighed(part)}
+    answer["files"] = {"a": "moulds/mould_t6/a.step"}
     lab.job(root, 1, "mould", words, answer, 0)
     opened(page, studio, "mould?shape=slab&thickness_mm=6&ratio=16")
     page.wait_for_selector(f"{by('other-mould')} >> nth=0")

@@ -53,9 +53,15 @@ def test_a_mould_is_shown_once_when_its_page_is_opened_again(page, studio):
         "--out",
         "moulds/mould_t6",
     ]
-    pour = {"fill_mass_g": 70.0, "silicone_mass_g": None, "components": [{"name": "polyol", "mass_g": 61.0}]}
     files = {"a": "moulds/mould_t6/master_t6.step"}
-    lab.job(studio[1], 1, "mould", words, {"inputs": {"ratio": 15.0}, "pour": pour, "files": files}, 0)
+    lab.job(
+        studio[1],
+        1,
+        "mould",
+        words,
+        {"inputs": {"ratio": 15.0}, **lab.weighed({"name": "polyol", "mass_g": 61.0}), "files": files},
+        0,
+    )
     for _ in range(2):
         opened(page, studio, "mould?tissue=forefinger&shape=slab&thickness_mm=6&ratio=15")
         page.wait_for_selector(f"{by('found-mould')} {by('do-not-cast')}")

@@ -111,8 +111,7 @@ def _to_calibration(page, studio, base, told):
     click, folder = told["clicks"], told["folder"]
     page.goto(f"{studio.home}campaign")
     assert "--from-mould" in page.locator(f"{by('plan-new')} .command code").inner_text()
-    click(by("campaign-source"))
-    click(".q-menu >> text=typed here")
+    click(f"{by('campaign-moulds')} .q-chip__icon--remove")
     for name, text in (("pads", "5,15"), ("forces", "3,9"), ("ages", "9,14")):
         page.locator(f"input{by(f'plan-{name}')}").fill(text)
     page.wait_for_function("document.querySelector('.command code').textContent.includes('--ages 9,14')")

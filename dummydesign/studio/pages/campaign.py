@@ -257,9 +257,6 @@ def _day(row: Mapping[str, Any]) -> str:
     return f"the day at {age:g} days of age" if isinstance(age, int | float) else ""
 
 
-MOULDED, TYPED = "the moulds of this project", "typed here"
-
-
 class PlanForm:
     """Fields of a plan and the command that makes it."""
 
@@ -278,13 +275,10 @@ class PlanForm:
                 "name": ui.input("Name", value=select_options.free_name(root, "campaigns", "first"))
             }
             laid["name"].set_visibility(not replaced)
-            self.source = widgets.select(
-                "Pads are those of",
-                {one: one for one in ((MOULDED, TYPED) if known else (TYPED,))},
-                MOULDED if usual else TYPED,
-                f"{name}-source",
-            )
-        self.moulds = widgets.select_several("Moulds", known, usual, f"{name}-moulds")
+        self.moulds = widgets.select_several(
+            "Pads of these moulds (none: type the pads)", known, usual, f"{name}-moulds"
+        )
+        self.moulds.set_visibility(bool(known))
         with widgets.fields() as self.typed:
             laid |= {
                 "pads": ui.input("Pads, thickness [mm]", value=given["pads"]),
@@ -312,25 +306,20 @@ class PlanForm:
             needs="trials",
         )
         self.form.on_change(self.renew)
-        widgets.on_change(self.renew, self.source, self.moulds)
+        widgets.on_change(self.renew, self.moulds)
         self.renew()
 
     def renew(self) -> None:
         """Something was chosen."""
-        moulded = self.source.value == MOULDED
-        self.moulds.set_visibility(moulded)
-        self.typed.set_visibility(not moulded)
+        self.typed.set_visibility(not self.moulds.value)
         self.work.renew()
 
     def words(self) -> list[str]:
         """The plan as a command."""
         given = self.form.filled(repeats="repeats", ratio="ratio")
-        moulds = list(self.moulds.value or []) if self.source.value == MOULDED else []
-        if self.source.value == MOULDED and not moulds:
-            raise InputError("choose the moulds whose pads are pressed", "missing", "moulds")
         if given["repeats"] % 1.0:
             raise InputError(f"repeats = {given['repeats']:g}: type a whole number", "malformed", "repeats")
-        given |= {"moulds": moulds, "punch": self.punch}
+        given |= {"moulds": self.moulds.value, "punch": self.punch}
         folder = self.replaced or f"campaigns/{file_transfer.plain_name((given['name'] or '').strip())}"
         return [
             "campaign",

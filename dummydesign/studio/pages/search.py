@@ -18,11 +18,12 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
 from dummydesign.report import suggest_facts
+from dummydesign.report.suggest_sections import full_sentence
 from dummydesign.studio import figures, jobs, select_options, widgets
 from dummydesign.studio import slider_model as sliders
 from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
-from dummydesign.studio.markup import Markup, filled, joined
+from dummydesign.studio.markup import Markup, filled
 from dummydesign.studio.state import (
     NO_TISSUE,
     QUESTION_FIELDS,
@@ -130,7 +131,7 @@ class Search:
             widgets.warnings(answer)
             if answer.get("files", {}).get("report"):
                 widgets.file_links([("the whole report", answer["files"]["report"])])
-            html("{}", joined("<p>{}</p>", ([widgets.marked(one)] for one in figures.kind_sentences(answer))))
+            html("<p>{}</p>", widgets.marked(full_sentence(suggest_facts.why_text(answer))))
             widgets.records(figures.KIND_COLUMNS, figures.kind_rows(answer))
             show_presses(best["conditions"])
 

@@ -7,6 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from dummydesign.report.compare import next_steps
+from dummydesign.report.suggest_sections import full_sentence
+from dummydesign.studio import jobs
 from dummydesign.studio import trash as bin
 from tests.support import lab_project as lab
 from tests.support.studio import choose, opened, saved, saved_series, unfold
@@ -231,7 +234,8 @@ def test_a_cast_pad_is_compared_by_its_presses_and_its_record_is_kept(page, stud
     page.locator(by("run-compare")).click()
     page.wait_for_selector(f"{by('found-compare')} {by('verdict')}")
     assert page.locator(f"{by('found-compare')} table tbody tr").count() == 4
-    assert page.locator(by("correction")).count() == 1
+    advice = next_steps(jobs.latest(root, "compare").answer)[0]
+    assert page.locator(by("correction")).inner_text() == full_sentence(advice)
     plots = f"{by('found-compare')} {by('compared-plots')}"
     page.wait_for_function(f"document.querySelectorAll('{plots} .js-plotly-plot').length === 3")
     curves = saved_series(page, plots)

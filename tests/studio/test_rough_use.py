@@ -151,7 +151,7 @@ def test_a_number_that_is_not_allowed_gives_way_to_the_one_in_use(page, studio):
         page.wait_for_function("document.querySelector('[data-test=number-thickness]').value === '6'")
         assert "6 mm" in page.locator("small.label").inner_text()
     opened(page, studio, "design?tissue=forefinger&shape=slab&thickness_mm=6&ratio=40")
-    page.wait_for_selector(".q-notification >> text=40")
+    page.wait_for_selector(".slider [role=status] >> text=40")
 
 
 def test_a_mould_in_a_folder_that_another_one_took_is_not_shown(page, studio):

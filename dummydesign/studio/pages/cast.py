@@ -16,6 +16,7 @@ from dummydesign.person.drives import DRIVES, read_drive
 from dummydesign.project.folder import Project
 from dummydesign.report import on_person_facts as people
 from dummydesign.report.plot import plots_html
+from dummydesign.report.suggest_sections import full_sentence
 from dummydesign.studio import figures, file_transfer, project_index, select_options, widgets
 from dummydesign.studio.file_actions import DropList
 from dummydesign.studio.job_panel import JobPanel
@@ -195,7 +196,7 @@ class PressComparison:
         for one in answer.get("pads") or []:
             mine = pad.thickness_mm is not None and abs(one["thickness_mm"] - pad.thickness_mm) < 1e-6
             if mine and one.get("verdict"):
-                show_verdict(one["verdict"])
+                widgets.tell_verdict(one["verdict"]["light"], one["verdict"]["text"], test="verdict")
             elif mine:
                 html("<p>{}</p>", one.get("reason") or "no verdict")
         names = {path.rpartition("/")[2] for path in pad.files}
@@ -203,11 +204,14 @@ class PressComparison:
         widgets.warnings(answer)
 
     def show(self, job: Job) -> None:
-        """Verdict, correction, each press, and the report of a comparison."""
+        """Verdict, what to do with the pad, each press, and the report of a comparison."""
+        from dummydesign.report.compare import next_steps
+
         answer, files = job.answer, job.answer.get("files") or {}
         widgets.tell_changes(self.root, str(files.get("manifest") or ""), "Compare again.")
-        show_verdict(answer["verdict"])
-        html('<p data-test="correction">{}</p>', correction(answer["verdict"]))
+        if verdict := answer["verdict"]:
+            widgets.tell_verdict(verdict["light"], verdict["text"], test="verdict")
+            html('<p data-test="correction">{}</p>', full_sentence(next_steps(answer)[0]))
         if pad := answer.get("pad"):
             size = f"{pad['thickness_mm']:.2f} mm (standard error {pad['thickness_sd_mm']:.2f} mm)"
             html("<p>Cast: {}, {}.</p>", size, "accepted" if pad["accepted"] else "not accepted")
@@ -217,25 +221,6 @@ class PressComparison:
         widgets.records(COMPARED, answer.get("by_trace", []))
         widgets.warnings(answer)
         widgets.show_report(self.root, files, "report of the comparison")
-
-
-def show_verdict(verdict: Mapping[str, Any]) -> None:
-    """The verdict of an answer."""
-    widgets.tell_verdict(str(verdict["light"]), str(verdict["text"]), test="verdict")
-
-
-def correction(verdict: Mapping[str, Any]) -> str:
-    """What to multiply readings by, in a sentence."""
-    given = verdict.get("correction") or {}
-    central, sure = given.get("factor_central"), given.get("factor")
-    if verdict["light"] == "red" or central is None:
-        return "No correction: this pad is not usable."
-    if sure is None or sure < 1.005:
-        return "Correction: none needed."
-    if central >= 1.005 and sure - central < 0.005:
-        return f"Correction: multiply readings by {sure:.2f}; this is safe in 95 % of cases."
-    best = "none" if central < 1.005 else f"multiply readings by {central:.2f}"
-    return f"Correction: {best} at central estimates. Multiply by {sure:.2f} to be safe in 95 % of cases."
 
 
 TYPED = "cast_"
@@ -374,7 +359,7 @@ def show_record(answer: Mapping[str, Any]) -> None:
         light, text = "red", f"Not accepted. It misses {', '.join(answer['missed'])}."
     force = answer.get("force_percent")
     more = "" if force is None else f" Its force at a given depth is {force:+.1f} % off the designed pad's."
-    show_verdict({"light": light, "text": text + more})
+    widgets.tell_verdict(light, text + more, test="verdict")
     rows = []
     for one in answer["limits"]:
         allowed, unlimited = allowed_words(one["low"], one["high"]), one["high"] is None

@@ -71,13 +71,16 @@ class Slider:
         self.limit(low, high, step, unit)
 
     def limit(self, low: float, high: float, step: float, unit: str) -> None:
-        """Set the ends and the step; the value is moved inside."""
+        """Set the ends and the step; the value is moved inside, and the note names one that lay outside."""
         self._field.props["suffix" if len(unit) <= LONG_UNIT else "title"] = unit
         self._field.props["aria-label"] = f"{self._name} {unit}".strip()
         self._unit.set_text(f"{low:g} to {high:g}" + (f", {unit}" if len(unit) > LONG_UNIT else ""))
         self._low, self._high = low, high
         self._bar.props.update({"min": low, "max": high, "step": step})
-        self.set(min(max(self.value, low), high))
+        before = self.value
+        self.set(min(max(before, low), high))
+        if self.value != before:
+            self._refuse(f"{before:g}")
 
     def set(self, value: float) -> None:
         """Move it from here, without a call."""
@@ -85,6 +88,9 @@ class Slider:
         self._field.set_value(f"{self.value:.6g}")
         self._note.set_text("")
         self._bar.set_value(self.value)
+
+    def _refuse(self, typed: str) -> None:
+        self._note.set_text(f"{typed} is not allowed: {self._low:g} to {self._high:g}." if typed else "")
 
     def rest(self) -> None:
         """Write down where the bar was moved to; a number that is being typed is left alone."""
@@ -108,7 +114,7 @@ class Slider:
             self.set(value)
         else:
             self.set(before)
-            self._note.set_text(f"{typed} is not allowed: {self._low:g} to {self._high:g}." if typed else "")
+            self._refuse(typed)
         if self.value != before:
             self._moved()
 
@@ -277,8 +283,6 @@ class DesignPage:
             self.ratio.value = state.ratio
             self.ratio.limit(resin.ratio_min, resin.ratio_max, resin.ratio_step / 2, resin.ratio_meaning)
             if self.ratio.value != state.ratio:
-                words = f"{resin.name} has no ratio {state.ratio:g}. The ratio is now {self.ratio.value:g}."
-                ui.notify(words, type="warning", multi_line=True)
                 self.state = state.changed(ratio=self.ratio.value)
         self._set_lengths()
 

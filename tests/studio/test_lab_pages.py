@@ -195,7 +195,15 @@ def test_a_plan_begins_with_the_moulds_and_can_be_changed_until_a_press_is_there
     page.locator(f"{by('plan-new')} .q-item").first.click()
     line = page.locator(f"{by('plan-new')} .command code").inner_text()
     assert "--from-mould moulds/mould_t6,moulds/mould_t15" in line and "--pads" not in line
+    # a campaign from elsewhere takes nothing of what is chosen here for its own
+    page.locator(f"{by('bring-in')} .q-item").first.click()
+    assert "--resin NAME --ratio R" in page.locator(f"{by('bring-in')} .command code").inner_text()
     page.locator(f"{by('replan')} .q-item").first.click()
+    page.locator(f"input{by('replan-repeats')}").fill("1.5")
+    page.wait_for_selector(f"{by('replan')} .note >> text=repeats = 1.5")
+    page.locator(by("run-replan")).click()
+    page.wait_for_selector(f"{by('replan')} .problem >> text=repeats = 1.5")
+    page.locator(f"input{by('replan-repeats')}").fill("2")
     page.locator(f"input{by('replan-forces')}").fill("2,4")
     page.wait_for_function("document.querySelector('[data-test=replan] code').textContent.includes('--force 2,4')")
     page.locator(by("run-replan")).click()

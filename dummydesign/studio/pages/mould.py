@@ -55,7 +55,7 @@ class MouldPage:
             self.show,
             self.belongs,
             lambda job, mine: self.list_moulds(),
-            needs="pour",
+            needs="batch",
         )
         self.others = widgets.area()
         self.form.on_change(self.renew)

@@ -11,7 +11,7 @@ from dummydesign.core.user_library import find
 from dummydesign.project.folder import change_project, read_project
 from dummydesign.studio import jobs
 from tests.support import lab_project as lab
-from tests.support.studio import choose, opened, saved, saved_series, unfold
+from tests.support.studio import COMMAND_MS, choose, opened, saved, saved_series, unfold
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -36,7 +36,7 @@ def test_a_search_is_shown_while_its_tissue_and_its_folder_are_what_they_were(pa
     choose(page, "searched", "slab")
     page.locator(by("run-suggest")).click()
     shown = f"{by('found-suggest')} {by('why')}"
-    page.wait_for_selector(shown)
+    page.wait_for_selector(shown, timeout=COMMAND_MS)
     answer = jobs.latest(root, "suggest").answer
     folder = root / "designs" / answer["inputs"]["out"].rpartition("/")[2]
     assert answer["inputs"]["tissue"] == f"tissue/{ODD}.toml" and folder.is_dir()

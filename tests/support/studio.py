@@ -39,6 +39,10 @@ class Running:
         return self.address.partition("key=")[2]
 
 
+COMMAND_MS = 900_000
+"""For what a command does that a page started, on a busy machine. [ms]"""
+
+
 def command(*words: str) -> list[str]:
     return [sys.executable, "-m", "dummydesign", "studio", *words, "--no-browser"]
 

@@ -14,7 +14,7 @@ from dummydesign.studio import job_process as runner
 from dummydesign.tissue import load_tissue
 from tests.studio.test_measured import drop, visit, wait_for_chips
 from tests.studio.test_pages import NAMELESS, RULES
-from tests.support.studio import browser, running
+from tests.support.studio import COMMAND_MS, browser, running
 from tests.support.studio import test_id as by
 from tests.support.two_people import STIFFER, write_people
 
@@ -69,7 +69,7 @@ def fit_anna(page, name="anna"):
     page.locator(f"input{by('fit-name')}").fill(name)
     page.wait_for_selector(f".command code >> text=tissue/{name}.toml")
     page.locator(by("run-fit")).click()
-    page.wait_for_selector(f"{by('found-fit')} div.plot")
+    page.wait_for_selector(f"{by('found-fit')} div.plot", timeout=COMMAND_MS)
 
 
 def test_the_fitted_tissue_is_chosen_shown_kept_and_used(page, studio):
@@ -219,4 +219,4 @@ def test_a_person_whose_fit_fails_ends_the_chain_with_the_reason(page, studio):
     page.wait_for_selector(".command code >> text=tissues add people")
     page.wait_for_function("!document.body.innerText.includes('--lowpass')")
     page.locator(by("run-people")).click()
-    page.wait_for_selector(f"{by('found-people')} table")
+    page.wait_for_selector(f"{by('found-people')} table", timeout=COMMAND_MS)

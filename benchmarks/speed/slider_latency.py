@@ -1,20 +1,24 @@
-"""From a move of a slider to the drawn plot, by the clock in Chromium: ``python -m benchmarks.speed.slider_latency``.
+"""From a move of a slider to the drawn plot in Chromium: ``python -m benchmarks.speed.slider_latency [MOVES]``.
 
 Each kind of pad is moved many times. Median and 95 % quantile are printed with the load of the machine: until the
-verdict of the new pad is there, until its curve is drawn in the large plot, and until all plots are drawn.
+verdict of the new pad is there, until its curve is drawn in the large plot, and until all plots are drawn. A busy
+machine makes all of them longer: the server's processor time a move is printed too, and the same quantile of a fixed
+work of 0.02 s that is done between the moves, by the clock over its processor time.
 """
 
 from __future__ import annotations
 
 import os
+import sys
 import tempfile
+import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from dummydesign.project.folder import make_project
-from tests.support.studio import browser, running
+from tests.support.studio import browser, processor_s, running
 
 MOVE = """([name, value, label]) => new Promise((done) => {
     const start = performance.now(), times = [NaN, NaN, NaN];
@@ -50,10 +54,19 @@ PADS = {
 SETTLED = '[data-test="verdict"] .verdict[data-state="settled"]'
 
 
+def fixed_work() -> float:
+    """Do a fixed work; return its time by the clock over its processor time, 1 on an idle machine."""
+    clock, processor = time.perf_counter(), time.process_time()
+    sum(range(1_000_000))
+    return (time.perf_counter() - clock) / (time.process_time() - processor)
+
+
 def main(moves: int = 60, seed: int = 20261123) -> None:
     """Measure and print."""
     draw = np.random.default_rng(seed)
     every: list[list[float]] = []
+    slowed: list[float] = []
+    spent_s = 0.0
     with tempfile.TemporaryDirectory() as base:
         make_project(Path(base) / "thumb", tissue="forefinger")
         with (
@@ -66,7 +79,7 @@ def main(moves: int = 60, seed: int = 20261123) -> None:
                 page.goto(f"{studio.home}design?shape={shape}&thickness_mm=9&ratio=15")
                 page.wait_for_selector(SETTLED)
                 page.wait_for_timeout(800)
-                taken = []
+                taken, before_s = [], processor_s(studio.process.pid) or np.nan
                 for _ in range(moves):
                     name, low, high = ("thickness", 7.0, 10.5) if draw.random() < 0.5 else ("ratio", 14.5, 18.0)
                     step = 0.1 if name == "thickness" else 0.05
@@ -77,9 +90,14 @@ def main(moves: int = 60, seed: int = 20261123) -> None:
                     taken.append(page.evaluate(MOVE, [name, value, label]))
                     # every third move comes while the castings of the one before are counted
                     page.wait_for_timeout(int(draw.choice([30, 300, 700])))
+                    slowed.append(fixed_work())
+                spent_s += (processor_s(studio.process.pid) or np.nan) - before_s
                 every += taken
                 print(f"{kind:<8} {said(taken)}", flush=True)
     print(f"all      {said(every)}; load {os.getloadavg()[0]:.1f}")
+    print(f"server   {spent_s / len(every):.3f} s of processor time a move, castings included")
+    middle, most = np.quantile(slowed, (0.5, 0.95))
+    print(f"machine  a fixed work took {middle:.1f} times its processor time by the clock, 95 % {most:.1f} times")
 
 
 def said(taken: list[list[float]]) -> str:
@@ -91,4 +109,4 @@ def said(taken: list[list[float]]) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    main(*map(int, sys.argv[1:2]))

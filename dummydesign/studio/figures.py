@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
@@ -14,6 +14,7 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import read_json
+from dummydesign.core.levels import level_name
 from dummydesign.design.plot_data import force_grids
 from dummydesign.design.request import ANSWER
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
@@ -24,7 +25,7 @@ from dummydesign.studio.markup import Markup, filled
 from dummydesign.studio.state import State, punch_of
 
 if TYPE_CHECKING:
-    from dummydesign.design.pad_evaluator import EvaluatedPad, PadEvaluator
+    from dummydesign.design.pad_evaluator import EvaluatedPad
     from dummydesign.design.problem import Problem
     from dummydesign.design.scoring.targets import Targets
     from dummydesign.geometry.pad_shape import PadShape
@@ -321,44 +322,20 @@ def _faces(nodes: np.ndarray) -> np.ndarray:
     return np.concatenate([np.stack([a, b, c], -2).reshape(-1, 3, 3), np.stack([a, c, d], -2).reshape(-1, 3, 3)])
 
 
-HEAD = ("pad", "verdict", "score", "usable after a puck", "shortfall", "over", "thickness mm", "ratio")
+KIND_COLUMNS: dict[str, str | Callable[[Any], object]] = {
+    "pad": lambda row: f"{row['kind']}: {row['reason']}" if row["shape"] is None else row["kind"],
+    "verdict": lambda row: level_name(row.get("level", "")) + " (estimate)" * (row.get("by") in ("table", "law")),
+    "misfit": lambda row: row.get("misfit_rms_ln_force"),
+    "usable after a puck": lambda row: f"{100.0 * row['after_puck']:.0f} %" if "after_puck" in row else None,
+    "thickness mm": lambda row: row.get("thickness_mm"),
+    "ratio": lambda row: row.get("ratio"),
+}
 
 
-def kind_rows(answer: Mapping[str, Any], verdicts: Mapping[str, Mapping[str, Any]] | None = None) -> list[list[Any]]:
-    """The best pad of each kind, a row of the table with the head :data:`HEAD` each; the recommended one first."""
+def kind_rows(answer: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The best pad of each kind as the command judged it; the recommended one first, with its final verdict."""
     best = answer["recommendation"]
     kind = best["shape"].partition(":")[0]
-    known = {**(verdicts or {}), kind: answer["verdict"]}
-    rows = []
-    for row in (one for one in answer["shapes"] if one["shape"] is not None):
-        verdict = known.get(row["kind"], {})
-        pad, total = (best, best["scores"]["total"]) if row["kind"] == kind else (row, row["total"])
-        central = (verdict.get(side, {}).get("central") for side in ("shortfall", "over"))
-        size = pad["thickness_mm"], pad["ratio"]
-        light = verdict.get("light") if row["kind"] == kind else f"{verdict['light']} (estimate)" if verdict else None
-        own = row["kind"] == kind, row["after_puck"]
-        rows.append((own, [row["kind"], light, total, f"{100.0 * row['after_puck']:.0f} %", *central, *size]))
-    return [row for _, row in sorted(rows, key=lambda one: one[0], reverse=True)]
-
-
-def kind_sentences(answer: Mapping[str, Any]) -> list[str]:
-    """Sentences on the choice among the kinds, from the numbers of the answer."""
-    best, choice = answer["recommendation"], answer["choice"]
-    pad = f"the {best['shape'].partition(':')[0]} pad, {best['thickness_mm']:g} mm, ratio {best['ratio']:g}"
-    if choice["next_best"] is None:
-        sentences = [f"No other kind was compared with {pad}."]
-    else:
-        sentences = [f"Chosen: {pad}, because {choice['text']}."]
-    missing = [row for row in answer["shapes"] if row["shape"] is None]
-    return [*sentences, *(f"No {row['kind']} pad: {row['reason']}." for row in missing)]
-
-
-def verdicts_of_kinds(evaluator: PadEvaluator, answer: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Judge the best pad of each other kind, with its castings; a kind that the tables cannot press is left out."""
-    own, verdicts = answer["recommendation"]["shape"].partition(":")[0], {}
-    for row in answer["shapes"]:
-        if row["shape"] is not None and row["kind"] != own:
-            with suppress(InputError):
-                judged = evaluator.with_castings(read_shape(row["shape"]), row["thickness_mm"], row["ratio"])
-                verdicts[row["kind"]] = judged.to_dict()
-    return verdicts
+    final = {"level": answer["verdict"]["level"], "by": "", **{key: best[key] for key in ("thickness_mm", "ratio")}}
+    rows = [row | final if row["kind"] == kind else row for row in answer["shapes"]]
+    return sorted(rows, key=lambda row: (row["kind"] != kind, -row.get("after_puck", -1.0)))

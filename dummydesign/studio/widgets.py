@@ -451,9 +451,10 @@ def table(
     html(*("<details><summary>{}</summary>{}</details>", under, shown) if under else ("{}", shown))
 
 
-def records(columns: Mapping[str, str], rows: Iterable[Mapping[str, Any]], **more: Any) -> None:
-    """Show a table of values by key: a column for each head, with its key."""
-    table(list(columns), [[one.get(key) for key in columns.values()] for one in rows], **more)
+def records(columns: Mapping[str, str | Callable[[Any], Any]], rows: Iterable[Mapping[str, Any]], **more: Any) -> None:
+    """Show a table with a column for each head: a key of the rows, or what a function makes of a row."""
+    made = report_page.Table.of(rows, columns)
+    table(made.head, made.rows, **more)
 
 
 def go(path: str, words: str, state: State | None = None, test: str = "") -> None:

@@ -66,9 +66,9 @@ def test_among_several_presses_none_is_taken_for_the_pucks(tmp_path, client):
     project = make_project(tmp_path, None, tissue="palm")
     for count, name in enumerate(("a.csv", "b.csv"), 1):
         (tmp_path / "measured" / name).write_text(HEAD, encoding="utf-8")
-        page = PuckPage(project, State("palm"), {"diameter": "50", "height": "30"})
-        assert page._form.fields["puck"].value == ("measured/a.csv" if count == 1 else "")
-    with raises_code("missing", "puck"):
+        page = PuckPage(project, State("palm"), {"puck_diameter": "50", "puck_height": "30"})
+        assert page._form.fields["press"].value == ("measured/a.csv" if count == 1 else "")
+    with raises_code("missing", "press"):
         page._words()
 
 

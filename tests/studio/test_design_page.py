@@ -6,7 +6,7 @@ import pytest
 
 from dummydesign.project.folder import make_project
 from dummydesign.studio import jobs
-from tests.support.studio import browser, choose, running, unfold
+from tests.support.studio import COMMAND_MS, browser, choose, running, unfold
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -31,7 +31,7 @@ def searched(studio):
         opened(found, studio, "?shape=slab&thickness_mm=12&ratio=17")
         choose(found, "searched", "slab")
         found.locator(by("run-suggest")).click()
-        found.wait_for_selector(f"{by('found-suggest')} {by('why')}")
+        found.wait_for_selector(f"{by('found-suggest')} {by('why')}", timeout=COMMAND_MS)
 
 
 @pytest.fixture
@@ -63,7 +63,7 @@ def test_after_a_search_of_the_same_kind_every_panel_is_that_of_the_pad_that_was
     before = page.locator(by("plots")).inner_html()
     choose(page, "searched", "slab")
     page.locator(by("run-suggest")).click()
-    page.wait_for_selector(f"{by('found-suggest')} {by('why')}")
+    page.wait_for_selector(f"{by('found-suggest')} {by('why')}", timeout=COMMAND_MS)
     best = jobs.latest(studio[1], "suggest").answer["recommendation"]
     text = f"{best['thickness_mm']:g} mm, ratio {best['ratio']:g}"
     page.wait_for_function("(text) => document.querySelector('small.label').textContent.includes(text)", arg=text)
@@ -102,7 +102,7 @@ def test_a_refused_pad_leaves_no_drawing_of_another_one(page, studio):
 
 def test_another_tissue_hides_the_search_for_this_one_and_a_reload_keeps_what_is_chosen(page, studio, searched):
     opened(page, studio, "?tissue=forefinger")
-    page.wait_for_selector(f"{by('found-suggest')} {by('why')}")
+    page.wait_for_selector(f"{by('found-suggest')} {by('why')}", timeout=COMMAND_MS)
     unfold(page, "question")
     choose(page, "tissue", "palm (built-in)")
     page.wait_for_selector(SETTLED)
@@ -145,7 +145,7 @@ def test_a_pad_outside_the_tables_is_solved_by_one_click(page, studio):
     page.goto(f"{studio[0].home}design?shape=boned:radius=12.6,height=1.8,foot=6.5&thickness_mm=20&ratio=15")
     page.wait_for_selector(REFUSED)
     page.locator(by("run-pad")).click()
-    page.wait_for_selector('[data-test="verdict"] .verdict[data-state="solved"]')
+    page.wait_for_selector('[data-test="verdict"] .verdict[data-state="solved"]', timeout=COMMAND_MS)
     words = jobs.latest(studio[1], "pad").words
     assert words[0] == "predict" and "axisymmetric" in words
     assert page.locator(f"{by('found-pad')} table").count() == 1
@@ -153,7 +153,7 @@ def test_a_pad_outside_the_tables_is_solved_by_one_click(page, studio):
 
 def test_a_search_that_failed_leaves_the_earlier_result_in_sight(page, studio, searched):
     opened(page, studio, "?tissue=forefinger")
-    page.wait_for_selector(f"{by('found-suggest')} {by('why')}")
+    page.wait_for_selector(f"{by('found-suggest')} {by('why')}", timeout=COMMAND_MS)
     page.locator(by("run-suggest")).click()
     page.wait_for_selector(f"{by('stop-suggest')}:visible")
     page.locator(by("stop-suggest")).click()

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import threading
+import time
 from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
 
 from dummydesign.project.folder import make_project
-from tests.support.studio import browser, running
+from tests.support.studio import browser, live, running
 
 pytestmark = pytest.mark.slow
 
@@ -98,9 +99,11 @@ def test_the_test_itself_sees_what_reaches_the_other_server(tmp_path):
     with other_server() as (other, reached), browser() as page:
         page.goto(f"{other}/first")
         page.set_content(EVIL.replace("OTHER", other).replace("STUDIO", other))
-        page.wait_for_timeout(6000)
-    ways = {path for path, _ in reached}
-    assert {"/image", "/script", "/frame", "/fetch", "/post", "/socket", "/style", "/events", "/picture"} <= ways
+        wanted = {"/image", "/script", "/frame", "/fetch", "/post", "/socket", "/style", "/events", "/picture"}
+        deadline = time.monotonic() + 60
+        while not wanted <= {path for path, _ in reached} and time.monotonic() < deadline:
+            page.wait_for_timeout(100)
+    assert wanted <= {path for path, _ in reached}
 
 
 @pytest.mark.parametrize("framed", [False, True])
@@ -191,8 +194,7 @@ def test_an_old_tab_says_what_to_do_after_a_restart_and_does_not_load_itself_for
         with running(folder, tmp_path / "home") as studio:
             port = studio.home.split(":")[2].split("/")[0]
             page.goto(studio.address)
-            page.wait_for_selector("h1")
-            page.wait_for_timeout(1500)
+            live(page)
             page.evaluate("window.mark = 1")
         with running(folder, tmp_path / "home", "--port", port) as studio:
             page.wait_for_selector('[data-test="restarted"]', timeout=60_000)
@@ -210,8 +212,7 @@ def test_links_of_every_page_stay_in_the_studio(tmp_path):
     with project_with(tmp_path) as (studio, page, _, _):
         for path in ("", "measured", "tissue", "design", "mould", "campaign", "learn"):
             page.goto(studio.home + path)
-            page.wait_for_selector("h1")
-            page.wait_for_timeout(1000)
+            live(page)
             links = page.evaluate("[...document.querySelectorAll('a[href]')].map((link) => link.href)")
             assert len(links) >= 7 and all(link.startswith(studio.home) for link in links), links
 

@@ -8,10 +8,12 @@ import os
 import pytest
 
 from dummydesign.core.manifest import sha256_of
+from dummydesign.mold.pour.plan import batches_of, pour_plan
 from dummydesign.project.folder import make_project
 from dummydesign.project.status import status_of
 from dummydesign.studio import project_index
 from dummydesign.studio.state import State, next_page, next_state, read_state
+from tests.support.mould_checks import shape_spec
 
 
 def write(folder, name, command, inputs, date="2026-01-01T00:00:00+00:00", **more):
@@ -253,3 +255,20 @@ def test_the_verdict_of_a_pad_is_that_of_its_design_while_its_files_are_the_same
         assert project_index.verdict_of_design(root, state.changed(**other)) is None
     tissue.write_text("2", encoding="utf-8")
     assert project_index.verdict_of_design(root, state) is None
+
+
+@pytest.mark.parametrize(("shape", "thickness_mm"), [("slab", 6.0), ("layered:3,0.4", 8.0)])
+def test_the_page_of_a_mould_weighs_every_batch_that_is_mixed_and_poured(shape, thickness_mm):
+    pytest.importorskip("nicegui", reason="no NiceGUI here: pip install nicegui")
+    from dummydesign.studio.pages.mould import poured
+
+    spec = shape_spec(shape, thickness_mm)
+    plan = pour_plan(spec)
+    batch = batches_of(spec, plan)
+    rows = [(float(value.removesuffix(" g")), words) for value, words in poured(batch, plan.to_dict())]
+    pours = [batch, *([batch["base"]] if "base" in batch else [])]
+    assert len(pours) == (2 if shape.startswith("layered") else 1)
+    mixed = [part["mass_g"] for one in pours for part in one["witness"]["components"]]
+    assert [mass for mass, words in rows if "to mix" in words] == pytest.approx(mixed, abs=0.05)
+    cast = [mass for mass, words in rows if "into the mould" in words]
+    assert cast == pytest.approx([one["pour_g"] for one in pours], abs=0.05)

@@ -8,8 +8,8 @@ import pytest
 
 from dummydesign.project.folder import make_project, read_project
 from dummydesign.studio import trash as bin
-from tests.studio.test_pages import MISSED, NAMELESS, RULES, WHERE, settled
-from tests.support.studio import browser, running
+from tests.studio.test_pages import MISSED, NAMELESS, RULES, WHERE
+from tests.support.studio import COMMAND_MS, browser, live, running, settled
 from tests.support.studio import test_id as by
 from tests.support.walkthrough_files import write
 
@@ -50,8 +50,7 @@ def page(studio):
 
 def visit(page, address):
     page.goto(address)
-    page.wait_for_selector("h1")
-    page.wait_for_timeout(1500)
+    live(page)
 
 
 def drop(page, *paths):
@@ -141,7 +140,7 @@ def test_the_result_belongs_to_the_chosen_files_and_a_reload_keeps_both(page, st
     _, root = studio
     choose(page, EXPORTS[0])
     page.locator(by("run-import")).click()
-    page.wait_for_selector(f"{by('found-import')} >> text={EXPORTS[0]}")
+    page.wait_for_selector(f"{by('found-import')} >> text={EXPORTS[0]}", timeout=COMMAND_MS)
     page.reload()
     page.wait_for_selector(f"{by('found-import')} >> text={EXPORTS[0]}")
     assert chips(page) == [EXPORTS[0]]
@@ -164,7 +163,7 @@ def test_an_import_shows_its_presses_and_is_deleted_and_restored_with_them(page,
     _, root = studio
     choose(page, EXPORTS[0], EXPORTS[2])
     page.locator(by("run-import")).click()
-    page.wait_for_selector(f"{by('found-import')} iframe")
+    page.wait_for_selector(f"{by('found-import')} iframe", timeout=COMMAND_MS)
     page.locator(by("import")).click()
     page.wait_for_selector(f"{by('import')} iframe")
     held = names(root / "measured" / "import-all")
@@ -186,7 +185,7 @@ def test_a_puck_makes_a_resin_which_the_project_takes(page, studio, base):
     page.locator(f"input{by('puck-height')}").fill("30")
     page.wait_for_selector(".command code >> text=--height 30")
     page.locator(by("run-puck")).click()
-    page.wait_for_selector(f"{by('found-puck')} table")
+    page.wait_for_selector(f"{by('found-puck')} table", timeout=COMMAND_MS)
     # simulated with 31 kPa and a friction of 0.3, which nobody tells the fit
     young = float(page.locator(f"{by('found-puck')} .fact b").first.inner_text().split()[0])
     before, after = (
@@ -210,7 +209,7 @@ def test_a_puck_makes_a_resin_which_the_project_takes(page, studio, base):
 def test_the_page_with_all_that_it_offers_fits_a_phone_and_the_keyboard(page, studio):
     choose(page, EXPORTS[0])
     page.locator(by("run-import")).click()
-    page.wait_for_selector(f"{by('found-import')} iframe")
+    page.wait_for_selector(f"{by('found-import')} iframe", timeout=COMMAND_MS)
     page.locator(by("change-files")).click()
     page.wait_for_selector(by("delete"))
     page.locator(f'{by("delete")}[data-name="{EXPORTS[2]}"]').click()

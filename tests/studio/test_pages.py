@@ -9,7 +9,7 @@ import pytest
 
 from dummydesign.project.folder import make_project
 from dummydesign.studio import jobs
-from tests.support.studio import browser, processor_s, running
+from tests.support.studio import browser, live, processor_s, running, settled
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -138,8 +138,7 @@ def studio(tmp_path_factory):
 
 def visit(page, studio, path):
     page.goto(f"{studio.home}{path}")
-    page.wait_for_selector("h1")
-    page.wait_for_timeout(1500)
+    live(page)
 
 
 def every_page(page, studio):
@@ -208,17 +207,6 @@ def test_the_rules_find_what_is_wrong():
         "outside the landmarks",
     ):
         assert any(one.startswith(fault) for one in told), fault
-
-
-def settled(page) -> None:
-    """Wait until the page has been the same for a second, 20 seconds at most."""
-    before = ""
-    for _ in range(20):
-        now = page.evaluate("document.body.innerHTML")
-        if now == before:
-            return
-        before = now
-        page.wait_for_timeout(1000)
 
 
 def walked(page) -> list:

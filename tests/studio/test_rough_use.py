@@ -11,7 +11,7 @@ from dummydesign.core.user_library import find
 from dummydesign.project.folder import change_project, read_project
 from dummydesign.studio import jobs
 from tests.support import lab_project as lab
-from tests.support.studio import choose, opened, saved, saved_series, unfold
+from tests.support.studio import COMMAND_MS, choose, opened, saved, saved_series, unfold
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -36,12 +36,13 @@ def test_a_search_is_shown_while_its_tissue_and_its_folder_are_what_they_were(pa
     choose(page, "searched", "slab")
     page.locator(by("run-suggest")).click()
     shown = f"{by('found-suggest')} {by('why')}"
-    page.wait_for_selector(shown)
+    page.wait_for_selector(shown, timeout=COMMAND_MS)
     answer = jobs.latest(root, "suggest").answer
     folder = root / "designs" / answer["inputs"]["out"].rpartition("/")[2]
     assert answer["inputs"]["tissue"] == f"tissue/{ODD}.toml" and folder.is_dir()
     # its verdict is red; nothing is said of what changed
-    assert ["not representative" in one for one in page.locator(problems).all_inner_texts()] == [True]
+    assert answer["verdict"]["light"] == "red"
+    assert ["do not cast" in one for one in page.locator(problems).all_inner_texts()] == [True]
     own.write_text(own.read_text(encoding="utf-8") + "\n# another day\n", encoding="utf-8")
     page.wait_for_function("(one) => document.querySelectorAll(one).length === 2", arg=problems)
     manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
@@ -150,7 +151,7 @@ def test_a_number_that_is_not_allowed_gives_way_to_the_one_in_use(page, studio):
         page.wait_for_function("document.querySelector('[data-test=number-thickness]').value === '6'")
         assert "6 mm" in page.locator("small.label").inner_text()
     opened(page, studio, "design?tissue=forefinger&shape=slab&thickness_mm=6&ratio=40")
-    page.wait_for_selector(".q-notification >> text=40")
+    page.wait_for_selector(".slider [role=status] >> text=40")
 
 
 def test_a_mould_in_a_folder_that_another_one_took_is_not_shown(page, studio):
@@ -169,12 +170,11 @@ def test_a_mould_in_a_folder_that_another_one_took_is_not_shown(page, studio):
         "moulds/mould_t6",
     ]
     part = {"name": "polyol", "mass_g": 61.0}
-    pour = {"fill_mass_g": 70.0, "silicone_mass_g": None, "components": [part]}
-    answer = {"inputs": {"ratio": 16.0, "thickness_mm": 6.0}, "pour": pour, "files": {"a": "moulds/mould_t6/a.step"}}
+    answer = {"inputs": {"ratio": 16.0, "thickness_mm": 6.0}, **lab.weighed(part)}
+    answer["files"] = {"a": "moulds/mould_t6/a.step"}
     lab.job(root, 1, "mould", words, answer, 0)
     opened(page, studio, "mould?shape=slab&thickness_mm=6&ratio=16")
     page.wait_for_selector(f"{by('other-mould')} >> nth=0")
-    page.wait_for_timeout(1000)
     assert page.locator(f"{by('found-mould')} {by('zip')}").count() == 0
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from dummydesign.loop.calibration_file import write_calibration
 from tests.support import lab_project as lab
 from tests.support.made_calibration import calibration
-from tests.support.studio import choose, opened
+from tests.support.studio import choose, opened, settled
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -51,9 +53,15 @@ def test_a_mould_is_shown_once_when_its_page_is_opened_again(page, studio):
         "--out",
         "moulds/mould_t6",
     ]
-    pour = {"fill_mass_g": 70.0, "silicone_mass_g": None, "components": [{"name": "polyol", "mass_g": 61.0}]}
     files = {"a": "moulds/mould_t6/master_t6.step"}
-    lab.job(studio[1], 1, "mould", words, {"inputs": {"ratio": 15.0}, "pour": pour, "files": files}, 0)
+    lab.job(
+        studio[1],
+        1,
+        "mould",
+        words,
+        {"inputs": {"ratio": 15.0}, **lab.weighed({"name": "polyol", "mass_g": 61.0}), "files": files},
+        0,
+    )
     for _ in range(2):
         opened(page, studio, "mould?tissue=forefinger&shape=slab&thickness_mm=6&ratio=15")
         page.wait_for_selector(f"{by('found-mould')} {by('do-not-cast')}")
@@ -91,8 +99,7 @@ def test_a_record_is_shown_for_its_own_readings_alone_and_typed_ones_outlive_a_r
 def test_a_typed_number_counts_once_it_is_typed_to_its_end_and_is_never_cut_in_silence(page, studio):
     opened(page, studio, "design?tissue=forefinger&shape=slab&thickness_mm=6&ratio=15")
     page.wait_for_selector(SETTLED)
-    field, note = page.locator(by("number-thickness")), page.locator(".slider [role=status]").first
-    seen = []
+    field = page.locator(by("number-thickness"))
     for keys, then, said in (
         ("7,5", "7.5", ""),
         ("100", "7.5", "100 is not allowed: 3 to 30"),
@@ -100,13 +107,14 @@ def test_a_typed_number_counts_once_it_is_typed_to_its_end_and_is_never_cut_in_s
         ("soft", "8.4", "soft is not allowed"),
         ("8.43", "8.43", ""),
     ):
-        field.fill("")
+        field.select_text()  # an emptied field would be filled again meanwhile
         field.press_sequentially(keys)
         field.press("Enter")
         page.wait_for_function(f"document.querySelector('[data-test=number-thickness]').value === '{then}'")
-        assert said in note.inner_text()
+        page.wait_for_function(
+            "(said) => document.querySelector('.slider [role=status]').innerText.includes(said)", arg=said
+        )
         page.wait_for_function(f"document.querySelector('small.label').textContent.includes('slab, {then} mm')")
-        seen.append(page.locator("small.label").inner_text())
     opened(page, studio, "mould?tissue=forefinger&shape=slab&thickness_mm=6&ratio=15")
     thickness = page.locator(f"input{by('thickness')}")
     thickness.fill("100")
@@ -115,6 +123,19 @@ def test_a_typed_number_counts_once_it_is_typed_to_its_end_and_is_never_cut_in_s
     assert thickness.input_value() == "100"
     thickness.fill("7,5")
     page.wait_for_selector(".command code >> text=--thickness 7.5")
+
+
+def test_a_number_that_is_being_typed_is_left_alone_when_the_verdict_settles(page, studio):
+    opened(page, studio, "design?tissue=forefinger&shape=slab&thickness_mm=6&ratio=15")
+    page.wait_for_selector(SETTLED)
+    page.locator(by("number-ratio")).fill("15.5")
+    thickness = page.locator(by("number-thickness"))
+    thickness.select_text()
+    thickness.press_sequentially("8")
+    page.wait_for_selector(f"{SETTLED} >> text=ratio 15.5")
+    assert thickness.input_value() == "8"
+    thickness.press("Enter")
+    page.wait_for_selector(f"{SETTLED} >> text=slab, 8 mm, ratio 15.5")
 
 
 MAIN = {
@@ -140,9 +161,12 @@ def test_the_answer_and_the_next_button_of_a_page_are_in_sight_and_no_page_is_lo
     page.set_viewport_size({"width": width, "height": height})
     for path, wanted in MAIN.items():
         opened(page, studio, path)
+        page.wait_for_selector(by(wanted[0]))
+        settled(page)
+        shown = page.locator("body").inner_text()
+        assert not re.search("<(div|figure|span|p|table)[ >]", shown), (path, shown)  # HTML that was escaped
         for test in wanted:
             page.wait_for_selector(by(test))
-            page.wait_for_timeout(300)
             box = page.locator(by(test)).first.bounding_box()
             # of a plot on a telephone the beginning: it is read by scrolling
             end = box["y"] + (40 if test == "tissue-shown" or (test == "plots" and width < 800) else box["height"])
@@ -159,7 +183,7 @@ def test_axe_finds_no_fault_on_any_page_nor_in_any_tab(page, studio):
     for path in MAIN:
         opened(page, studio, path)
         page.wait_for_selector(by(MAIN[path][0]))
-        page.wait_for_timeout(1500)
+        settled(page)
         faults = axe.run(page).response["violations"]
         told = [(one["id"], one["nodes"][0]["html"][:200]) for one in faults]
         assert told == [], (path, told)

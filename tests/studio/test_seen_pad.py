@@ -13,7 +13,7 @@ from dummydesign.project.folder import change_project, make_project, read_projec
 from dummydesign.studio import job_process as runner
 from dummydesign.studio import jobs
 from tests.support import lab_project as lab
-from tests.support.studio import browser, choose, opened, running, saved, unfold
+from tests.support.studio import browser, choose, opened, running, saved, settled, unfold
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -175,6 +175,6 @@ def test_the_words_of_every_button_have_contrast(studio, scheme):
         page.wait_for_selector("h1")
         for path in ("design?tissue=palm&shape=slab&thickness_mm=9&ratio=15", "mould", "learn", "campaign"):
             opened(page, studio, path)
-            page.wait_for_timeout(3000)
+            settled(page)
             low = [one for one in page.evaluate(contrast) if one[1] < 4.5]
             assert low == [], (path, low)

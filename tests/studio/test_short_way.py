@@ -8,7 +8,7 @@ import zipfile
 
 import pytest
 
-from tests.support.studio import browser, running
+from tests.support.studio import browser, live, running, settled
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -68,7 +68,7 @@ def test_the_short_way_goes_by_the_keyboard_alone(tmp_path):
 
         def opened(title):
             page.wait_for_selector(f"h1 >> text={title}")
-            page.wait_for_timeout(1500)
+            live(page)
             page.keyboard.press("Tab")
             assert page.evaluate("document.activeElement.textContent") == "to the content", title
             page.keyboard.press("Enter")
@@ -121,6 +121,6 @@ def test_the_short_way_goes_by_the_keyboard_alone(tmp_path):
         for path in ("design", "mould"):
             page.set_viewport_size({"width": 390, "height": 844})
             page.goto(f"{studio.home}{path}")
-            page.wait_for_selector("h1")
-            page.wait_for_timeout(2500)
+            live(page)
+            settled(page)
             assert page.evaluate(wide) <= 0, path

@@ -14,7 +14,7 @@ from dummydesign.studio import job_process as runner
 from dummydesign.tissue import load_tissue
 from tests.studio.test_measured import drop, visit, wait_for_chips
 from tests.studio.test_pages import NAMELESS, RULES
-from tests.support.studio import browser, running
+from tests.support.studio import COMMAND_MS, browser, running
 from tests.support.studio import test_id as by
 from tests.support.two_people import STIFFER, write_people
 
@@ -69,7 +69,7 @@ def fit_anna(page, name="anna"):
     page.locator(f"input{by('fit-name')}").fill(name)
     page.wait_for_selector(f".command code >> text=tissue/{name}.toml")
     page.locator(by("run-fit")).click()
-    page.wait_for_selector(f"{by('found-fit')} div.plot")
+    page.wait_for_selector(f"{by('found-fit')} div.plot", timeout=COMMAND_MS)
 
 
 def test_the_fitted_tissue_is_chosen_shown_kept_and_used(page, studio):
@@ -174,7 +174,7 @@ def test_two_people_become_one_tissue_by_the_command_lines_that_are_shown(page, 
     lines = [text for text in page.locator(".command code").all_inner_texts() if "people" in text]
     assert len(lines) == 3 and all(f"tissue/people/{name}.toml" in line for name, line in zip(STIFFER, lines))
     page.locator(by("run-people")).click()
-    page.wait_for_timeout(1200)
+    page.wait_for_selector(f"{by('stop-people')}:visible")
     page.reload()  # it goes on without the page that began it
     page.wait_for_selector(f"{by('found-people')} table")
     tissue = load_tissue(str(home / "materials" / "tissues" / "people.toml"))
@@ -198,8 +198,7 @@ def test_the_page_with_results_fits_a_phone_and_names_its_controls(page):
     page.locator(by("people")).click()
     page.locator(by("guess-people")).click()
     page.set_viewport_size({"width": 390, "height": 844})
-    page.wait_for_timeout(800)
-    assert page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") <= 0
+    page.wait_for_function("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
     assert page.evaluate(NAMELESS) == [] and page.evaluate(RULES) == []
 
 
@@ -220,4 +219,4 @@ def test_a_person_whose_fit_fails_ends_the_chain_with_the_reason(page, studio):
     page.wait_for_selector(".command code >> text=tissues add people")
     page.wait_for_function("!document.body.innerText.includes('--lowpass')")
     page.locator(by("run-people")).click()
-    page.wait_for_selector(f"{by('found-people')} table")
+    page.wait_for_selector(f"{by('found-people')} table", timeout=COMMAND_MS)

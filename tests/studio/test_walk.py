@@ -84,8 +84,8 @@ def _to_mould(page, studio, base, told):
     told["seconds"]["slider"], told["seconds"]["slider_processor"] = _slide(page, studio.process.pid)
     _search_slabs(page, click)
     page.wait_for_selector(f"{by('found-suggest')} {by('why')}", timeout=LONG_MS)
+    page.wait_for_function("location.search.includes('design=')")
     page.wait_for_selector(f"{by('verdict')} .verdict.red[data-state=settled]")
-    page.wait_for_timeout(1000)
     click(by("mould"))
     page.wait_for_selector(by("run-mould"))
     click(by("run-mould"))
@@ -111,8 +111,7 @@ def _to_calibration(page, studio, base, told):
     click, folder = told["clicks"], told["folder"]
     page.goto(f"{studio.home}campaign")
     assert "--from-mould" in page.locator(f"{by('plan-new')} .command code").inner_text()
-    click(by("campaign-source"))
-    click(".q-menu >> text=typed here")
+    click(f"{by('campaign-moulds')} .q-chip__icon--remove")
     for name, text in (("pads", "5,15"), ("forces", "3,9"), ("ages", "9,14")):
         page.locator(f"input{by(f'plan-{name}')}").fill(text)
     page.wait_for_function("document.querySelector('.command code').textContent.includes('--ages 9,14')")
@@ -169,7 +168,6 @@ def _slide(page, number):
             )
         )
     spent = None if before is None else (processor_s(number) - before) / 9
-    page.wait_for_timeout(600)
     return sorted(taken)[4], spent
 
 

@@ -120,6 +120,12 @@ def calibration(root: Path, name: str, campaign: str) -> None:
     (folder / "report.csv").write_text(csv_text(COLUMNS, rows), encoding="utf-8")
 
 
+def weighed(part: dict) -> dict:
+    """What an answer of ``mold`` says of the weights, with one component."""
+    batch = {"components": [part], "total_g": 75.0, "pour_g": 70.0, "witness": {"mass_g": 5.0, "components": [part]}}
+    return {"pour": {"silicone_mass_g": None}, "batch": batch}
+
+
 def job(root: Path, number: int, name: str, words: list[str], answer: dict, status: int, error: str = "") -> None:
     """A command that ended, as the studio keeps it."""
     folder = root / ".studio" / "jobs" / f"{number:04d}-{name}"

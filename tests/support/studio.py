@@ -39,6 +39,10 @@ class Running:
         return self.address.partition("key=")[2]
 
 
+COMMAND_MS = 900_000
+"""For what a command does that a page started, on a busy machine. [ms]"""
+
+
 def command(*words: str) -> list[str]:
     return [sys.executable, "-m", "dummydesign", "studio", *words, "--no-browser"]
 
@@ -138,10 +142,27 @@ def test_id(name: str) -> str:
 test_id.__test__ = False
 
 
+def live(page):
+    """Wait until a page is connected to its studio: what is done before is lost."""
+    page.wait_for_selector("h1")
+    page.wait_for_function("window.did_handshake === true")
+
+
 def opened(page, studio, path):
     """Open a page of a studio and its root."""
     page.goto(f"{studio[0].home}{path}")
-    page.wait_for_selector("h1")
+    live(page)
+
+
+def settled(page) -> None:
+    """Wait until the page has been the same for a second, 20 seconds at most."""
+    before = ""
+    for _ in range(20):
+        now = page.evaluate("document.body.innerHTML")
+        if now == before:
+            return
+        before = now
+        page.wait_for_timeout(1000)
 
 
 def unfold(page, test):

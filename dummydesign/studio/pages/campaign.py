@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from nicegui import events, run, ui
+from nicegui import background_tasks, events, run, ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.campaign_file import FILE
@@ -47,7 +47,6 @@ class CampaignPresses:
     def __init__(self, root: Path, state: State) -> None:
         self.root, self.state, self.campaign = root, state, state.campaign
         self.folder = self.root / self.campaign
-        self.wanted, self.at_work = 0, False
         with ui.element("div").classes("pair"):
             self.status_area = widgets.area("state")
             with ui.element("div"):
@@ -64,7 +63,6 @@ class CampaignPresses:
         with ui.element("div").classes("links"):
             widgets.file_links([*links, ("campaign.toml", f"{self.campaign}/campaign.toml")])
             widgets.zip_link(self.campaign)
-        self.holder = widgets.area()
         self.values = widgets.fold(
             "Values of the presses: order, age, temperature, rest",
             "values",
@@ -86,27 +84,18 @@ class CampaignPresses:
 
     def renew(self) -> None:
         """Check the campaign anew, once for all that changed in the meantime."""
-        self.wanted += 1
-        if not self.at_work:
-            with self.holder:
-                ui.timer(0.2, self.check, once=True)
+        background_tasks.create_lazy(self.check(), name=f"check {self.status_area.id} of {self.status_area.client.id}")
 
     async def check(self) -> None:
         """Check the campaign, apart from the page."""
-        if self.at_work:
-            return
-        self.at_work, seen = True, -1
         try:
-            while seen != self.wanted:
-                seen = self.wanted
-                status = await run.io_bound(check_campaign, self.folder)
-                if status is not None:
-                    self.show(status)
+            status = await run.io_bound(check_campaign, self.folder)
         except InputError as problem:
             with widgets.fresh(self.status_area):
                 widgets.tell_problem(str(problem))
-        finally:
-            self.at_work = False
+        else:
+            if status is not None and not self.status_area.is_deleted:
+                self.show(status)
 
     def show(self, status: CampaignStatus) -> None:
         """How far the campaign is."""
@@ -268,9 +257,6 @@ def _day(row: Mapping[str, Any]) -> str:
     return f"the day at {age:g} days of age" if isinstance(age, int | float) else ""
 
 
-MOULDED, TYPED = "the moulds of this project", "typed here"
-
-
 class PlanForm:
     """Fields of a plan and the command that makes it."""
 
@@ -289,13 +275,10 @@ class PlanForm:
                 "name": ui.input("Name", value=select_options.free_name(root, "campaigns", "first"))
             }
             laid["name"].set_visibility(not replaced)
-            self.source = widgets.select(
-                "Pads are those of",
-                {one: one for one in ((MOULDED, TYPED) if known else (TYPED,))},
-                MOULDED if usual else TYPED,
-                f"{name}-source",
-            )
-        self.moulds = widgets.select_several("Moulds", known, usual, f"{name}-moulds")
+        self.moulds = widgets.select_several(
+            "Pads of these moulds (none: type the pads)", known, usual, f"{name}-moulds"
+        )
+        self.moulds.set_visibility(bool(known))
         with widgets.fields() as self.typed:
             laid |= {
                 "pads": ui.input("Pads, thickness [mm]", value=given["pads"]),
@@ -323,25 +306,20 @@ class PlanForm:
             needs="trials",
         )
         self.form.on_change(self.renew)
-        widgets.on_change(self.renew, self.source, self.moulds)
+        widgets.on_change(self.renew, self.moulds)
         self.renew()
 
     def renew(self) -> None:
         """Something was chosen."""
-        moulded = self.source.value == MOULDED
-        self.moulds.set_visibility(moulded)
-        self.typed.set_visibility(not moulded)
+        self.typed.set_visibility(not self.moulds.value)
         self.work.renew()
 
     def words(self) -> list[str]:
         """The plan as a command."""
         given = self.form.filled(repeats="repeats", ratio="ratio")
-        moulds = list(self.moulds.value or []) if self.source.value == MOULDED else []
-        if self.source.value == MOULDED and not moulds:
-            raise InputError("choose the moulds whose pads are pressed", "missing", "moulds")
         if given["repeats"] % 1.0:
             raise InputError(f"repeats = {given['repeats']:g}: type a whole number", "malformed", "repeats")
-        given |= {"moulds": moulds, "punch": self.punch}
+        given |= {"moulds": self.moulds.value, "punch": self.punch}
         folder = self.replaced or f"campaigns/{file_transfer.plain_name((given['name'] or '').strip())}"
         return [
             "campaign",

@@ -16,6 +16,7 @@ from dummydesign.person.drives import DRIVES, read_drive
 from dummydesign.project.folder import Project
 from dummydesign.report import on_person_facts as people
 from dummydesign.report.plot import plots_html
+from dummydesign.report.suggest_sections import full_sentence
 from dummydesign.studio import figures, file_transfer, project_index, select_options, widgets
 from dummydesign.studio.file_actions import DropList
 from dummydesign.studio.job_panel import JobPanel
@@ -37,13 +38,13 @@ ERRORS = {
     "plain model, rms N": "base_rmse_N",
     "peak off by N": "peak_error_N",
 }
-COMPARED = {
-    "press": "file",
+COMPARED: dict[str, str | Callable[[Any], object]] = {
+    "press": lambda row: Path(row["file"]).name,
     "mm/s": "velocity_mm_s",
     "steady N": "steady_force_N",
     "depth mm": "depth_mm",
     "peak N": "peak_force_N",
-    "subjects N": "subjects",
+    "subjects N": lambda row: people.span_text([row.get(f"range_peak_{end}_N") for end in ("low", "high")]),
     "fraction in range": "inside_fraction",
 }
 
@@ -195,7 +196,7 @@ class PressComparison:
         for one in answer.get("pads") or []:
             mine = pad.thickness_mm is not None and abs(one["thickness_mm"] - pad.thickness_mm) < 1e-6
             if mine and one.get("verdict"):
-                show_verdict(one["verdict"])
+                widgets.tell_verdict(one["verdict"]["light"], one["verdict"]["text"], test="verdict")
             elif mine:
                 html("<p>{}</p>", one.get("reason") or "no verdict")
         names = {path.rpartition("/")[2] for path in pad.files}
@@ -203,46 +204,23 @@ class PressComparison:
         widgets.warnings(answer)
 
     def show(self, job: Job) -> None:
-        """Verdict, correction, each press, and the report of a comparison."""
+        """Verdict, what to do with the pad, each press, and the report of a comparison."""
+        from dummydesign.report.compare import next_steps
+
         answer, files = job.answer, job.answer.get("files") or {}
         widgets.tell_changes(self.root, str(files.get("manifest") or ""), "Compare again.")
-        show_verdict(answer["verdict"])
-        html('<p data-test="correction">{}</p>', correction(answer["verdict"]))
+        if verdict := answer["verdict"]:
+            widgets.tell_verdict(verdict["light"], verdict["text"], test="verdict")
+            html('<p data-test="correction">{}</p>', full_sentence(next_steps(answer)[0]))
         if pad := answer.get("pad"):
             size = f"{pad['thickness_mm']:.2f} mm (standard error {pad['thickness_sd_mm']:.2f} mm)"
             html("<p>Cast: {}, {}.</p>", size, "accepted" if pad["accepted"] else "not accepted")
         if path := files.get("report_values"):
             plots = figures.compared_plots(self.root / path)
             html('<div data-test="compared-plots">{}</div>', Markup(plots_html(plots)))
-        widgets.records(COMPARED, map(compared_row, answer.get("by_trace", [])))
+        widgets.records(COMPARED, answer.get("by_trace", []))
         widgets.warnings(answer)
         widgets.show_report(self.root, files, "report of the comparison")
-
-
-def compared_row(press: Mapping[str, Any]) -> dict[str, Any]:
-    """A press with the name of its file and the peaks of the subjects in one cell."""
-    ends = (press.get(f"range_peak_{end}_N") for end in ("low", "high"))
-    subjects = " to ".join(f"{value:.3g}" for value in ends if value is not None)
-    return {**press, "file": Path(press["file"]).name, "subjects": subjects}
-
-
-def show_verdict(verdict: Mapping[str, Any]) -> None:
-    """The verdict of an answer."""
-    widgets.tell_verdict(str(verdict["light"]), str(verdict["text"]), test="verdict")
-
-
-def correction(verdict: Mapping[str, Any]) -> str:
-    """What to multiply readings by, in a sentence."""
-    given = verdict.get("correction") or {}
-    central, sure = given.get("factor_central"), given.get("factor")
-    if verdict["light"] == "red" or central is None:
-        return "No correction: this pad is not usable."
-    if sure is None or sure < 1.005:
-        return "Correction: none needed."
-    if central >= 1.005 and sure - central < 0.005:
-        return f"Correction: multiply readings by {sure:.2f}; this is safe in 95 % of cases."
-    best = "none" if central < 1.005 else f"multiply readings by {central:.2f}"
-    return f"Correction: {best} at central estimates. Multiply by {sure:.2f} to be safe in 95 % of cases."
 
 
 TYPED = "cast_"
@@ -381,7 +359,7 @@ def show_record(answer: Mapping[str, Any]) -> None:
         light, text = "red", f"Not accepted. It misses {', '.join(answer['missed'])}."
     force = answer.get("force_percent")
     more = "" if force is None else f" Its force at a given depth is {force:+.1f} % off the designed pad's."
-    show_verdict({"light": light, "text": text + more})
+    widgets.tell_verdict(light, text + more, test="verdict")
     rows = []
     for one in answer["limits"]:
         allowed, unlimited = allowed_words(one["low"], one["high"]), one["high"] is None
@@ -496,6 +474,18 @@ def _numbers() -> dict[QuantitySpec, float | None]:
     return numbers
 
 
+LIMIT_COLUMNS: dict[str, str | Callable[[Any], object]] = {
+    "result": lambda row: row["result"].upper(),
+    "limit of": people.limit_name,
+    "limit": "limit",
+    "unit": "unit",
+    "pad": lambda row: people.number_text(row["pad"]),
+    "people, 95 %": lambda row: people.span_text([row["person_low_95"], row["person_high_95"]]),
+    "why": "reason",
+    "press": "press",
+}
+
+
 def show_people(root: Path, answer: Mapping[str, Any]) -> None:
     """Result, presses, limits, warnings and the report of an answer of ``on-person``."""
     files, result = answer.get("files") or {}, dict(answer)
@@ -512,21 +502,7 @@ def show_people(root: Path, answer: Mapping[str, Any]) -> None:
     else:
         html('<p data-test="people">{}</p>', text)
     widgets.table(*people.press_table(result))
-    rows = [
-        [
-            row["result"].upper(),
-            people.limit_name(row),
-            row["limit"],
-            row["unit"],
-            people.number_text(row["pad"]),
-            people.span_text([row["person_low_95"], row["person_high_95"]]),
-            row["reason"],
-            file,
-        ]
-        for row, file in people.limit_rows(result)
-    ]
-    if rows:
-        head = ["result", "limit of", "limit", "unit", "pad", "people, 95 %", "why", "press"]
-        widgets.table(head, rows, words=True)
+    if rows := people.limit_rows(result):
+        widgets.records(LIMIT_COLUMNS, ({"press": file, **row} for row, file in rows), words=True)
     widgets.warnings(answer)
     widgets.show_report(root, files, "report of the presses on people")

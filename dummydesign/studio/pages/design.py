@@ -71,20 +71,31 @@ class Slider:
         self.limit(low, high, step, unit)
 
     def limit(self, low: float, high: float, step: float, unit: str) -> None:
-        """Set the ends and the step; the value is moved inside."""
+        """Set the ends and the step; the value is moved inside, and the note names one that lay outside."""
         self._field.props["suffix" if len(unit) <= LONG_UNIT else "title"] = unit
         self._field.props["aria-label"] = f"{self._name} {unit}".strip()
         self._unit.set_text(f"{low:g} to {high:g}" + (f", {unit}" if len(unit) > LONG_UNIT else ""))
         self._low, self._high = low, high
         self._bar.props.update({"min": low, "max": high, "step": step})
-        self.set(min(max(self.value, low), high))
+        before = self.value
+        self.set(min(max(before, low), high))
+        if self.value != before:
+            self._refuse(f"{before:g}")
 
     def set(self, value: float) -> None:
         """Move it from here, without a call."""
-        self.value = float(value)
+        self.value = self._written = float(value)
         self._field.set_value(f"{self.value:.6g}")
         self._note.set_text("")
         self._bar.set_value(self.value)
+
+    def _refuse(self, typed: str) -> None:
+        self._note.set_text(f"{typed} is not allowed: {self._low:g} to {self._high:g}." if typed else "")
+
+    def rest(self) -> None:
+        """Write down where the bar was moved to; a number that is being typed is left alone."""
+        if self.value != self._written:
+            self.set(self.value)
 
     def _take(self, value: float) -> None:
         if value != self.value:
@@ -103,7 +114,7 @@ class Slider:
             self.set(value)
         else:
             self.set(before)
-            self._note.set_text(f"{typed} is not allowed: {self._low:g} to {self._high:g}." if typed else "")
+            self._refuse(typed)
         if self.value != before:
             self._moved()
 
@@ -117,7 +128,7 @@ class PadView:
     pad: EvaluatedPad
     plots: Sequence[Plot]
     figures: Sequence[Mapping[str, Any]]
-    presses: Sequence[Sequence[object]]
+    presses: Sequence[Mapping[str, Any]]
     modulus: str
 
 
@@ -272,8 +283,6 @@ class DesignPage:
             self.ratio.value = state.ratio
             self.ratio.limit(resin.ratio_min, resin.ratio_max, resin.ratio_step / 2, resin.ratio_meaning)
             if self.ratio.value != state.ratio:
-                words = f"{resin.name} has no ratio {state.ratio:g}. The ratio is now {self.ratio.value:g}."
-                ui.notify(words, type="warning", multi_line=True)
                 self.state = state.changed(ratio=self.ratio.value)
         self._set_lengths()
 
@@ -344,7 +353,7 @@ class DesignPage:
             message = f"this pad cannot be evaluated ({type(problem).__name__}: {problem})"
             return InputError(message, "unsupported", "pad", state.shape)
         plots = figures.pad_plots(evaluator.problem, shape, pad)
-        rows = search.press_rows(condition_rows(pad.candidate, evaluator.problem.targets, shape))
+        rows = condition_rows(pad.candidate, evaluator.problem.targets, shape)
         modulus = f"modulus {1e3 * float(evaluator.problem.resin.young_MPa(state.ratio)):.3g} kPa"
         return PadView(evaluator, shape, pad, plots, [one.figure() for one in plots], rows, modulus)
 
@@ -391,7 +400,7 @@ class DesignPage:
         """After the last move: castings in the verdict, what comes next, solid, address, ends of the lengths."""
         keep_state(state)
         for slider in (self.thickness, self.ratio, *self.lengths.values()):
-            slider.set(slider.value)
+            slider.rest()
         self._clear()
         if (state.kind, state.thickness_mm) != self.kind_of_lengths:
             self._set_lengths()
@@ -412,7 +421,7 @@ class DesignPage:
         with self.numbers:
             if (calibrated := view.evaluator.problem.calibrated) is not None:
                 widgets.warnings({"warnings": calibrated.warnings})
-            widgets.table(search.PRESS_HEAD, view.presses, under=f"the {len(view.presses)} presses in numbers")
+            search.show_presses(view.presses, f"the {len(view.presses)} presses in numbers")
         verdict = await run.io_bound(self._verdict, state, view)
         if number != self.wanted or verdict is None:
             return

@@ -16,7 +16,7 @@ from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, options
-from dummydesign.studio.markup import filled, joined
+from dummydesign.studio.markup import Markup, filled, joined
 from dummydesign.studio.state import State, design_summary, page_link
 from dummydesign.studio.widgets import html, keep_state, open_page
 
@@ -206,6 +206,6 @@ def _curves(root: Path, folder: str) -> None:
         if plots and there:
             widgets.file_links([("the whole report", report)])
     if plots:
-        html('<div data-test="curves">{}</div>', plots_html(plots, small=True))
+        html('<div data-test="curves">{}</div>', Markup(plots_html(plots, small=True)))
     elif there:
         widgets.shown_file(f"/files/{report}", "report of the loop")

@@ -55,7 +55,7 @@ class MouldPage:
             self.show,
             self.belongs,
             lambda job, mine: self.list_moulds(),
-            needs="pour",
+            needs="batch",
         )
         self.others = widgets.area()
         self.form.on_change(self.renew)
@@ -104,16 +104,7 @@ class MouldPage:
         """What a command made."""
         answer = job.answer
         folder = folder_of(answer)
-        batch = answer.get("batch") or {**answer["pour"], "pour_g": answer["pour"]["fill_mass_g"]}
-        puck = batch.get("witness") or {}
-        mixed = "to mix for pad and witness puck" if puck else "to mix"
-        poured = [(f"{part['mass_g']:.1f} g", f"{part['name']}, {mixed}") for part in (puck or batch)["components"]]
-        poured.append((f"{batch['pour_g']:.1f} g", "of the mix, into the mould"))
-        poured += [(f"{puck['mass_g']:.1f} g", "of the mix, into the ring of the witness puck")] if puck else []
-        for part in ("", "lid_"):
-            mass = answer["pour"].get(f"{part}silicone_mass_g")
-            poured += [(f"{mass:.0f} g", f"silicone for the {'lid' if part else 'mould'}")] if mass else []
-        widgets.facts(poured)
+        widgets.facts(poured(answer["batch"], answer["pour"]))
         if folder:
             self._files(folder)
         widgets.warnings(answer)
@@ -148,6 +139,27 @@ class MouldPage:
                     links.append([page_link("/mould", one.label, other, "other-mould")])
             if links:
                 html("<h2>Moulds of other pads</h2><ul>{}</ul>", joined("<li>{}</li>", links))
+
+
+def poured(batch: Mapping[str, Any], pour: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """What to weigh, and what of it goes where; of a layered pad both pours."""
+    rows, pours = [], {"": batch}
+    if "base" in batch:
+        pours = {"upper layer, poured first: ": batch, "base layer, poured second: ": batch["base"]}
+    for layer, one in pours.items():
+        mixed = [
+            (part["mass_g"], f"{part['name']}, to mix for pad and witness puck")
+            for part in one["witness"]["components"]
+        ]
+        cast = (
+            (one["pour_g"], "of the mix, into the mould"),
+            (one["witness"]["mass_g"], "of the mix, into the ring of the witness puck"),
+        )
+        rows += [(f"{mass_g:.1f} g", f"{layer}{words}") for mass_g, words in (*mixed, *cast)]
+    masses = {part: pour.get(f"{part}silicone_mass_g") for part in ("", "lid_")}
+    return rows + [
+        (f"{mass:.0f} g", f"silicone for the {'lid' if part else 'mould'}") for part, mass in masses.items() if mass
+    ]
 
 
 def pad_of(words: Sequence[str]) -> list[str]:

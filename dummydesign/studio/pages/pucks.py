@@ -18,8 +18,8 @@ from dummydesign.studio.state import State, page_link
 from dummydesign.studio.trash import choose_for_project
 from dummydesign.studio.widgets import NumberField, html, keep_state, open_page
 
-OWN = ("puck", "diameter", "height", "mixed", "name", "base")
-"""Choices of this page in the address."""
+TYPED = "puck_"
+"""Beginning of the names under which the address keeps the choices of this page, which are named as the options are."""
 SIZES_MM = (1.0, 500.0)
 
 
@@ -29,30 +29,31 @@ class PuckPage:
     def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
         self._root, self._project, self._state = project.root, project, state
         known = pucks(project.root)
-        start = {name: query[name] for name in OWN if name in query} or _last(project.root)
+        typed = {name.removeprefix(TYPED): text for name, text in query.items() if name.startswith(TYPED)}
+        start = typed or _last(project.root)
         with widgets.fold("Print the ring of a puck", "ring", opened=not known):
             JobPanel(project.root, "ring", "Make the ring", self._ring_words, _show_ring, needs="files")
         if not known:
             html('<p class="note">No presses yet: {} first.</p>', page_link("/measured", "bring in the file of a puck"))
             return
         # several presses may be those of people: which one is the puck's is for the user to say
-        first = start.get("puck") or (next(iter(known)) if len(known) == 1 else "")
+        first = start.get("press") or (next(iter(known)) if len(known) == 1 else "")
         if first and first not in known:
             widgets.tell_problem(f"The press '{first}' is not there (any more). Choose another, or bring it back.")
         bases = {"": "the batch itself, or the built-in one", **select_options.resins()}
-        base = start.get("base", "")
+        base = start.get("resin", "")
         name = start.get("name") or select_options.free_library_name("resin", "my-batch")
         shown = select_options.offered(known, first, f"{first} (missing)" if first else "choose it")
         with widgets.fields():
             laid = {
-                "puck": widgets.select("Press of the puck", shown, first, "puck"),
+                "press": widgets.select("Press of the puck", shown, first, "puck"),
                 "diameter": NumberField("Diameter [mm]", None, *SIZES_MM),
                 "height": NumberField("Height [mm]", None, *SIZES_MM),
-                "mixed": NumberField("Mixing ratio", state.ratio),
+                "ratio": NumberField("Mixing ratio", state.ratio),
                 "name": ui.input("Name of the batch", value=name),
-                "base": widgets.select("Resin whose law is updated", bases, base if base in bases else ""),
+                "resin": widgets.select("Resin whose law is updated", bases, base if base in bases else ""),
             }
-        kept = {field: text for field, text in start.items() if field in ("diameter", "height", "mixed")}
+        kept = {field: text for field, text in start.items() if field in ("diameter", "height", "ratio")}
         self._form = widgets.Form("puck", laid, kept)
         self._work = JobPanel(
             project.root,
@@ -68,7 +69,7 @@ class PuckPage:
         self._list()
 
     def _renew(self) -> None:
-        keep_state(self._state, **self._form.kept())
+        keep_state(self._state, **{f"{TYPED}{name}": text for name, text in self._form.kept().items()})
         self._work.renew()
 
     def _ring_words(self) -> list[str]:
@@ -78,22 +79,14 @@ class PuckPage:
 
     def _words(self) -> list[str]:
         given = self._form.filled(
-            puck="which press is the puck's",
+            press="which press is the puck's",
             diameter="the diameter of the puck",
             height="the height of the puck",
-            mixed="the ratio of the puck",
+            ratio="the ratio of the puck",
             name="the name of the batch",
         )
-        name = given["name"].strip()
-        select_options.check_name("resin", name)
-        typed = {
-            "diameter": given["diameter"],
-            "height": given["height"],
-            "name": name,
-            "ratio": given["mixed"],
-            "resin": given["base"],
-        }
-        return ["resins", "add-compression", given["puck"], *jobs.options(typed)]
+        select_options.check_name("resin", given["name"])
+        return ["resins", "add-compression", given.pop("press"), *jobs.options(given)]
 
     def _show(self, job: jobs.Job) -> None:
         answer, name = job.answer, job.answer["name"]
@@ -178,6 +171,4 @@ def _last(root: Path) -> dict[str, str]:
     job = jobs.latest(root, "puck")
     if job is None:
         return {}
-    given = dict(zip(job.words[3::2], job.words[4::2]))
-    names = {"--diameter": "diameter", "--height": "height", "--ratio": "mixed", "--name": "name", "--resin": "base"}
-    return {"puck": job.words[2]} | {name: given[word] for word, name in names.items() if word in given}
+    return {"press": job.words[2]} | {word[2:]: value for word, value in zip(job.words[3::2], job.words[4::2])}

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from nicegui import run, ui
+from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.levels import level_name
@@ -18,11 +17,13 @@ from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
+from dummydesign.report import suggest_facts
+from dummydesign.report.suggest_sections import full_sentence
 from dummydesign.studio import figures, jobs, select_options, widgets
 from dummydesign.studio import slider_model as sliders
 from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
-from dummydesign.studio.markup import Markup, filled, joined
+from dummydesign.studio.markup import Markup, filled
 from dummydesign.studio.state import (
     NO_TISSUE,
     QUESTION_FIELDS,
@@ -34,8 +35,6 @@ from dummydesign.studio.state import (
 )
 from dummydesign.studio.widgets import html, open_page
 
-PRESS_HEAD = ("steady N", "mm/s", "depth mm", "pad peak N", "subjects N", "")
-
 
 def question_of(words: Sequence[str], answer: Mapping[str, Any]) -> dict[str, str]:
     """What a command line of ``suggest`` asked, as :attr:`State.question` has it; what it lacks is in its answer."""
@@ -45,25 +44,9 @@ def question_of(words: Sequence[str], answer: Mapping[str, Any]) -> dict[str, st
     return {name: given.get(name, usual.get(name, "")) for name in QUESTION_FIELDS}
 
 
-def press_rows(presses: Sequence[Mapping[str, Any]]) -> list[list[object]]:
-    """One row a press: steady force, speed, depth, peak of the pad, peaks of the subjects, how the pad reads."""
-    rows: list[list[object]] = []
-    for one in presses:
-        reached = one["peak_force_N"] is not None and one["peak_force_N"] == one["peak_force_N"]
-        reads = str(one["reads"]) if reached else "out of reach"
-        if reads in ("low", "high"):
-            reads = f"{one['percent_outside']:.0f} % {reads}"
-        rows.append(
-            [
-                one["steady_force_N"],
-                one["velocity_mm_s"],
-                round(one["depth_mm"], 2) if reached else None,
-                round(one["peak_force_N"], 1) if reached else None,
-                f"{one['target_peak_low_N']:.1f} to {one['target_peak_high_N']:.1f}",
-                reads,
-            ]
-        )
-    return rows
+def show_presses(presses: Sequence[Mapping[str, Any]], under: str = "") -> None:
+    """Show the table of presses as the report of a design has it; ``under`` is the line that it is folded under."""
+    widgets.table(*suggest_facts.press_rows({"recommendation": {"conditions": presses}}), under=under)
 
 
 def state_of_answer(state: State, answer: dict[str, Any], folder: str) -> State:
@@ -148,33 +131,13 @@ class Search:
             widgets.warnings(answer)
             if answer.get("files", {}).get("report"):
                 widgets.file_links([("the whole report", answer["files"]["report"])])
-            self._compare_kinds(answer)
-            widgets.table(PRESS_HEAD, press_rows(best["conditions"]))
+            html("<p>{}</p>", widgets.marked(full_sentence(suggest_facts.why_text(answer))))
+            widgets.records(figures.KIND_COLUMNS, figures.kind_rows(answer))
+            show_presses(best["conditions"])
 
         words = "Why this pad: the other kinds, the presses"
         notes = len(answer.get("warnings", []))
         widgets.fold(words + (f", {notes} warning{'s' * (notes > 1)}" if notes else ""), "why", tell_why)
-
-    def _compare_kinds(self, answer: dict[str, Any]) -> None:
-        """The best pad of each kind, and why this one; the verdicts of the others come a moment later."""
-        html("{}", joined("<p>{}</p>", ([widgets.marked(one)] for one in figures.kind_sentences(answer))))
-        rows, state = figures.kind_rows(answer), self.state()
-        if len(rows) < 2:
-            return
-        with widgets.area("kinds") as box:
-            widgets.table(figures.HEAD, rows)
-
-        def judge() -> dict[str, dict[str, Any]]:
-            return figures.verdicts_of_kinds(sliders.evaluator_of(self.root, state), answer)
-
-        async def fill() -> None:
-            with suppress(InputError):
-                verdicts = await run.io_bound(judge)
-                if verdicts is not None and not box.is_deleted:
-                    with widgets.fresh(box):
-                        widgets.table(figures.HEAD, figures.kind_rows(answer, verdicts))
-
-        ui.timer(0.1, fill, once=True)
 
 
 class DesignList:
@@ -274,4 +237,4 @@ class SolvedPad:
         """The presses and warnings of the solved pad."""
         widgets.warnings(job.answer)
         rows = (job.answer.get("recommendation") or job.answer).get("conditions") or []
-        widgets.table(PRESS_HEAD, press_rows([one for one in rows if "reads" in one]), under="the solved presses")
+        show_presses([one for one in rows if "reads" in one], "the solved presses")

@@ -15,6 +15,7 @@ pytest.importorskip("nicegui", reason="no NiceGUI here: pip install nicegui")
 from dummydesign.person.drives import DRIVES
 from dummydesign.project.folder import make_project
 from dummydesign.project.status import ProjectFile, status_of
+from dummydesign.report.page import Table
 from dummydesign.studio import select_options, widgets
 from dummydesign.studio.pages import cast, learn, measured, mould, overview, tissue
 from dummydesign.studio.state import State
@@ -23,27 +24,31 @@ from tests.support.refusal import raises_code
 PAD = {"thickness_mm": 5.0, "shape": "slab", "ratio": 15.0}
 
 
-@pytest.mark.parametrize(
-    ("light", "central", "sure", "words"),
-    [
-        ("red", 1.1, 1.2, "No correction: this pad is not usable."),
-        ("amber", None, None, "No correction: this pad is not usable."),
-        ("green", 1.0, None, "Correction: none needed."),
-        ("green", 1.0, 1.004, "Correction: none needed."),
-        ("amber", 1.004, 1.006, "Correction: none at central estimates. Multiply by 1.01 to be safe in 95 % of cases."),
-        ("amber", 1.07, 1.2, "multiply readings by 1.07 at central estimates. Multiply by 1.20"),
-    ],
-)
-def test_a_correction_is_a_sentence(light, central, sure, words):
-    given = {"light": light, "correction": {"factor_central": central, "factor": sure}}
-    assert words in cast.correction(given)
-    assert cast.correction({"light": "green"}) == "No correction: this pad is not usable."
-
-
 def test_the_peaks_of_the_subjects_are_one_cell_of_a_compared_press():
-    row = cast.compared_row({"file": "campaigns/a/t05.csv", "range_peak_low_N": 5.186, "range_peak_high_N": 6.389})
-    assert row["subjects"] == "5.19 to 6.39" and row["file"] == "t05.csv"
-    assert cast.compared_row({"file": "a.csv"})["subjects"] == ""
+    keys = ("velocity_mm_s", "steady_force_N", "depth_mm", "peak_force_N", "inside_fraction")
+    press = {"file": "campaigns/a/t05.csv", **dict.fromkeys(keys, 1.0)}
+    ranged = press | {"range_peak_low_N": 5.186, "range_peak_high_N": 6.389}
+    table = Table.of([ranged, press], cast.COMPARED)
+    assert [(row[0], row[-2]) for row in table.rows] == [("t05.csv", "5.19 to 6.39"), ("t05.csv", "-")]
+
+
+@pytest.mark.parametrize(("names", "chosen"), [(("anna_1", "anna_2"), 2), (("anna_1", "ben_1", "cleo_1"), 0)])
+def test_presses_of_several_people_are_not_chosen_as_those_of_one_subject(lab, names, chosen):
+    known = {f"measured/import-a/{name}.csv": name for name in names}
+    start, *_ = tissue._start(SimpleNamespace(root=lab.root, query={}, tissue=""), known)
+    assert len(start) == chosen
+
+
+@pytest.mark.parametrize(("rmse_N", "poor"), [(0.11, 0), (12.8, 1)])
+def test_a_fit_far_above_the_noise_is_called_poor(lab, monkeypatch, rmse_N, poor):
+    said = []
+    for name in ("html", "show_curves", "parameter_table"):
+        monkeypatch.setattr(tissue, name, lambda *given: None)
+    monkeypatch.setattr(tissue.widgets, "tell_problem", said.append)
+    answer = {"elements": 5, "mode": "pooled", "rmse_N": rmse_N, "noise_floor_N": 0.1, "parameters": {}}
+    page = SimpleNamespace(root=lab.root, use_button=lambda name: None)
+    tissue._show(page, SimpleNamespace(answer=answer | {"files": {"tissue": "tissue/mine.toml"}}))
+    assert len(said) == poor and all("128 times" in one for one in said)
 
 
 def test_fields_of_drives_have_the_numbers_of_all_drives_with_their_usual_values():

@@ -391,19 +391,24 @@ def calibrate(
 
     Parameters
     ----------
-    campaign : path
+    campaign : CAMPAIGN_DIR
         Folder with campaign.toml and one CSV per trial.
-    effects : iterable of path
-        Files with effects of your own.
-    prior : path, optional
-        ``calibration.json`` of an earlier campaign of the same material; see :mod:`dummydesign.loop.prior`.
-    plan : path, optional
-        Folder for the next measurement, as a campaign to press; the next free number when it holds something else.
-    out : path, optional
-        Folder of calibration and report, which are not written without it; the next free number when it holds
-        another answer.
-    replace : bool
-        Take the place of the other answer instead.
+    prior : CALIBRATION
+        calibration.json of an earlier campaign of the same material.
+
+        See :mod:`dummydesign.loop.prior`.
+    plan : DIR
+        Write the next measurement as a campaign to press.
+
+        The next free number when the folder holds something else.
+    out : DIR
+        Where report and calibration go (default: loop-NAME).
+
+        Without it nothing is written; the next free number when it holds another answer.
+    replace
+        Overwrite an earlier answer in --out (default: keep it and number the new folder).
+    effects : --effect FILE.py ...
+        File with one effect class of your own; its code is run; may be repeated.
     progress : callable, optional
         Called with a word at each step.
 
@@ -473,14 +478,14 @@ def replay(
 
     Parameters
     ----------
-    campaign : path
+    campaign : CAMPAIGN_DIR
         Folder with campaign.toml and one CSV per trial.
-    calibration : path
-        ``calibration.json`` of :func:`calibrate`.
-    tissue : str, optional
-        Name or file: each pad of the campaign is then judged by its presses, as :func:`compare` does.
-    effects : iterable of path
-        Files with effects of your own that the calibration names.
+    calibration : --calibration FILE
+        calibration.json of 'dummydesign loop'.
+    tissue : NAME|FILE
+        Judge each pad of the campaign by its presses, as 'compare' does.
+    effects : --effect FILE.py ...
+        File with one effect class of your own; its code is run; may be repeated.
     progress : callable, optional
         Called with a word at each step.
 

@@ -10,7 +10,7 @@ from typing import Any
 
 ENTRY = re.compile(r"^(\w+)(?: : (?:(--[\w-]+) )?(.*?)( \.\.\.)?)?\n((?:    .*\n)+)", re.MULTILINE)
 """A parameter in a docstring: name, option where it is not the name, what is typed, ``...``, and its help."""
-FOR_SCRIPTS = ("progress", "executor")
+FOR_SCRIPTS = ("progress", "executor", "set_up", "design")
 """Arguments that only Python can give."""
 READERS = {"float": "read_number", "int": "read_count"}
 
@@ -97,12 +97,6 @@ def call_in_steps(about: int, function: Callable[..., Any], options: argparse.Na
 
     with steps_shown(about) as steps:
         return call(function, options, progress=steps, **more)
-
-
-def add_replace_option(parser: argparse.ArgumentParser) -> None:
-    """Declare ``--replace``."""
-    words = "overwrite an earlier answer in --out (default: keep it and number the new folder)"
-    parser.add_argument("--replace", action="store_true", help=words)
 
 
 ACTIONS = ("remove", "rename", "path")

@@ -6,11 +6,13 @@ import html
 import io
 import math
 import re
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache
+from pathlib import Path
 from typing import Any
+
+from dummydesign.core.typeset import FONTS, typeset
 
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]
@@ -31,14 +33,27 @@ LAYERS = {
 TEXT_MM, CAP_SHARE = 2.5, 0.718
 """Height of the capital letters of the smallest text [mm], and their share of the font size (Helvetica)."""
 ARROW_MM = 2.8
+TEMPLATE = Path(__file__).with_name("drawings.typ")
+FONT_SIZE = 2048
+"""Size at which letters are measured: that of the font's own grid."""
 
 
-@lru_cache(maxsize=4096)
+@cache
+def _letter_width(letter: str) -> float:
+    """Width of a letter over the size of its text."""
+    return _font().getlength(letter) / FONT_SIZE
+
+
+@cache
+def _font() -> Any:
+    from PIL import ImageFont
+
+    return ImageFont.truetype(FONTS / "LiberationSans-Regular.ttf", FONT_SIZE, layout_engine=ImageFont.Layout.BASIC)
+
+
 def text_width(words: str, height: float) -> float:
-    """Width of a text in Helvetica. [mm]"""
-    from reportlab.pdfbase.pdfmetrics import stringWidth
-
-    return float(stringWidth(words, "Helvetica", height / CAP_SHARE))
+    """Width of a text in Helvetica, as wide as which Liberation Sans is. [mm]"""
+    return sum(map(_letter_width, words)) * height / CAP_SHARE
 
 
 @dataclass(frozen=True)
@@ -287,74 +302,12 @@ def _svg_text(text: Text, h: float) -> str:
     anchor = ' text-anchor="middle"' if text.middle else ""
     turn = f' transform="rotate(-90 {x:.3f} {y:.3f})"' if text.upright else ""
     return (
-        f'<text x="{x:.3f}" y="{y:.3f}" font-family="Helvetica, Liberation Sans, Arial, sans-serif" '
+        f'<text x="{x:.3f}" y="{y:.3f}" font-family="Helvetica, Liberation Sans, Arial, sans-serif" xml:space="preserve" '
         f'font-size="{text.height / CAP_SHARE:.2f}" fill="#111"{anchor}{turn}>{html.escape(text.words)}</text>'
     )
 
 
-POINT_PER_MM = 72.0 / 25.4
-
-
 def to_pdf(sheets: Sequence[Drawing], title: str) -> bytes:
-    """Write sheets as PDF; a millimetre of the drawing is a millimetre of the page; equal sheets, equal files."""
-    from reportlab.pdfgen.canvas import Canvas
-
-    stream = io.BytesIO()
-    canvas = Canvas(stream, invariant=1, pageCompression=1)
-    with packed_pages():
-        canvas.setTitle(title)
-        canvas.setCreator("dummydesign")
-        for sheet in sheets:
-            canvas.setPageSize(tuple(POINT_PER_MM * side for side in sheet.size))
-            canvas.saveState()
-            canvas.scale(POINT_PER_MM, POINT_PER_MM)
-            draw(canvas, sheet)
-            canvas.restoreState()
-            canvas.bookmarkPage(sheet.title)
-            canvas.addOutlineEntry(sheet.title, sheet.title)
-            canvas.showPage()
-        canvas.save()
-    return stream.getvalue()
-
-
-@contextmanager
-def packed_pages() -> Iterator[None]:
-    """Write pages packed as they are, not also spelt out in letters; reportlab's setting is given back.
-
-    Letters take longer and a quarter more room.
-    """
-    from reportlab import rl_config
-
-    before = rl_config.useA85
-    rl_config.useA85 = 0
-    try:
-        yield
-    finally:
-        rl_config.useA85 = before
-
-
-def draw(canvas: Any, sheet: Drawing) -> None:
-    """Draw a sheet on a canvas whose unit is a millimetre."""
-    canvas.setLineJoin(1)
-    canvas.setLineCap(1)
-    # Operators of PDF itself: w sets the width, m and l go along a path, S strokes, h closes and f fills it.
-    drawn = [f"{LAYERS[line.layer]} w {_path(line.points)} S" for line in sheet.lines]
-    drawn.append(f"{LAYERS['dimension']} w")
-    for d in sheet.dimensions:
-        lines, heads = d.marks()
-        drawn += [f"{_path(ends)} S" for ends in lines]
-        drawn += [f"{_path(corners)} h f" for corners in heads]
-    canvas.addLiteral("\n".join(drawn))
-    for text in sheet.all_texts:
-        canvas.saveState()
-        canvas.translate(*text.at)
-        if text.upright:
-            canvas.rotate(90)
-        canvas.setFont("Helvetica", text.height / CAP_SHARE)
-        (canvas.drawCentredString if text.middle else canvas.drawString)(0, 0, text.words)
-        canvas.restoreState()
-
-
-def _path(points: Sequence[Point]) -> str:
-    (x, y), *rest = points
-    return f"{x:.4f} {y:.4f} m " + " ".join([f"{x:.4f} {y:.4f} l" for x, y in rest])
+    """Write sheets as PDF, a page each; a millimetre of the drawing is a millimetre of the page."""
+    pages = [{"title": one.title, "size": one.size, "svg": to_svg(one)} for one in sheets]
+    return typeset(TEMPLATE, {"title": title, "pages": pages})

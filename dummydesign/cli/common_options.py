@@ -18,7 +18,7 @@ READERS = {"float": "read_number", "int": "read_count"}
 def add_options(parser: argparse._ActionsContainer, call: Callable[..., Any], names: Collection[str] = ()) -> None:
     """Declare arguments of a call, or all that are not declared yet, by its signature and docstring.
 
-    In the docstring stands after a name what is typed: ``MM``, or with the option ``--flag MM`` where this is not the
+    In the docstring stands after a name what is typed: ``MM``, or with the option ``--NAME MM`` where this is not the
     name without its unit, or where the argument is needed and yet an option; ``FILE ...`` may be several. The first
     paragraph below is the help.
     """

@@ -279,7 +279,8 @@ def to_svg(sheet: Drawing) -> str:
     """Write the sheet as SVG in the size of its paper."""
     w, h = sheet.size
     out = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{w:g}mm" height="{h:g}mm" viewBox="0 0 {w:g} {h:g}">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{w:g}mm" height="{h:g}mm" viewBox="0 0 {w:g} {h:g}" '
+        'xml:space="preserve">',
         f"<title>{html.escape(sheet.title)}</title>",
         f'<rect width="{w:g}" height="{h:g}" fill="#fff"/>',
         '<g fill="none" stroke="#111" stroke-linejoin="round" stroke-linecap="round">',
@@ -302,7 +303,7 @@ def _svg_text(text: Text, h: float) -> str:
     anchor = ' text-anchor="middle"' if text.middle else ""
     turn = f' transform="rotate(-90 {x:.3f} {y:.3f})"' if text.upright else ""
     return (
-        f'<text x="{x:.3f}" y="{y:.3f}" font-family="Helvetica, Liberation Sans, Arial, sans-serif" xml:space="preserve" '
+        f'<text x="{x:.3f}" y="{y:.3f}" font-family="Helvetica, Liberation Sans, Arial, sans-serif" '
         f'font-size="{text.height / CAP_SHARE:.2f}" fill="#111"{anchor}{turn}>{html.escape(text.words)}</text>'
     )
 

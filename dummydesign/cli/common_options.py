@@ -15,8 +15,8 @@ FOR_SCRIPTS = ("progress", "executor", "set_up", "design")
 READERS = {"float": "read_number", "int": "read_count"}
 
 
-def add_options(parser: argparse._ActionsContainer, call: Callable[..., Any], names: Collection[str] = ()) -> None:
-    """Declare arguments of a call, or all that are not declared yet, by its signature and docstring.
+def add_options(parser: argparse._ActionsContainer, call: Callable[..., Any], leave: Collection[str] = ()) -> None:
+    """Declare the arguments of a call that are not declared yet by its signature and docstring, but for some.
 
     In the docstring stands after a name what is typed: ``MM``, or with the option ``--NAME MM`` where this is not the
     name without its unit, or where the argument is needed and yet an option; ``FILE ...`` may be several. The first
@@ -28,7 +28,7 @@ def add_options(parser: argparse._ActionsContainer, call: Callable[..., Any], na
 
     parameters, declared = signature(call).parameters, {action.dest for action in parser._actions}
     for name, flag, metavar, several, about in ENTRY.findall(f"{getdoc(call)}\n"):
-        if name not in parameters or name in (*declared, *FOR_SCRIPTS) or (names and name not in names):
+        if name not in parameters or name in (*declared, *FOR_SCRIPTS, *leave):
             continue
         default, needed = parameters[name].default, parameters[name].default is Parameter.empty
         given: dict[str, Any] = {

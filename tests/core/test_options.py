@@ -61,9 +61,9 @@ def press(
     """
 
 
-def parser_of_press(*names: str) -> argparse.ArgumentParser:
+def parser_of_press(*leave: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(exit_on_error=False)
-    add_options(parser, press, names)
+    add_options(parser, press, leave)
     return parser
 
 
@@ -109,11 +109,12 @@ def test_help_is_the_first_paragraph_without_marks_and_unit():
     assert helps["hold_s"] == "hold after the stop"
 
 
-def test_named_options_first_and_then_the_others():
+def test_options_that_are_left_are_declared_in_a_group():
     parser = parser_of_press("own", "hold_s")
-    assert [action.dest for action in parser._actions] == ["help", "hold_s", "own"]
-    add_options(parser, press)
-    assert [action.dest for action in parser._actions][3:5] == ["files", "name"]
+    assert [action.dest for action in parser._actions][1:4] == ["files", "name", "mass_g"]
+    group = parser.add_argument_group("more")
+    add_options(group, press)
+    assert [action.dest for action in group._group_actions] == ["hold_s", "own"]
 
 
 def test_texts_and_values_are_read_alike_and_faults_name_the_quantity():

@@ -19,10 +19,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     from dummydesign.api.traces import compare
 
+    add_options(parser, compare, OWN_TEST)
     words = "as in 'suggest'; without them every press is used as measured. Numbers may carry a unit"
     test = parser.add_argument_group("your own test", words)
-    add_options(test, compare, OWN_TEST)
-    add_options(parser, compare)
+    add_options(test, compare)
 
 
 ABOUT_STEPS = 13

@@ -20,9 +20,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add what can be asked."""
     from dummydesign.api.designs import suggest
 
+    add_options(parser, suggest, OWN_TEST)
     test = parser.add_argument_group("your own test", "numbers may carry their unit: 0.25m/s, 10mm/s")
-    add_options(test, suggest, OWN_TEST)
-    add_options(parser, suggest)
+    add_options(test, suggest)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

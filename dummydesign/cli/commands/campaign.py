@@ -26,8 +26,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(dest="action", required=True, metavar="new|check|from-files", help="what to do")
     new = actions.add_parser("new", help="a plan, campaign.toml and a sheet to press from")
     files = actions.add_parser("from-files", help="campaign.toml from existing traces")
-    for one, calls in ((new, (_design, plan_campaign)), (files, (campaign_from_files,))):
-        for function in (*calls, _set_up):
+    calls: dict[Any, tuple[Any, ...]] = {new: (_design, plan_campaign), files: (campaign_from_files,)}
+    for one, functions in calls.items():
+        for function in (*functions, _set_up):
             add_options(one, function)
     add_options(actions.add_parser("check", help="what is not yet pressed, and problems"), check_campaign)
 

@@ -41,7 +41,7 @@ FONT_SIZE = 2048
 @cache
 def _letter_width(letter: str) -> float:
     """Width of a letter over the size of its text."""
-    return _font().getlength(letter) / FONT_SIZE
+    return float(_font().getlength(letter)) / FONT_SIZE
 
 
 @cache

@@ -10,8 +10,6 @@ from html import escape
 from os import fspath
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import FilePath
 from dummydesign.core.manifest import Question
@@ -124,6 +122,8 @@ def _is_column(value: Any) -> bool:
 
 
 def _attribute(value: Any) -> Any:
+    import numpy as np
+
     return np.asarray(value, dtype=float) if _is_column(value) else deepcopy(value)
 
 
@@ -166,6 +166,8 @@ def dataset_of(rows: Sequence[Mapping[str, Any]]) -> Any:
     InputError
         When xarray is not installed.
     """
+    import numpy as np
+
     try:
         import xarray
     except ImportError:

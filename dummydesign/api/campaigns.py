@@ -34,18 +34,22 @@ def plan_campaign(
 
     Parameters
     ----------
-    folder : path
-        Where it goes; the next free number when there is another answer.
+    folder : DIR
+        Folder to make.
+
+        The next free number when there is another answer.
     set_up : SetUp
         Pad, punch and sensor.
     design : PlanSettings
         Pads, speeds, targets, repeats, days, seed.
-    power : bool
-        Work out which effects the plan cannot see or tell apart.
-    replace : bool
-        Take the place of the other answer instead.
-    units : str
-        Of the sheet: ``mm`` (mm, N) or ``in`` (inches, pounds-force).
+    power
+        Do not work out which effects the plan cannot see or tell apart.
+
+        In Python ``power=False``.
+    replace
+        Overwrite an earlier answer in --out (default: keep it and number the new folder).
+    units : NAME
+        Of the sheet: ``mm`` (default; mm, N) or ``in`` (inches, pounds-force).
 
     Returns
     -------
@@ -277,7 +281,8 @@ def check_campaign(folder: FilePath) -> Result:
 
     Parameters
     ----------
-    folder : path
+    folder : DIR
+        Folder with campaign.toml.
 
     Returns
     -------
@@ -317,18 +322,20 @@ def campaign_from_files(
 
     Parameters
     ----------
-    folder : path
-        Where it goes; the next free number when there is another answer.
-    files : iterable of path
-        Traces.
+    folder : DIR
+        Folder to make; the traces are copied into it.
+
+        The next free number when there is another answer.
+    files : FILE ...
+        Traces, named such as t05_v010_f03_1.csv.
     set_up : SetUp
         Pad, punch and sensor.
-    table : path, optional
-        CSV with ``file`` and what is known of each press.
-    thickness_mm : float, optional
+    table : trials.csv
+        file,thickness_mm,velocity_mm_s,... of each press.
+    thickness_mm : MM
         Of pads whose file name and row do not say. [mm]
-    replace : bool
-        Take the place of the other answer instead.
+    replace
+        Overwrite an earlier answer in --out (default: keep it and number the new folder).
 
     Returns
     -------
@@ -391,19 +398,24 @@ def calibrate(
 
     Parameters
     ----------
-    campaign : path
+    campaign : CAMPAIGN_DIR
         Folder with campaign.toml and one CSV per trial.
-    effects : iterable of path
-        Files with effects of your own.
-    prior : path, optional
-        ``calibration.json`` of an earlier campaign of the same material; see :mod:`dummydesign.loop.prior`.
-    plan : path, optional
-        Folder for the next measurement, as a campaign to press; the next free number when it holds something else.
-    out : path, optional
-        Folder of calibration and report, which are not written without it; the next free number when it holds
-        another answer.
-    replace : bool
-        Take the place of the other answer instead.
+    prior : CALIBRATION
+        calibration.json of an earlier campaign of the same material.
+
+        See :mod:`dummydesign.loop.prior`.
+    plan : DIR
+        Write the next measurement as a campaign to press.
+
+        The next free number when the folder holds something else.
+    out : DIR
+        Where report and calibration go (default: loop-NAME).
+
+        Without it nothing is written; the next free number when it holds another answer.
+    replace
+        Overwrite an earlier answer in --out (default: keep it and number the new folder).
+    effects : --effect FILE.py ...
+        File with one effect class of your own; its code is run; may be repeated.
     progress : callable, optional
         Called with a word at each step.
 
@@ -473,14 +485,14 @@ def replay(
 
     Parameters
     ----------
-    campaign : path
+    campaign : CAMPAIGN_DIR
         Folder with campaign.toml and one CSV per trial.
-    calibration : path
-        ``calibration.json`` of :func:`calibrate`.
-    tissue : str, optional
-        Name or file: each pad of the campaign is then judged by its presses, as :func:`compare` does.
-    effects : iterable of path
-        Files with effects of your own that the calibration names.
+    calibration : --calibration FILE
+        calibration.json of 'dummydesign loop'.
+    tissue : NAME|FILE
+        Judge each pad of the campaign by its presses, as 'compare' does.
+    effects : --effect FILE.py ...
+        File with one effect class of your own; its code is run; may be repeated.
     progress : callable, optional
         Called with a word at each step.
 

@@ -12,6 +12,7 @@ from dummydesign.api.answers import Answer, Rows, answer_folder, question
 from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.files import FilePath
+from dummydesign.core.progress import quiet
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -60,49 +61,68 @@ def suggest(
 
     Parameters
     ----------
-    tissue, resin : str
-        Names of the library, or paths of TOML files.
-    aim : str
-        ``average``, ``safe-side``, ``subject:NAME`` or ``people:PERCENT``.
-    thickness_mm, ratio : (low, high) or "LOW:HIGH", optional
-        Limits with both ends included. [mm, resin's ratio]
-    shape : str
-        ``auto`` (the best of all kinds), ``slab``, another kind such as ``crowned``, or one with its lengths.
-    mould : path, optional
-        Folder or ``spec.json`` of a mould that was made: shape, thickness and size of its pad are kept.
-    calibration : path, optional
-        Written by ``dummydesign loop``.
-    effects : iterable of path
-        Files with effects of your own that the calibration names.
-    verify : bool
-        Solve the recommended pad by finite elements.
-    cad : bool
-        Make the mould into ``out``, unless the verdict is red (``answer.outcome.verdict.acceptable``); the recipe is
-        then that of the solids' volumes.
-    punch : str
-        ``square:14``, ``rectangle:20x10``, ``round:16``, ``ball:20`` or ``profile:FILE.csv``, sizes in mm.
-    force_N, velocity_mm_s : numbers or text
-        Steady forces and speeds of the test, such as ``"5,10,15"`` or ``"0.01m/s,0.25m/s"``. [N, mm/s]
-    hold_s, deceleration_mm_s2 : float
-        Hold after the stop, and braking of the robot. [s, mm/s2]
-    pad : (length, width) or "LxW"
-        [mm]
-    base : str
-        ``bonded``, ``sliding`` or ``friction:MU``.
-    edge_radius_mm : float
-        Fillet of the punch's edge, 0 (sharp) to 0.3 of its half-width; solved for slabs. [mm]
-    condition : str, optional
-        How the punch holds the pad's face: ``bonded``, ``frictionless`` or ``friction:MU``, solved for slabs; glued
-        by default, without friction under a ball or a profile.
-    preset : str
-        Mould preset, name or file.
-    sites : (along, across) or "NxM", optional
-        Crowns on one pad, far enough apart to be independent.
-    out : path, optional
-        Folder of the mould and the report, which are not made without it; the next free number when it holds the
-        answer to another question.
-    replace : bool
-        Take the place of the other answer instead.
+    tissue : --tissue NAME|FILE
+        See 'dummydesign tissues list'.
+    aim : AIM
+        ``average`` (default), ``safe-side``, ``subject:NAME`` or ``people:PERCENT``.
+    resin : NAME|FILE
+        See 'dummydesign resins list'.
+    thickness_mm : MIN:MAX
+        Search range in mm, in 3 to 30. [mm]
+
+        Also as two numbers; both ends are included.
+    ratio : MIN:MAX
+        Search range of the mixing ratio, within the resin's range.
+    shape : NAME[:P,..]
+        ``auto`` (default), a shape of the package; lengths not given are searched.
+    mould : DIR|FILE
+        Keep shape and thickness of a mould that was made; choose the ratio for the resin at hand.
+    calibration : FILE
+        File written by 'dummydesign loop'; none: ignore the project's.
+    effects : --effect FILE.py ...
+        File with one effect class of your own; its code is run; may be repeated.
+    verify
+        Do not check the design by finite elements.
+
+        In Python ``verify=False``.
+    cad
+        Skip the mould; write recipe and report only.
+
+        In Python ``cad=False``. A mould is made into ``out`` unless the verdict is red
+        (``answer.outcome.verdict.acceptable``); the recipe is then that of the solids' volumes.
+    punch : KIND:SIZE
+        ``square:14`` (default), ``rectangle:AxB``, ``round:D``, ``ball:D``, ``profile:FILE.csv``.
+    edge_radius_mm : MM
+        Fillet of the punch's edge (default 0, sharp). [mm]
+
+        To 0.3 of its half-width; solved for slabs.
+    condition : NAME
+        ``bonded`` (default; under a ball or a profile frictionless), ``frictionless``, ``friction:MU``.
+
+        How the punch holds the pad's face; solved for slabs.
+    force_N : F1,F2,...
+        Steady forces (default 5,10,15 N). [N]
+    velocity_mm_s : V1,V2,...
+        Speeds (default 10,250 mm/s). [mm/s]
+    hold_s : S
+        Hold after the stop (default 10 s). [s]
+    deceleration_mm_s2 : MM_S2
+        Braking (default 30000 mm/s2). [mm/s2]
+    pad : LxW
+        Length and width of the pad (default 150x120 mm).
+    base : NAME
+        ``bonded`` (default), ``sliding`` or ``friction:MU``.
+    sites : NxM
+        Crowns along and across one pad, such as 4x3, far enough apart to be independent.
+    preset : NAME|FILE
+        Mould preset: ``open`` (default), ``lidded``, ``printed`` or a TOML file.
+    out : DIR
+        Folder of the files (default suggest-TISSUE).
+
+        Without it nothing is written, and no mould made; the next free number when it holds the answer to another
+        question.
+    replace
+        Overwrite an earlier answer in --out (default: keep it and number the new folder).
     progress : callable, optional
         Called with the name of each step as it begins.
 
@@ -128,68 +148,14 @@ def suggest(
     >>> [(part["name"], part["mass_g"]) for part in answer["recommendation"]["recipe"]["components"]]
     [('polyol', 54.2), ('isocyanate', 8.4)]
     """
+    given = dict(locals())
     from dummydesign.design.request import Request
 
-    return answer_request(
-        Request.read(
-            tissue=tissue,
-            aim=aim,
-            resin=resin,
-            thickness_mm=thickness_mm,
-            ratio=ratio,
-            shape=shape,
-            mould=mould,
-            calibration=calibration,
-            effects=effects,
-            verify=verify,
-            cad=cad,
-            punch=punch,
-            force_N=force_N,
-            velocity_mm_s=velocity_mm_s,
-            hold_s=hold_s,
-            deceleration_mm_s2=deceleration_mm_s2,
-            pad=pad,
-            base=base,
-            edge_radius_mm=edge_radius_mm,
-            condition=condition,
-            preset=preset,
-            sites=sites,
-        ),
-        out,
-        replace,
-        progress,
-    )
-
-
-def answer_request(
-    request: Request,
-    out: FilePath | None = None,
-    replace: bool = False,
-    progress: Callable[[str], None] | None = None,
-) -> Answer:
-    """Answer a question that was read: what :func:`suggest` does, also for the command line.
-
-    Parameters
-    ----------
-    request : Request
-        The question; :meth:`~dummydesign.design.request.Request.read` makes it of texts and values.
-    out, replace, progress
-        As of :func:`suggest`.
-
-    Returns
-    -------
-    Answer
-
-    Raises
-    ------
-    InputError, NoAnswerError
-        As :func:`suggest`.
-    """
-    folder = None if out is None else Path(out)
+    request, folder = Request.read(**given), None if out is None else Path(out)
     if folder is None:
         request = replace_fields(request, cad=False)
     with _effects(request):
-        return _answer(request, folder, replace, progress or (lambda step: None))
+        return _answer(request, folder, replace, progress or quiet)
 
 
 def _effects(request: Request) -> AbstractContextManager[None]:
@@ -343,33 +309,52 @@ def whatif(
 
     Parameters
     ----------
-    thickness_mm, ratio, velocity_mm_s, force_N : number, numbers or text
-        See :data:`Values`; the ratio is the resin's reference by default. [mm, resin's ratio, mm/s, N]
-    hold_s, deceleration_mm_s2 : float
-        Hold after the stop, and braking, of the presses that scores and peak over steady are of. [s, mm/s2]
-    resin, tissue : str
-        Names or paths; with a tissue every design is scored for it.
-    aim : str
-        Whom of the tissue a score is for: ``average``, ``safe-side``, ``subject:NAME`` or ``people:PERCENT``.
-    punch, condition, base : str or several
-        Such as ``square:14``, ``bonded``, ``sliding``.
-    shape : str or several
-        ``NAME[:KEY=RANGE,...],...``: every combination of a shape's lengths, such as
-        ``slab,crowned:radius=10:20:2,height=2``.
-    edge_radius_mm : number, numbers or text
-        Fillets of the punch's edge (0 to 0.3 of its half-width), of slabs by ``axisymmetric``. [mm]
-    fidelity : str
-        ``table``, ``axisymmetric`` or ``3d``.
-    workers : int
-        Processes on this machine. A script must then start its work below ``if __name__ == "__main__":``.
-    scheduler : str, optional
-        Address of a running Dask scheduler.
-    executor : concurrent.futures.Executor, optional
+    thickness_mm : --thickness RANGE|LIST
+        In mm, inside 3 to 30, such as 3:30:0.5 or 5,15. [mm]
+
+        See :data:`Values`.
+    ratio : RANGE|LIST
+        Mixing ratios (default the resin's reference).
+    resin : NAME|FILE
+        Default polyurethane-nagoya.
+    tissue : NAME|FILE
+        Score every design for this tissue.
+    aim : AIM
+        ``average`` (default), ``safe-side``, ``subject:NAME`` or ``people:PERCENT``.
+    punch : LIST
+        Such as square:14,round:16 (default square:14).
+    condition : LIST
+        Face: ``bonded`` (default), ``frictionless`` or ``friction:MU``.
+    base : LIST
+        Pad on its base: ``bonded`` (default), ``sliding``.
+    shape : NAME[:KEY=RANGE,..],..
+        Such as slab,crowned:radius=10:20:2,height=1.5/2; every combination of its lengths (default slab).
+    edge_radius_mm : RANGE|LIST
+        Fillets of the punch's edge in mm, for slabs (default 0, sharp). [mm]
+    velocity_mm_s : RANGE|LIST
+        In mm/s (default 10,250). [mm/s]
+    force_N : RANGE|LIST
+        In N (default 1,5,10,15). [N]
+    hold_s : S
+        Hold after the stop (default 10 s). [s]
+    deceleration_mm_s2 : MM_S2
+        Braking (default 30000 mm/s2). [mm/s2]
+    fidelity : NAME
+        ``table`` (default), ``axisymmetric`` or ``3d``.
+    workers : N
+        Processes of this machine (default 1).
+
+        A script must then start its work below ``if __name__ == "__main__":``.
+    scheduler : ADDRESS
+        A running Dask scheduler, such as tcp://host:8786.
+    executor : concurrent.futures.Executor
         Runs the tasks side by side, from any library with this interface, instead of ``workers`` or ``scheduler``.
-    out : path, optional
-        Folder of ``rows.csv`` and the report; the next free number when it holds the answer to another question.
-    replace : bool
-        Take the place of the other answer instead.
+    out : DIR
+        Folder of rows.csv and report.html (default whatif-RESIN).
+
+        Without it nothing is written; the next free number when it holds the answer to another question.
+    replace
+        Overwrite an earlier answer in --out (default: keep it and number the new folder).
     progress : callable, optional
         Called with the number of designs that are done and that of all.
 

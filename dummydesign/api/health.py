@@ -20,8 +20,8 @@ from dummydesign.core.user_library import user_folder
 
 NEEDED = ("numpy", "scipy", "scikit-fem", "threadpoolctl")
 PARTS = (
-    ("mould", ("cadquery", "trimesh", "networkx", "lxml", "ezdxf", "reportlab"), "", "moulds and drawings"),
-    ("pages", ("typst",), "", "report.pdf, the first page of a report"),
+    ("mould", ("cadquery", "trimesh", "networkx", "lxml", "ezdxf"), "", "moulds and their DXF"),
+    ("pages", ("typst", "pillow"), "", "first pages of reports, pour sheets, drawings"),
     ("pictures", ("matplotlib",), "", "pictures of curves"),
     ("fields", ("pyvista",), "", "pictures of moulds, fields for ParaView, bones of many triangles"),
     ("studio", ("nicegui",), "dummydesign[studio]", "the pages in the browser"),

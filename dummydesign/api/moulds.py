@@ -40,33 +40,48 @@ def make_mould(
 
     Parameters
     ----------
-    thickness_mm : float or str
-        Thickness of the pad, needed but for pucks. [mm]
-    length_mm, width_mm : float
-        Size of the pad. [mm]
-    shape : str
-        ``slab``, ``crowned``, ``puck``, ..., with its lengths.
-    preset : str
-        ``open``, ``lidded``, ``printed`` (no silicone) or a TOML file.
-    resin : str, optional
-        Name or file of the resin to weigh; the paper's polyurethane by default.
-    ratio, base_ratio : float
-        Mixing ratio, and that of a layered pad's base (by default from its modulus ratio).
-    count : int
-        Cavities side by side in one mould, as many as the machines hold.
-    face_sheet_mm : float, optional
-        Thickness of a sheet of glass let into the master as the tested face; the preset's by default, 0 for none. [mm]
-    out : path, optional
-        Folder of the files, ``mould_tMM`` by default; the next free number when it holds another answer.
-    replace : bool
-        Take the place of the other answer instead.
-    puck : str, optional
-        Witness pucks instead of a pad, ``"50x30"`` (diameter x height) or several, comma-separated: the printed rings
-        they are cast in, one pour sheet with the protocol of the test. Takes a preset of printed moulds. [mm]
-    paper : str
-        Of pour sheet and drawings: ``A4`` or ``A3``.
-    machine, silicone : str, optional
-        Machines that the mould must fit, and its silicone, names or files; those of the preset by default.
+    thickness_mm : MM
+        Thickness of the pad, 3 to 30 mm; required. [mm]
+
+        But for pucks.
+    puck : DxH[,DxH..]
+        Witness pucks instead of a pad, diameter x height in mm: printed rings.
+
+        With one pour sheet with the protocol of the test. Takes a preset of printed moulds.
+    count : N
+        Cavities in one mould (default 1).
+
+        Side by side, as many as the machines hold.
+    length_mm : MM
+        Length of the pad (default 150). [mm]
+    width_mm : MM
+        Width of the pad (default 120). [mm]
+    shape : NAME[:P,..]
+        Of the pad: a shape of the package, or ``puck``.
+    preset : NAME|FILE
+        Mould preset: ``open`` (default), ``lidded``, ``printed`` or a TOML file.
+    machine : NAME|FILE
+        Printer, vacuum chamber and oven the mould must fit (default: the preset's).
+    silicone : NAME|FILE
+        Silicone of the mould (default: the preset's).
+    resin : NAME|FILE
+        Resin to weigh (default the paper's polyurethane).
+    ratio : R
+        Mixing ratio of the resin (default 15).
+    base_ratio : R
+        Ratio of a layered pad's base (default: from its modulus ratio).
+    face_sheet_mm : MM
+        Thickness of a glass sheet that forms the tested face. [mm]
+
+        The preset's by default, 0 for none.
+    paper : A4|A3
+        Paper of pour sheet and drawings (default A4).
+    out : DIR
+        Folder for the files (default mould_tMM).
+
+        The next free number when it holds another answer.
+    replace
+        Overwrite an earlier answer in --out (default: keep it and number the new folder).
 
     Returns
     -------
@@ -230,31 +245,36 @@ def record_pad(
 
     Parameters
     ----------
-    folder : path
-        What ``mold`` or ``suggest`` wrote.
-    thicknesses_mm : iterable of float, or mapping of str to float
-        By the names of the pour sheet's gauge points, ``{"tip": 4.51, "shoulder": 2.49, ...}``; of a flat pad also
-        without names at five places or more. [mm]
-    mass_g : float
+    folder : DIR
+        Folder that mold wrote.
+    thicknesses_mm : --thickness NAME=MM,..
+        At the gauge points of the pour sheet; of a flat pad also five or more numbers. [mm]
+
+        In Python a mapping, ``{"tip": 4.51, "shoulder": 2.49, ...}``, or a list.
+    mass_g : --mass G
         Of the trimmed pad. [g]
-    modulus_kPa : float, optional
-        Modulus of the witness puck, from ``resins add-compression``. [kPa]
-    level_deg : float, optional
+    modulus_kPa : KPA
+        Of the witness puck, from resins add-compression. [kPa]
+    modulus_error_kPa : KPA
+        Standard error of that modulus. [kPa]
+    weighed_g : NAME=G,..
+        Masses of the liquids that were weighed in. [g]
+
+        In Python a mapping, ``{"polyol": 174.1, "isocyanate": 26.1}``.
+    scale_g : G
+        Limit of the scale's error (default 0.1). [g]
+    level_deg : DEG
         As read when the mould was filled. [deg]
-    bubbles : int, optional
+    bubbles : N
         Over 1 mm, under the punch.
-    gauge_mm : float, optional
-        Standard error of the thickness gauge on a gel, 0.05 by default. [mm]
-    note : str
-        Anything else, kept with the record.
-    replace : bool
-        Take the place of the first record instead of the next free number.
-    modulus_error_kPa : float, optional
-        Standard error of the witness's modulus. [kPa]
-    weighed_g : mapping of str to float, optional
-        Masses of the liquids that were weighed in, ``{"polyol": 174.1, "isocyanate": 26.1}``. [g]
-    scale_g : float, optional
-        Limit of the scale's error, 0.1 by default. [g]
+    gauge_mm : MM
+        Standard error of the gauge on a gel (default 0.05). [mm]
+    note : TEXT
+        Anything else.
+    replace
+        Overwrite an earlier answer in --out (default: keep it and number the new folder).
+
+        Here the first record, instead of the next free number.
 
     Returns
     -------

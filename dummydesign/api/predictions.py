@@ -199,59 +199,88 @@ def predict(
 
     Parameters
     ----------
-    thickness_mm : float
-        Of the undeformed pad, or height of a puck. [mm]
-    young_kPa : float, optional
-        Long-term (equilibrium) Young's modulus, in place of ``resin`` and ``ratio``. [kPa]
-    resin : str, optional
-        Name or path; modulus and relaxation are those of the resin at ``ratio``; polyurethane-nagoya for a ratio.
-    ratio : float, optional
-        Mixing ratio, in the resin's own definition.
-    depth_mm : numbers or text
-        Static depths such as ``[1, 2]`` or ``"1,2"``; or ``motion``, or ``force_N``. [mm]
-    motion : path
-        CSV with the columns time_s, displacement_mm.
-    force_N, velocity_mm_s : number, numbers or text
-        Force at the end of a ramp and hold, and speed of the ramp. Several of either, such as ``"5,10,15"``, make
-        ``presses`` with one entry for each force at each speed; the other keys are those of the last press. [N, mm/s]
-    hold_s, deceleration_mm_s2 : float
-        Hold after the stop, and braking. [s, mm/s2]
-    drive : str
-        ``position`` (default), or ``mass:KG``: the pad alone stops a free mass that hits at ``velocity_mm_s``. The
-        curves begin with a short free flight and end after the rebound; ``out`` is a trace for
+    thickness_mm : --thickness MM
+        Of the pad at its highest point. [mm]
+
+        Height of a puck.
+    young_kPa : KPA
+        Long-term Young's modulus in kPa. [kPa]
+
+        In place of ``resin`` and ``ratio``.
+    resin : NAME|FILE
+        Resin, with --ratio (default polyurethane-nagoya).
+
+        Modulus and relaxation are those of the resin at this ratio.
+    ratio : R
+        Mixing ratio of the resin.
+    depth_mm : D1,D2,...
+        Static depths in mm. [mm]
+
+        Such as ``[1, 2]`` or ``"1,2"``; or ``motion``, or ``force_N``.
+    motion : FILE.csv
+        Measured motion: columns time_s, displacement_mm.
+    force_N : N,...
+        Force at the end of the hold, with --velocity; one or several. [N]
+
+        Several of force or speed make ``presses`` with one entry for each force at each speed; the other keys are those
+        of the last press.
+    velocity_mm_s : MM_S,...
+        Speed of the ramp; one or several. [mm/s]
+    hold_s : S
+        Hold after the stop (default 10 s). [s]
+    deceleration_mm_s2 : MM_S2
+        Braking (default 30000 mm/s2). [mm/s2]
+    drive : NAME
+        ``position`` (default), or ``mass:KG``: the pad stops a free mass that hits at --velocity.
+
+        The curves begin with a short free flight and end after the rebound; ``out`` is a trace for
         :func:`dummydesign.on_person`.
-    tissue, aim : str
-        Hold the pad against a tissue as ``suggest`` does, under presses to 5, 10 and 15 N at 10 and 250 mm/s: the
-        answer then has ``verdict`` and ``conditions``. Depths, a motion or a force may be left out.
-    punch : str
-        ``square:14``, ``round:D``, ``rectangle:AxB``, ``ball:D``, ``profile:FILE.csv`` or ``plate``.
-    condition, base : str
-        Face and base: ``bonded``, ``frictionless`` (face) or ``sliding`` (base), ``friction:MU``.
-    pad : str
-        ``slab:LxW`` or ``cylinder:DIAMETER``.
-    shape : str
-        Such as ``crowned:10,2``.
-    poisson : float
-        Poisson's ratio; other than 0.5 (incompressible) only by finite elements.
-    law : str
-        ``neo-hookean``, ``yeoh:C2_OVER_MU``, ``ogden:MU,ALPHA;...`` or ``ogden-abaqus:MU,ALPHA;...``.
-    edge_radius_mm : float
-        Fillet of the punch's edge, 0 (sharp, sides never touch) to 0.3 of its smaller half-width; on a shaped pad with
-        ``fidelity="axisymmetric"``. [mm]
-    prony : str, optional
-        Relaxation ``TAU:BETA,...``, beta relative to the long-term modulus; the resin's by default.
-    fidelity : str
-        ``table``, ``axisymmetric``, ``3d`` or ``viscoelastic``.
-    out : path, optional
-        CSV file of the curve; several presses are written to a file each, named as in ``NAME_5N_10mm_s.csv``.
-    rate_Hz : float, optional
-        Of the curves over time in ``out``, by linear interpolation; without it their own times are written. [Hz]
-    units : str
-        Of ``out``: ``mm`` (mm, N) or ``in`` (inches and pounds-force, columns such as displacement_in, force_lbf).
-    fields : path, optional
-        ``NAME.vtu`` for displacement, stress and contact at the static depths, with fidelity ``axisymmetric``.
-    picture : path, optional
-        ``.png``, ``.svg`` or ``.pdf`` of the deformed cross-section with its stress, at up to four of the depths.
+    tissue : NAME|FILE
+        Compare the pad with a tissue: the verdict and its numbers.
+
+        As ``suggest`` does, under presses to 5, 10 and 15 N at 10 and 250 mm/s: the answer then has ``verdict`` and
+        ``conditions``. Depths, a motion or a force may be left out.
+    aim : AIM
+        With --tissue: ``average`` (default), ``safe-side``, ``subject:NAME`` or ``people:PERCENT``.
+    punch : KIND:SIZE
+        ``square:14`` (default), ``round:D``, ``rectangle:AxB``, ``ball:D``, ``profile:FILE.csv``, ``plate``.
+    edge_radius_mm : MM
+        Fillet of the punch's edge, 0 (default, sharp) to 0.3 of its half-width; shapes: --fidelity axisymmetric. [mm]
+    condition : NAME
+        ``bonded`` (default), ``frictionless``, ``friction:MU``.
+    base : NAME
+        ``bonded`` (default), ``sliding`` or ``friction:MU``.
+    pad : slab:LxW
+        Slab (default 150x120 mm) or cylinder:DIAMETER.
+    shape : NAME[:P,..]
+        Of the pad: a shape of the package; as crowned:RADIUS,HEIGHT.
+    poisson : NU
+        Poisson's ratio (default 0.5).
+
+        Other than 0.5 (incompressible) only by finite elements.
+    law : NAME
+        ``neo-hookean`` (default), ``yeoh:C2_OVER_MU``, ``ogden:MU,ALPHA``;.. or ogden-abaqus:MU,ALPHA;.. (scaled to the
+        modulus).
+    prony : TAU:BETA,...
+        Relaxation, beta relative to the long-term modulus.
+
+        The resin's by default.
+    fidelity : NAME
+        ``table`` (default), ``axisymmetric``, ``3d`` or ``viscoelastic``.
+    out : FILE.csv
+        Write the curve as CSV; several presses to a file each.
+
+        Named as in ``NAME_5N_10mm_s.csv``.
+    rate_Hz : HZ
+        Uniform sampling rate in --out (default: the computed times). [Hz]
+    units : NAME
+        Of --out: ``mm`` (mm, N; default) or ``in`` (inches, pounds-force).
+    fields : FILE.vtu
+        Stress and contact at the depths, for ParaView (axisymmetric).
+    picture : FILE.png
+        Deformed cross-section with stress and contact pressure (axisymmetric).
+
+        Also ``.svg`` or ``.pdf``, at up to four of the depths.
     progress : callable, optional
         Called with each solved depth over thickness.
 

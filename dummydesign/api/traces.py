@@ -41,23 +41,32 @@ def fit(
 
     Parameters
     ----------
-    traces : iterable of path or Trace
-        CSV files with time_s, displacement_mm, force_N, or traces in memory.
-    elements : 3, 5, 7 or "auto"
+    traces : TRACE.csv ...
+        time_s,displacement_mm,force_N.
+
+        Or traces in memory.
+    elements : 3|5|7|auto
+        ``auto`` (default): chosen by AICc, or fewer if these predict left-out presses better.
+
         Springs and dampers of the law: one spring, and two elements for each Maxwell branch.
-    law : str
-        ``ode``, ``consistent`` or ``published``.
-    mode : str
-        ``auto`` (per speed when speeds differ, else joint), ``joint``, ``per-speed`` or ``per-condition``.
-    contact : str
-        ``none``, or ``per-press``: an offset of the contact of each press is fitted too.
-    lowpass : str, optional
-        Filter the forces went through, ``HZ[:ORDER[:PASSES]]``.
-    out : path, optional
-        Tissue file (TOML) to write, with residuals, report and manifest beside it; the next free number when a
-        file of this name is there that another fit wrote.
-    replace : bool
-        Take the place of the other file instead.
+    law : published|consistent|ode
+        ``ode`` (default): the law along the measured motion; ``published``, ``consistent``: closed forms of an ideal
+        ramp and hold, as printed and as they follow from the law.
+    mode : joint|per-speed|per-condition
+        ``joint``: one set of parameters for all presses; ``per-speed``: springs shared, dampers of their own for each
+        speed, as the paper reports them; ``per-condition``: every speed and depth by itself, then the mean, without
+        intervals; default ``auto``: per-speed when speeds differ, else joint.
+    contact : none|per-press
+        ``per-press``: fit where each press touched, as an offset of its zero; for presses whose contact is late or
+        early (fit proposes it when that explains the residual).
+    lowpass : HZ[:ORDER[:PASSES]]
+        Filter the force went through.
+    out : tissue.toml
+        Write a tissue file; residuals and report beside it.
+
+        The next free number when a file of this name is there that another fit wrote.
+    replace
+        Overwrite an earlier answer in --out (default: keep it and number the new folder).
     progress : callable, optional
         Called with a word at each step.
 
@@ -143,33 +152,40 @@ def compare(
 
     Parameters
     ----------
-    traces : iterable of path or Trace
-        CSV files with time_s, displacement_mm, force_N, or traces in memory.
-    tissue : str
-        Name of the library, or path of a TOML file.
-    lowpass : str, optional
-        Filter the forces went through, ``HZ[:ORDER[:PASSES]]``.
-    record : path, optional
-        Record of the pad as it was cast, by ``mold record``, printed with the verdict.
-    punch : str
-        Of the test, as in :func:`dummydesign.suggest`.
-    edge_radius_mm : float
-        Fillet of its edge. [mm]
-    force_N, velocity_mm_s : numbers or text, optional
-        Steady forces and speeds of the test: presses to others are left out, and one that was not made leaves the
-        verdict open. The steady curve is judged from the lowest to the highest force. Without them every press
-        counts as it was made, and the curve from 5 to 15 N. [N, mm/s]
-    hold_s : float, optional
-        Hold of the test: traces that were held longer are cut there; else the hold of each press. [s]
-    deceleration_mm_s2 : float, optional
-        Braking of the robot; else read from each motion. [mm/s2]
-    condition : str, optional
-        How the punch held the face, as in :func:`dummydesign.suggest`: said beside the answer.
-    out : path, optional
-        Folder of tables and report, which are not written without it; the next free number when it holds another
-        answer.
-    replace : bool
-        Take the place of the other answer instead.
+    traces : TRACE.csv ...
+        time_s,displacement_mm,force_N.
+
+        Or traces in memory.
+    tissue : --tissue NAME|FILE
+        See 'dummydesign tissues list'.
+    lowpass : HZ[:ORDER[:PASSES]]
+        Filter the force went through.
+    record : FILE
+        The pad as it was cast, by 'mold record'.
+    punch : KIND:SIZE
+        ``square:14`` (default), ``rectangle:AxB``, ``round:D``, ``ball:D``, ``profile:FILE.csv``.
+    edge_radius_mm : MM
+        Fillet of the punch's edge (default 0, sharp). [mm]
+    condition : NAME
+        ``bonded`` (default; under a ball or a profile frictionless), ``frictionless``, ``friction:MU`` (for the report
+        only).
+    force_N : F1,F2,...
+        Steady forces in N: presses to others are left out. [N]
+
+        One that was not made leaves the verdict open. The steady curve is judged from the lowest to the highest force.
+        Without them every press counts as it was made, and the curve from 5 to 15 N.
+    velocity_mm_s : V1,V2,...
+        Speeds in mm/s: presses at others are left out. [mm/s]
+    hold_s : S
+        Hold after the stop: longer traces are cut there. [s]
+    deceleration_mm_s2 : MM_S2
+        Braking (default: read from the motion). [mm/s2]
+    out : DIR
+        Folder of the files (default compare-TISSUE).
+
+        Without it nothing is written; the next free number when it holds another answer.
+    replace
+        Overwrite an earlier answer in --out (default: keep it and number the new folder).
     progress : callable, optional
         Called with a word at each step.
 
@@ -294,38 +310,57 @@ def import_traces(
 
     Parameters
     ----------
-    files : iterable of path
-        Files, or folders that stand for the files in them.
-    profile : str, optional
-        Settings kept for a machine: a name, or the path of a TOML file.
-    save_profile : str, optional
-        Name to keep the settings under, with the columns and signs of text that were found.
-    columns, units : mapping, optional
-        From ``time``, ``displacement`` and ``force`` to a column's name or number, and to a unit.
-    separator, decimal, encoding : str, optional
-        Between columns (``tab``, ``semicolon``, ``comma``, ``bar``, ``spaces``), the decimal sign (``.`` or ``,``),
-        and the encoding (``utf-8``, ``cp1252``, ...).
-    skip : int, optional
-        Lines to leave out at the start.
-    flip : iterable of str, optional
-        Which of ``displacement`` and ``force`` to negate; empty for none.
-    tare, contact : str, optional
-        ``auto``, ``none``, or the reading at no force and at contact, as the file counts it, in N and mm. ``tare`` may
-        be ``first``: the first sample of each file.
-    split : str, optional
-        ``auto`` or ``none``.
-    sheets : str, optional
-        Sheets of a workbook, or specimens side by side, to read, comma-separated; ``not:`` before them reads all
-        others.
-    rate : float, optional
-        Sampling rate of a recording whose samples are evenly spaced and have no time of their own. [Hz]
-    delay : float, optional
-        Time by which the force is later than the displacement, by a filter or another clock. [s]
-    out : path, optional
-        Folder of the traces and of the preview, which are not written without it; the next free number when it
-        holds another answer.
-    replace : bool
-        Take the place of another answer in ``out``, and with ``save_profile`` that of a profile of its name.
+    files : FILE|FOLDER ...
+        Text in any usual form, or a workbook (extra xlsx).
+
+        A folder stands for the files in it.
+    profile : NAME|FILE
+        Saved settings of a machine; other options override it.
+    save_profile : NAME
+        Save the settings under this name.
+
+        With the columns and signs of text that were found.
+    columns : time=NAME,...
+        Column of time, displacement or force: its name or number.
+
+        In Python a mapping.
+    units : time=s,...
+        Unit of time, displacement or force; 0.5N: one count is 0.5 N.
+
+        In Python a mapping.
+    rate : HZ
+        Sampling rate of evenly spaced samples, where the file has no time.
+    delay : S
+        The force is so much later than the displacement.
+
+        By a filter or another clock.
+    separator : C
+        Between columns: ``tab``, ``semicolon``, ``comma``, ``bar`` or ``spaces``.
+    decimal : C
+        Decimal sign: . or ,
+    encoding : E
+        Such as ``utf-8``, ``utf-16``, ``cp1252``, ``cp932``.
+    skip : N
+        Lines to leave out at the start of the file.
+    flip : WHICH
+        Reverse the sign of displacement, force, or displacement,force; none (default: detected).
+
+        In Python a list of them; empty for none.
+    tare : auto|none|first|drift|slope|N
+        Force reading without load in N (or with a unit), counted as in the file; drift, slope: what grows with time or
+        depth too.
+    contact : auto|none|MM
+        Displacement reading at contact in mm (or with a unit), counted as in the file (default auto: by force).
+    split : auto|none
+        ``auto``: split where force and depth return to zero; ``none``: one press.
+    sheets : NAME,...
+        Sheets of a workbook or specimens to read; not:NAME,...: all others.
+    out : DIR
+        Folder of the traces (default import-NAME).
+
+        Without it neither traces nor preview are written; the next free number when it holds another answer.
+    replace
+        Take the place of another answer in --out, or of the profile's name.
 
     Returns
     -------
@@ -422,25 +457,29 @@ def on_person(
 
     Parameters
     ----------
-    traces : iterable of path or Trace
-        CSV files with time_s, displacement_mm, force_N, or traces in memory; one press each, zero at contact.
-    tissue : str
-        Name of the library, or path of a TOML file.
-    drive : str
-        What moves the robot: ``position``, ``steady``, ``force``, ``mass:KG`` or
-        ``spring:N_PER_MM,KG[,DAMPING_RATIO]``.
-    limits : path, optional
-        Own limits of force and pressure, as in :func:`dummydesign.suggest`.
-    lowpass : str, optional
-        Filter the forces went through, ``HZ[:ORDER[:PASSES]]``; it is undone.
-    rate : float
-        Of the curves in ``on_person.csv``. [Hz]
-    punch : str
-        Its face gives the mean pressure: ``square:14``, ``round:16``, ``rectangle:20x10``.
-    out : path, optional
-        Folder of table, curves and report, which are not written without it.
-    replace : bool
-        Take the place of another answer in ``out``.
+    traces : TRACE.csv ...
+        One press a file: columns time_s, displacement_mm, force_N, zero at contact ('dummydesign import').
+
+        Or traces in memory.
+    tissue : --tissue NAME|FILE
+        The people: a name of 'dummydesign tissues list', or a tissue file.
+    drive : NAME
+        What moves the robot: ``position`` (default), ``steady``, ``force``, ``mass:KG``, ``spring:K,M`` or
+        ``spring:K,M,ZETA``.
+    limits : FILE.toml
+        Your limits of force and pressure, with their source; without it, a template is written.
+    lowpass : HZ[:ORDER[:PASSES]]
+        Low-pass filter of the force sensor; its delay is undone.
+    rate : HZ
+        Samples per second of on_person.csv (default 1000).
+    punch : KIND:SIZE
+        Face of the punch, for the mean pressure: ``square:14`` (default), ``rectangle:AxB``, ``round:D``.
+    out : DIR
+        Folder of report and curves (default on-person-TISSUE).
+
+        Without it nothing is written.
+    replace
+        Overwrite an earlier answer in --out (default: keep it and number the new folder).
     progress : callable, optional
         Called with a word at each step.
 

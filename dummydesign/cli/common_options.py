@@ -3,27 +3,62 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterable
+import re
+from collections.abc import Callable, Collection
 from functools import partial
 from typing import Any
 
+ENTRY = re.compile(r"^(\w+)(?: : (?:(--[\w-]+) )?(.*?)( \.\.\.)?)?\n((?:    .*\n)+)", re.MULTILINE)
+"""A parameter in a docstring: name, option where it is not the name, what is typed, ``...``, and its help."""
+FOR_SCRIPTS = ("progress", "executor", "set_up", "design")
+"""Arguments that only Python can give."""
+READERS = {"float": "read_number", "int": "read_count"}
 
-def add_options(parser: argparse._ActionsContainer, table: type, names: Iterable[str]) -> None:
-    """Declare some options of a table, in this order."""
-    from dataclasses import MISSING
 
-    from dummydesign.core.options import options_of
+def add_options(parser: argparse._ActionsContainer, call: Callable[..., Any], leave: Collection[str] = ()) -> None:
+    """Declare the arguments of a call that are not declared yet by its signature and docstring, but for some.
 
-    known = options_of(table)
-    for name in names:
-        default, spec = known[name]
-        given: dict[str, Any] = {"metavar": spec.metavar, "default": default}
-        if default is MISSING:
-            given = {"metavar": spec.metavar, "required": True}
-        elif isinstance(default, bool):
-            given = {"action": "store_false" if default else "store_true"}
-        words = spec.help if isinstance(spec.help, str) else spec.help()
-        parser.add_argument(f"--{spec.flag}", dest=spec.argument or name, help=words, **given)
+    In the docstring stands after a name what is typed: ``MM``, or with the option ``--NAME MM`` where this is not the
+    name without its unit, or where the argument is needed and yet an option; ``FILE ...`` may be several. The first
+    paragraph below is the help.
+    """
+    from inspect import Parameter, getdoc, signature
+
+    from dummydesign.core.options import flag_of, quantity_of
+
+    parameters, declared = signature(call).parameters, {action.dest for action in parser._actions}
+    for name, flag, metavar, several, about in ENTRY.findall(f"{getdoc(call)}\n"):
+        if name not in parameters or name in (*declared, *FOR_SCRIPTS, *leave):
+            continue
+        default, needed = parameters[name].default, parameters[name].default is Parameter.empty
+        given: dict[str, Any] = {
+            "metavar": metavar,
+            "default": None if needed else default,
+            "help": _help(about, default),
+        }
+        if reader := READERS.get(str(parameters[name].annotation).removesuffix(" | None")):
+            given["type"] = partial(_read, reader, quantity_of(name))
+        if needed and not flag:
+            parser.add_argument(name, nargs="+" if several else None, **given)
+            continue
+        if isinstance(default, bool):
+            given = {"action": "store_false" if default else "store_true", "help": given["help"]}
+        elif several:
+            given |= {"action": "append", "default": list(default)}
+        typed = flag or flag_of(f"no_{name}" if default is True else name)
+        parser.add_argument(typed, dest=name, required=needed, **given)
+
+
+def _help(about: str, default: Any) -> str:
+    """The first paragraph of a parameter's description, without marks, its unit and its full stop."""
+    text = re.sub(r"``|\.?(?: \[[^\]]*\])?$", "", " ".join(about.split()))
+    if "a shape of the package" in text:
+        from dummydesign.geometry.shape_registry import shape_help
+
+        text = text.replace("a shape of the package", shape_help(default))
+    # names keep their capital: CSV, Young's
+    text = re.sub(r"^[A-Z](?=[a-z-]*(?![\w']))", lambda first: first[0].lower(), text)
+    return text.replace("%", "%%")
 
 
 def number(quantity: str) -> Callable[[str], float]:
@@ -62,18 +97,6 @@ def call_in_steps(about: int, function: Callable[..., Any], options: argparse.Na
 
     with steps_shown(about) as steps:
         return call(function, options, progress=steps, **more)
-
-
-def add_effect_option(parser: argparse.ArgumentParser) -> None:
-    """Declare ``--effect``, which may be given several times."""
-    words = "file with one effect class of your own; its code is run; may be repeated"
-    parser.add_argument("--effect", dest="effects", metavar="FILE.py", action="append", default=[], help=words)
-
-
-def add_replace_option(parser: argparse.ArgumentParser) -> None:
-    """Declare ``--replace``."""
-    words = "overwrite an earlier answer in --out (default: keep it and number the new folder)"
-    parser.add_argument("--replace", action="store_true", help=words)
 
 
 ACTIONS = ("remove", "rename", "path")

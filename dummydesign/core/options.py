@@ -1,61 +1,62 @@
-"""A table of options: each field of a frozen dataclass says how it is typed, read and typed again."""
+"""Options of a command by the names of the arguments of its Python call."""
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, fields
-from typing import Any, TypeVar
+from inspect import signature
+from typing import Any
 
-T = TypeVar("T")
-
-
-@dataclass(frozen=True)
-class Option:
-    """How a field is typed and read; ``argument`` is its name in the Python call, ``between`` parts several numbers."""
-
-    flag: str
-    metavar: str
-    help: str | Callable[[], str]
-    read: Callable[[Any], Any] | None = None
-    argument: str = ""
-    between: str = ","
-
-
-def option(default: Any, flag: str, metavar: str, help: str | Callable[[], str], **more: Any) -> Any:
-    """Declare a field of a table; MISSING is the default of an option that must be given."""
-    return field(default=default, metadata={"option": Option(flag, metavar, help, **more)})
+UNITS = {
+    "mm": "mm",
+    "mm_s": "mm/s",
+    "mm_s2": "mm/s2",
+    "N": "N",
+    "kPa": "kPa",
+    "s": "s",
+    "g": "g",
+    "Hz": "Hz",
+    "deg": "",
+}
+"""Units by the endings of names; an angle has none that can be typed."""
+ENDING = re.compile(f"_({'|'.join(UNITS)})$")
+BETWEEN = {"thickness_mm": ":", "ratio": ":", "pad_mm": "x", "sites": "x"}
+"""What parts the two numbers of a range or size; other numbers are a list."""
 
 
-def options_of(table: type) -> dict[str, tuple[Any, Option]]:
-    """Return default and option of each field that has one."""
-    return {one.name: (one.default, one.metadata["option"]) for one in fields(table) if "option" in one.metadata}
+def flag_of(name: str) -> str:
+    """The option of an argument: its name without the unit.
 
-
-def read_options(table: type[T], given: Mapping[str, Any]) -> T:
-    """Read what was given, texts or values by the names of the arguments, into a table; what is not given is default.
-
-    A field without an option is taken as it is.
+    Examples
+    --------
+    >>> flag_of("velocity_mm_s"), flag_of("edge_radius_mm"), flag_of("punch")
+    ('--velocity', '--edge-radius', '--punch')
     """
-    options, values = options_of(table), dict[str, Any]()
-    for one in fields(table):  # type: ignore[arg-type]
-        spec = options[one.name][1] if one.name in options else None
-        name = (spec and spec.argument) or one.name
-        if name in given:
-            read = None if spec is None or given[name] is None else spec.read
-            values[one.name] = given[name] if read is None else read(given[name])
-    return table(**values)
+    return "--" + ENDING.sub("", name).replace("_", "-")
 
 
-def command_words(table: type, values: Mapping[str, Any], names: Iterable[str]) -> str:
+def quantity_of(name: str) -> str:
+    """The quantity that an argument is, with its unit.
+
+    Examples
+    --------
+    >>> quantity_of("modulus_error_kPa"), quantity_of("level_deg"), quantity_of("base_ratio")
+    ('modulus error in kPa', 'level', 'base ratio')
+    """
+    ending = ENDING.search(name)
+    unit = "" if ending is None else UNITS[ending[1]]
+    return ENDING.sub("", name).replace("_", " ") + (unit and f" in {unit}")
+
+
+def command_words(call: Callable[..., Any], values: Mapping[str, Any], names: Iterable[str]) -> str:
     """Return the options that differ from their defaults as they are typed, each after a blank."""
-    known, words = options_of(table), ""
+    known, words = signature(call).parameters, ""
     for name in names:
-        default, spec = known[name]
         value = tuple(values[name]) if isinstance(values[name], list) else values[name]
-        if value is None or value == default:
+        if value is None or value == known[name].default:
             continue
         if isinstance(value, tuple):
-            value = spec.between.join(f"{number:g}" for number in value)
-        words += f" --{spec.flag} " + (f"{value:g}" if isinstance(value, float) else shlex.quote(str(value)))
+            value = BETWEEN.get(name, ",").join(f"{number:g}" for number in value)
+        words += f" {flag_of(name)} " + (f"{value:g}" if isinstance(value, float) else shlex.quote(str(value)))
     return words

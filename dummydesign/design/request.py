@@ -1,15 +1,15 @@
-"""The question of ``suggest``: one table from which command, Python call, project and inputs of the answer are made."""
+"""The question of ``suggest``, read from texts or values; command and Python call give the same."""
 
 from __future__ import annotations
 
-from dataclasses import MISSING, asdict, dataclass
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, fields
 from functools import partial
 from os import fspath
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.core import parsing
 from dummydesign.core.errors import InputError
-from dummydesign.core.options import option, read_options
 from dummydesign.core.parsing import parse_limits, read_number, read_numbers, read_size
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, PUNCH
 
@@ -42,15 +42,26 @@ def base_words(base: str) -> str:
     return {"bonded": "glued to a rigid base", "sliding": "sliding on a rigid base"}.get(base, f"resting, {base}")
 
 
-def _shape_help() -> str:
-    from dummydesign.geometry.shape_registry import shape_help
-
-    return shape_help("auto", default="auto") + "; lengths not given are searched"
+READERS: dict[str, Callable[[Any], Any]] = {
+    "thickness_mm": partial(parse_limits, quantity="thickness in mm"),
+    "ratio": partial(parse_limits, quantity="ratio"),
+    "mould": fspath,
+    "hold_s": partial(read_number, purpose=parsing.HOLD),
+    "deceleration_mm_s2": partial(read_number, purpose=parsing.DECELERATION),
+    "calibration": fspath,
+    "force_N": partial(read_numbers, purpose=parsing.FORCE),
+    "velocity_mm_s": partial(read_numbers, purpose=parsing.VELOCITY),
+    "pad_mm": partial(read_size, quantity="pad"),
+    "edge_radius_mm": partial(read_number, purpose=parsing.EDGE),
+    "sites": read_sites,
+    "effects": lambda paths: tuple(map(fspath, paths)),
+}
+"""How what is typed or given is read; other values are taken as they are."""
 
 
 @dataclass(frozen=True)
 class Request:
-    """The question, in the order of the answer's inputs: default, option, metavar, help, reader.
+    """The question, in the order of the answer's inputs.
 
     Ranges are (low, high) with both ends included, None for all that is allowed. ``punch``, ``force_N``,
     ``velocity_mm_s``, ``hold_s``, ``pad_mm``, ``base``, ``edge_radius_mm`` and ``condition`` are the test that the pad
@@ -59,94 +70,27 @@ class Request:
     ``effects`` are files of own effects.
     """
 
-    tissue: str = option(MISSING, "tissue", "NAME|FILE", "see 'dummydesign tissues list'")
-    aim: str = option("average", "aim", "AIM", "average (default), safe-side, subject:NAME or people:PERCENT")
-    resin: str = option("polyurethane-nagoya", "resin", "NAME|FILE", "see 'dummydesign resins list'")
-    thickness_mm: tuple[float, float] | None = option(
-        None,
-        "thickness",
-        "MIN:MAX",
-        "search range in mm, in 3 to 30",
-        read=partial(parse_limits, quantity="thickness in mm"),
-        between=":",
-    )
-    ratio: tuple[float, float] | None = option(
-        None,
-        "ratio",
-        "MIN:MAX",
-        "search range of the mixing ratio, within the resin's range",
-        read=partial(parse_limits, quantity="ratio"),
-        between=":",
-    )
-    shape: str = option("auto", "shape", "NAME[:P,..]", _shape_help)
-    mould: str | None = option(
-        None,
-        "mould",
-        "DIR|FILE",
-        "keep shape and thickness of a mould that was made; choose the ratio for the resin at hand",
-        read=fspath,
-    )
-    verify: bool = option(True, "no-verify", "", "do not check the design by finite elements")
-    hold_s: float = option(
-        10.0, "hold", "S", "hold after the stop (default 10 s)", read=partial(read_number, purpose=parsing.HOLD)
-    )
-    deceleration_mm_s2: float = option(
-        30_000.0,
-        "deceleration",
-        "MM_S2",
-        "braking (default 30000 mm/s2)",
-        read=partial(read_number, purpose=parsing.DECELERATION),
-    )
-    calibration: str | None = option(
-        None, "calibration", "FILE", "file written by 'dummydesign loop'; none: ignore the project's", read=fspath
-    )
-    punch: str = option(
-        PUNCH, "punch", "KIND:SIZE", "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv"
-    )
-    force_N: tuple[float, ...] = option(
-        (5.0, 10.0, 15.0),
-        "force",
-        "F1,F2,...",
-        "steady forces (default 5,10,15 N)",
-        read=partial(read_numbers, purpose=parsing.FORCE),
-    )
-    velocity_mm_s: tuple[float, ...] = option(
-        (10.0, 250.0),
-        "velocity",
-        "V1,V2,...",
-        "speeds (default 10,250 mm/s)",
-        read=partial(read_numbers, purpose=parsing.VELOCITY),
-    )
-    pad_mm: tuple[float, float] = option(
-        (PAD_LENGTH_MM, PAD_WIDTH_MM),
-        "pad",
-        "LxW",
-        "length and width of the pad (default 150x120 mm)",
-        read=partial(read_size, quantity="pad"),
-        argument="pad",
-        between="x",
-    )
-    base: str = option("bonded", "base", "NAME", "bonded (default), sliding or friction:MU")
-    edge_radius_mm: float = option(
-        0.0,
-        "edge-radius",
-        "MM",
-        "fillet of the punch's edge (default 0, sharp)",
-        read=partial(read_number, purpose=parsing.EDGE),
-    )
-    condition: str | None = option(
-        None, "condition", "NAME", "bonded (default; under a ball or a profile frictionless), frictionless, friction:MU"
-    )
-    preset: str = option("open", "preset", "NAME|FILE", "mould preset: open (default), lidded, printed or a TOML file")
-    sites: tuple[int, int] | None = option(
-        None,
-        "sites",
-        "NxM",
-        "crowns along and across one pad, such as 4x3, far enough apart to be independent",
-        read=read_sites,
-        between="x",
-    )
-    cad: bool = option(True, "no-cad", "", "skip the mould; write recipe and report only")
+    tissue: str
+    aim: str = "average"
+    resin: str = "polyurethane-nagoya"
+    thickness_mm: tuple[float, float] | None = None
+    ratio: tuple[float, float] | None = None
+    shape: str = "auto"
+    mould: str | None = None
+    verify: bool = True
+    hold_s: float = 10.0
+    deceleration_mm_s2: float = 30_000.0
+    calibration: str | None = None
+    punch: str = PUNCH
+    force_N: tuple[float, ...] = (5.0, 10.0, 15.0)
+    velocity_mm_s: tuple[float, ...] = (10.0, 250.0)
+    pad_mm: tuple[float, float] = PAD_LENGTH_MM, PAD_WIDTH_MM
+    base: str = "bonded"
+    edge_radius_mm: float = 0.0
+    condition: str | None = None
+    preset: str = "open"
+    sites: tuple[int, int] | None = None
+    cad: bool = True
     effects: tuple[str, ...] = ()
 
     @property
@@ -176,8 +120,9 @@ class Request:
 
     @classmethod
     def read(cls, **given: Any) -> Request:
-        """Read texts or values by the names of the arguments of ``suggest``."""
-        return read_options(cls, given | {"effects": tuple(fspath(path) for path in given.get("effects", ()))})
+        """Read texts or values by the names of the arguments of ``suggest``; other names are left aside."""
+        known = {one.name: given["pad" if one.name == "pad_mm" else one.name] for one in fields(cls)}
+        return cls(**{name: READERS[name](x) if name in READERS and x is not None else x for name, x in known.items()})
 
     def to_dict(self) -> dict[str, Any]:
         """Return what was asked, defaults included."""

@@ -25,9 +25,9 @@ def shape_names() -> tuple[str, ...]:
     return DEFAULT, *sorted(names - {DEFAULT})
 
 
-def shape_help(*more: str, default: str = DEFAULT) -> str:
-    """The shapes as help texts list them, with further names at the end."""
-    return ", ".join(f"{name} (default)" if name == default else name for name in (*shape_names(), *more))
+def shape_help(default: str) -> str:
+    """The shapes as help texts list them."""
+    return ", ".join(f"{name} (default)" if name == default else name for name in shape_names())
 
 
 def shape_meanings() -> dict[str, str]:

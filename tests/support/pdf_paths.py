@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import re
 import zlib
 from collections.abc import Iterator
@@ -20,12 +19,10 @@ def pages_mm(data: bytes) -> list[tuple[float, float]]:
 
 def contents(data: bytes) -> Iterator[str]:
     """The drawing operators of every page."""
-    for filters, stream in re.findall(rb"/Filter \[ ?([^\]]*)\][^>]*>>\s*stream\r?\n(.*?)endstream", data, re.S):
-        if b"Flate" in filters:
-            packed = base64.a85decode(stream.strip().removesuffix(b"~>")) if b"ASCII85" in filters else stream
-            text = zlib.decompressobj().decompress(packed)
-            if text.isascii() and (b" cm" in text or b" l" in text):
-                yield text.decode("latin-1")
+    for stream in re.findall(rb"/Filter ?/FlateDecode[^>]*>>\s*stream\r?\n(.*?)endstream", data, re.S):
+        text = zlib.decompressobj().decompress(stream)
+        if text.isascii() and b" cm" in text and b" l\n" in text:
+            yield text.decode("latin-1")
 
 
 def paths_mm(content: str) -> list[np.ndarray]:
@@ -36,7 +33,7 @@ def paths_mm(content: str) -> list[np.ndarray]:
     def on_paper(x: float, y: float) -> np.ndarray:
         return (np.array([x, y, 1.0]) @ matrix)[:2] * MM
 
-    for word in content.split():
+    for word in content.replace("/", " /").split():
         if word in ("q", "Q", "cm", "m", "l", "re", "S", "f", "f*", "B", "n", "h"):
             numbers = [float(one) for one in words[-6:] if re.fullmatch(r"-?[\d.]+", one)]
             if word == "q":

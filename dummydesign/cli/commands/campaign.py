@@ -6,63 +6,31 @@ import argparse
 import os
 import shlex
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from dummydesign.cli.common_options import add_replace_option, count, number
+from dummydesign.cli.common_options import add_options, call
 from dummydesign.cli.text import file_lines, files_block, labelled, screen, warning_block, warning_lines
 from dummydesign.core.errors import InputError, NoAnswerError
+
+if TYPE_CHECKING:
+    from dummydesign.measurement.campaign_file import SetUp
+    from dummydesign.measurement.campaign_plan import PlanSettings
 
 HELP = "Plan presses (randomised, with a sheet to press from), check them, or make a campaign from files."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the actions."""
+    from dummydesign.api.campaigns import campaign_from_files, check_campaign, plan_campaign
+
     actions = parser.add_subparsers(dest="action", required=True, metavar="new|check|from-files", help="what to do")
     new = actions.add_parser("new", help="a plan, campaign.toml and a sheet to press from")
-    new.add_argument("folder", metavar="DIR", help="folder to make")
-    add = new.add_argument
-    add("--pads", metavar="MM,...", help="thicknesses of the pads (default 5,15,20)")
-    moulds = "press the pads of these moulds: thickness, shape, outline, resin and ratio of folders of 'mold'"
-    add("--from-mould", metavar="DIR,...", help=moulds)
-    add("--velocity", metavar="MM_S,...", help="default 10,250")
-    add("--force", metavar="N,...", help="steady forces to press to (default 5,10,15)")
-    add("--depth", metavar="MM,...", help="depths to press to, instead of forces")
-    add("--repeats", type=count("repeats"), metavar="N", help="of every condition, on different days (default 2)")
-    add("--ages", metavar="DAYS,...", help="age of the pads on each day of pressing (default 9,14,29)")
-    add("--rest", metavar="S", help="rest between presses of a pad (default 60)")
-    add("--hold", metavar="S", help="default 10")
-    add("--seed", type=count("seed"), default=1, metavar="N", help="of the order (default 1)")
-    add("--no-power", action="store_true", help="do not work out which effects the plan cannot see or tell apart")
-    add("--units", default="mm", metavar="NAME", help="of the sheet: mm (default; mm, N) or in (inches, pounds-force)")
-    check = actions.add_parser("check", help="what is not yet pressed, and problems")
-    check.add_argument("folder", metavar="DIR", help="folder with campaign.toml")
     files = actions.add_parser("from-files", help="campaign.toml from existing traces")
-    files.add_argument("folder", metavar="DIR", help="folder to make; the traces are copied into it")
-    files.add_argument("files", nargs="+", metavar="FILE", help="traces, named such as t05_v010_f03_1.csv")
-    files.add_argument("--table", metavar="trials.csv", help="file,thickness_mm,velocity_mm_s,... of each press")
-    files.add_argument(
-        "--thickness", type=number("thickness in mm"), metavar="MM", help="of pads whose file name and row do not say"
-    )
-    for action in (new, files):
-        _set_up_options(action)
-        add_replace_option(action)
-
-
-def _set_up_options(parser: argparse.ArgumentParser) -> None:
-    add = parser.add_argument
-    add("--name", help="of the campaign (default the folder's)")
-    add("--young", metavar="KPA", help="nominal modulus of the pads")
-    add("--resin", metavar="NAME", help="or the resin they are cast of, with --ratio")
-    add("--ratio", type=number("ratio"), metavar="R", help="mixing ratio; without it the campaign leads to no recipe")
-    add("--pad", metavar="LxW|cylinder:D", help="outline in mm (default 150x120)")
-    shape = "of the pads on their base, with its lengths: crowned:radius=20,height=3,foot=11 (default slab)"
-    add("--shape", metavar="NAME:P,..", help=shape)
-    punches = "square:14 (default), round:D, ball:D, profile:FILE.csv or plate"
-    add("--punch", default="square:14", metavar="SHAPE", help=punches)
-    add("--edge-radius", default=0.0, metavar="MM", help="fillet of the punch's edge (default 0, sharp)")
-    add("--base", default="bonded", help="bonded (default), sliding or friction:MU")
-    add("--contact", default="bonded", help="of the punch: bonded (default), frictionless or friction:MU")
-    add("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through before it was saved")
+    calls: dict[Any, tuple[Any, ...]] = {new: (_design, plan_campaign), files: (campaign_from_files,)}
+    for one, functions in calls.items():
+        for function in (*functions, _set_up):
+            add_options(one, function)
+    add_options(actions.add_parser("check", help="what is not yet pressed, and problems"), check_campaign)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
@@ -77,24 +45,15 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
             raise NoAnswerError("campaign_wrong", problems, status, "campaign")
         return status
     moulded = _moulded(options) if options.action == "new" and options.from_mould is not None else None
-    set_up = _set_up(options, moulded)
+    set_up = call(_set_up, options, moulded=moulded)
     if options.action == "from-files":
         from dummydesign.api.campaigns import campaign_from_files
 
-        return campaign_from_files(
-            options.folder,
-            options.files,
-            set_up,
-            table=options.table,
-            thickness_mm=options.thickness,
-            replace=options.replace,
-        ).to_dict()
+        return call(campaign_from_files, options, set_up=set_up).to_dict()
     from dummydesign.api.campaigns import plan_campaign
 
-    design = _design(options, moulded)
-    plan = plan_campaign(
-        options.folder, set_up, design, power=not options.no_power, replace=options.replace, units=options.units
-    ).to_dict()
+    design = call(_design, options, moulded=moulded)
+    plan = call(plan_campaign, options, set_up=set_up, design=design).to_dict()
     if moulded is not None:
         plan["inputs"]["from_mould"] = list(moulded.folders)
     elif options.pads is None:
@@ -142,61 +101,140 @@ def _unused_moulds() -> list[dict[str, str]]:
     return [{"code": "moulds_not_used", "message": message}]
 
 
-def _set_up(options: argparse.Namespace, moulded: Any = None) -> Any:
+def _set_up(
+    folder: str,
+    *,
+    name: str | None = None,
+    young: str | None = None,
+    resin: str | None = None,
+    ratio: float | None = None,
+    pad: str | None = None,
+    shape: str | None = None,
+    punch: str = "square:14",
+    edge_radius: str | float = 0.0,
+    base: str = "bonded",
+    contact: str = "bonded",
+    lowpass: str | None = None,
+    moulded: Any = None,
+) -> SetUp:
+    """Pad, punch and sensor, of moulds where there are any.
+
+    Parameters
+    ----------
+    name : NAME
+        Of the campaign (default the folder's).
+    young : KPA
+        Nominal modulus of the pads.
+    resin : NAME
+        Or the resin they are cast of, with --ratio.
+    ratio : R
+        Mixing ratio; without it the campaign leads to no recipe.
+    pad : LxW|cylinder:D
+        Outline in mm (default 150x120).
+    shape : NAME:P,..
+        Of the pads on their base, with its lengths: crowned:radius=20,height=3,foot=11 (default slab).
+    punch : SHAPE
+        ``square:14`` (default), ``round:D``, ``ball:D``, ``profile:FILE.csv`` or ``plate``.
+    edge_radius : MM
+        Fillet of the punch's edge (default 0, sharp).
+    base : BASE
+        ``bonded`` (default), ``sliding`` or ``friction:MU``.
+    contact : CONTACT
+        Of the punch: ``bonded`` (default), ``frictionless`` or ``friction:MU``.
+    lowpass : HZ[:ORDER[:PASSES]]
+        Filter the force went through before it was saved.
+    """
     from dummydesign.core.parsing import EDGE, YOUNG, YOUNG_KPA, read_allowed, read_number
     from dummydesign.measurement.campaign_file import SetUp
     from dummydesign.measurement.sensor import parse_lowpass
 
-    if options.resin is not None:
+    if resin is not None:
         from dummydesign.resin import load_resin
 
-        material = load_resin(options.resin)
-        if options.ratio is not None:
-            material.check_ratio(options.ratio)
-    young = None if options.young is None else read_allowed(options.young, YOUNG, *YOUNG_KPA)
+        material = load_resin(resin)
+        if ratio is not None:
+            material.check_ratio(ratio)
     return SetUp(
-        options.name or Path(options.folder).resolve().name,
-        young,
-        options.resin,
-        options.ratio,
-        moulded.outline if moulded else options.pad or "150x120",
-        options.punch,
-        options.base,
-        options.contact,
-        parse_lowpass(options.lowpass),
-        shape=moulded.shape if moulded else options.shape or "slab",
-        edge_radius_mm=read_number(options.edge_radius, EDGE),
+        name or Path(folder).resolve().name,
+        None if young is None else read_allowed(young, YOUNG, *YOUNG_KPA),
+        resin,
+        ratio,
+        moulded.outline if moulded else pad or "150x120",
+        punch,
+        base,
+        contact,
+        parse_lowpass(lowpass),
+        shape=moulded.shape if moulded else shape or "slab",
+        edge_radius_mm=read_number(edge_radius, EDGE),
         shapes=moulded.shapes if moulded and moulded.mixed else (),
     )
 
 
-def _design(options: argparse.Namespace, moulded: Any = None) -> Any:
+def _design(
+    *,
+    pads: str | None = None,
+    from_mould: str | None = None,
+    velocity: str | None = None,
+    force: str | None = None,
+    depth: str | None = None,
+    repeats: int | None = None,
+    ages: str | None = None,
+    rest: str | None = None,
+    hold: str | None = None,
+    seed: int = 1,
+    moulded: Any = None,
+) -> PlanSettings:
+    """What is pressed, how often and when; the pads are those of ``from_mould`` where these are read.
+
+    Parameters
+    ----------
+    pads : MM,...
+        Thicknesses of the pads (default 5,15,20).
+    from_mould : DIR,...
+        Press the pads of these moulds: thickness, shape, outline, resin and ratio of folders of 'mold'.
+    velocity : MM_S,...
+        Default 10,250.
+    force : N,...
+        Steady forces to press to (default 5,10,15).
+    depth : MM,...
+        Depths to press to, instead of forces.
+    repeats : N
+        Of every condition, on different days (default 2).
+    ages : DAYS,...
+        Age of the pads on each day of pressing (default 9,14,29).
+    rest : S
+        Rest between presses of a pad (default 60).
+    hold : S
+        Default 10.
+    seed : N
+        Of the order (default 1).
+    """
     from dummydesign.core import parsing
     from dummydesign.measurement.campaign_plan import PlanSettings
 
-    if options.force is not None and options.depth is not None:
+    if force is not None and depth is not None:
         raise InputError("--force and --depth: press to the one or to the other", "conflict", "depth")
 
     typed = (
-        ("pads_mm", options.pads, parsing.THICKNESS),
-        ("velocities_mm_s", options.velocity, parsing.VELOCITY),
-        ("targets", options.depth, parsing.DEPTH),
-        ("targets", options.force, parsing.FORCE),
+        ("pads_mm", pads, parsing.THICKNESS),
+        ("velocities_mm_s", velocity, parsing.VELOCITY),
+        ("targets", depth, parsing.DEPTH),
+        ("targets", force, parsing.FORCE),
     )
     given: dict[str, Any] = {
         name: parsing.read_numbers(text, purpose) for name, text, purpose in typed if text is not None
     }
     given |= {"pads_mm": moulded.pads_mm} if moulded else {}
-    if options.ages is not None:
+    if ages is not None:
         try:
-            given["ages_days"] = tuple(float(part) for part in options.ages.split(","))
+            given["ages_days"] = tuple(float(part) for part in ages.split(","))
         except ValueError:
-            message = f"--ages {options.ages} must be numbers separated by commas"
-            raise InputError(message, "not_a_number", "ages", options.ages) from None
-    given |= {} if options.repeats is None else {"repeats": options.repeats}
-    for name, text, purpose in (("rest_s", options.rest, parsing.REST), ("hold_s", options.hold, parsing.HOLD)):
+            message = f"--ages {ages} must be numbers separated by commas"
+            raise InputError(message, "not_a_number", "ages", ages) from None
+    given |= {} if repeats is None else {"repeats": repeats}
+    for name, text, purpose in (("rest_s", rest, parsing.REST), ("hold_s", hold, parsing.HOLD)):
         given |= {} if text is None else {name: parsing.read_number(text, purpose)}
-    return PlanSettings(**given, by_depth=options.depth is not None, seed=options.seed)
+    return PlanSettings(**given, by_depth=depth is not None, seed=seed)
 
 
 def render(result: dict[str, Any]) -> str:

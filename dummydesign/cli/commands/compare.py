@@ -6,43 +6,23 @@ import argparse
 from typing import Any
 
 from dummydesign.cli import text
-from dummydesign.cli.common_options import add_replace_option, call_in_steps
+from dummydesign.cli.common_options import add_options, call_in_steps
 from dummydesign.cli.text import columns_of, file_lines, labelled, table, tissue_lines, verdict_lines, warning_lines
 
 HELP = "Compare the traces of a cast dummy with a tissue: parameters, steady-state range, force variation range."
 
+OWN_TEST = "punch edge_radius_mm condition force_N velocity_mm_s hold_s deceleration_mm_s2".split()
+"""How the presses are chosen and judged."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("traces", nargs="+", metavar="TRACE.csv", help="time_s,displacement_mm,force_N")
-    parser.add_argument("--tissue", required=True, metavar="NAME|FILE", help="see 'dummydesign tissues list'")
-    parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through")
-    parser.add_argument("--record", metavar="FILE", help="the pad as it was cast, by 'mold record'")
-    parser.add_argument("--out", metavar="DIR", help="folder of the files (default compare-TISSUE)")
-    add_replace_option(parser)
+    from dummydesign.api.traces import compare
+
+    add_options(parser, compare, OWN_TEST)
     words = "as in 'suggest'; without them every press is used as measured. Numbers may carry a unit"
     test = parser.add_argument_group("your own test", words)
-    punches = "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv"
-    test.add_argument("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
-    test.add_argument(
-        "--edge-radius",
-        dest="edge_radius_mm",
-        default=0.0,
-        metavar="MM",
-        help="fillet of the punch's edge (default 0, sharp)",
-    )
-    faces = "bonded (default; under a ball or a profile frictionless), frictionless, friction:MU (for the report only)"
-    test.add_argument("--condition", metavar="NAME", help=faces)
-    test.add_argument(
-        "--force", dest="force_N", metavar="F1,F2,...", help="steady forces in N: presses to others are left out"
-    )
-    test.add_argument(
-        "--velocity", dest="velocity_mm_s", metavar="V1,V2,...", help="speeds in mm/s: presses at others are left out"
-    )
-    test.add_argument("--hold", dest="hold_s", metavar="S", help="hold after the stop: longer traces are cut there")
-    test.add_argument(
-        "--deceleration", dest="deceleration_mm_s2", metavar="MM_S2", help="braking (default: read from the motion)"
-    )
+    add_options(test, compare)
 
 
 ABOUT_STEPS = 13

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.common_options import add_replace_option, call_in_steps
+from dummydesign.cli.common_options import add_options, call_in_steps
 from dummydesign.cli.text import file_lines, files_block, labelled, number, screen, table, warning_block, warning_lines
 
 HELP = "Fit the nonlinear 3, 5 or 7 element law to traces of one tissue or dummy."
@@ -13,39 +13,9 @@ HELP = "Fit the nonlinear 3, 5 or 7 element law to traces of one tissue or dummy
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("traces", nargs="+", metavar="TRACE.csv", help="time_s,displacement_mm,force_N")
-    add = parser.add_argument
-    add(
-        "--elements",
-        default="auto",
-        metavar="3|5|7|auto",
-        help="auto (default): chosen by AICc, or fewer if these predict left-out presses better",
-    )
-    add(
-        "--law",
-        default="ode",
-        metavar="published|consistent|ode",
-        help="ode (default): the law along the measured motion; published, consistent: closed forms of an ideal "
-        "ramp and hold, as printed and as they follow from the law",
-    )
-    add(
-        "--mode",
-        default="auto",
-        metavar="joint|per-speed|per-condition",
-        help="joint: one set of parameters for all presses; per-speed: springs shared, dampers of their own for each "
-        "speed, as the paper reports them; per-condition: every speed and depth by itself, then the mean, without "
-        "intervals; default auto: per-speed when speeds differ, else joint",
-    )
-    add(
-        "--contact",
-        default="none",
-        metavar="none|per-press",
-        help="per-press: fit where each press touched, as an offset of its zero; for presses whose contact is "
-        "late or early (fit proposes it when that explains the residual)",
-    )
-    parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through")
-    parser.add_argument("--out", metavar="tissue.toml", help="write a tissue file; residuals and report beside it")
-    add_replace_option(parser)
+    from dummydesign.api.traces import fit
+
+    add_options(parser, fit)
 
 
 ABOUT_STEPS = 12

@@ -7,49 +7,22 @@ import re
 from pathlib import Path
 from typing import Any
 
-from dummydesign.cli.common_options import call
+from dummydesign.cli.common_options import add_options, call
 from dummydesign.cli.text import labelled, screen, table, warning_block
 from dummydesign.core.errors import InputError
 
 HELP = "Read test-machine files: one trace for each press, tared, zero at contact, compression positive."
+FILES = "text in any usual form, or a workbook (extra xlsx)"
 ROLES = ("time", "displacement", "force")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    add = parser.add_argument
-    add("files", nargs="*", metavar="FILE|FOLDER", help="text in any usual form, or a workbook (extra xlsx)")
-    add("--profile", metavar="NAME|FILE", help="saved settings of a machine; other options override it")
-    add("--save-profile", metavar="NAME", help="save the settings under this name")
-    add("--list", action="store_true", help="show the profiles")
-    add("--columns", metavar="time=NAME,...", help="column of time, displacement or force: its name or number")
-    add("--units", metavar="time=s,...", help="unit of time, displacement or force; 0.5N: one count is 0.5 N")
-    add("--rate", metavar="HZ", help="sampling rate of evenly spaced samples, where the file has no time")
-    add("--delay", metavar="S", help="the force is so much later than the displacement")
-    add("--separator", metavar="C", help="between columns: tab, semicolon, comma, bar or spaces")
-    add("--decimal", metavar="C", help="decimal sign: . or ,")
-    add("--encoding", metavar="E", help="such as utf-8, utf-16, cp1252, cp932")
-    add("--skip", metavar="N", help="lines to leave out at the start of the file")
-    add(
-        "--flip",
-        metavar="WHICH",
-        help="reverse the sign of displacement, force, or displacement,force; none (default: detected)",
-    )
-    add(
-        "--tare",
-        metavar="auto|none|first|drift|slope|N",
-        help="force reading without load in N (or with a unit), counted as in the file; drift, slope: what grows with "
-        "time or depth too",
-    )
-    add(
-        "--contact",
-        metavar="auto|none|MM",
-        help="displacement reading at contact in mm (or with a unit), counted as in the file (default auto: by force)",
-    )
-    add("--split", metavar="auto|none", help="auto: split where force and depth return to zero; none: one press")
-    add("--sheets", metavar="NAME,...", help="sheets of a workbook or specimens to read; not:NAME,...: all others")
-    add("--out", metavar="DIR", help="folder of the traces (default import-NAME)")
-    add("--replace", action="store_true", help="take the place of another answer in --out, or of the profile's name")
+    from dummydesign.api.traces import import_traces
+
+    parser.add_argument("files", nargs="*", metavar="FILE|FOLDER", help=FILES)
+    parser.add_argument("--list", action="store_true", help="show the profiles")
+    add_options(parser, import_traces)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
@@ -63,7 +36,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         raise InputError("import needs a FILE or FOLDER (or --list for the profiles)", "missing", "files")
     from dummydesign.api.traces import import_traces
 
-    if options.skip is not None and not options.skip.isdigit():
+    if options.skip is not None and options.skip < 0:
         message = f"--skip {options.skip} is not a whole number of lines from 0"
         raise InputError(message, "not_a_number", "skip", options.skip)
     return call(
@@ -72,7 +45,6 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         columns=None if options.columns is None else pairs("columns", options.columns),
         units=None if options.units is None else pairs("units", options.units),
         decimal={"dot": ".", "point": ".", "comma": ","}.get(options.decimal, options.decimal),
-        skip=None if options.skip is None else int(options.skip),
         flip=None if options.flip is None else [] if options.flip == "none" else options.flip.split(","),
     ).to_dict()
 

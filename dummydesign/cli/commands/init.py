@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--resin", metavar="NAME|FILE", help="see 'dummydesign resins list'")
     add("--punch", metavar="KIND:SIZE", help="square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv")
     add("--aim", metavar="AIM", help="average (default), safe-side, subject:NAME or people:PERCENT")
-    add("--shape", metavar="NAME[:P,..]", help=shape_help("auto", default="auto"))
+    add("--shape", metavar="NAME[:P,..]", help="auto (default), " + shape_help("auto"))
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import argparse
 from textwrap import wrap
 from typing import Any
 
-from dummydesign.cli.common_options import add_effect_option, add_replace_option, call_in_steps
+from dummydesign.cli.common_options import add_options, call_in_steps
 from dummydesign.cli.text import file_lines, files_block, labelled, screen, table, warning_block, warning_lines
 
 HELP = "Find which effect the model lacks in a measured campaign, correct the model, and plan what to measure next."
@@ -14,13 +14,9 @@ HELP = "Find which effect the model lacks in a measured campaign, correct the mo
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    add = parser.add_argument
-    add("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
-    add("--out", metavar="DIR", help="where report and calibration go (default: loop-NAME)")
-    add("--prior", metavar="CALIBRATION", help="calibration.json of an earlier campaign of the same material")
-    add("--plan", metavar="DIR", help="write the next measurement as a campaign to press")
-    add_replace_option(parser)
-    add_effect_option(parser)
+    from dummydesign.api.campaigns import calibrate
+
+    add_options(parser, calibrate)
 
 
 ABOUT_STEPS = 18

@@ -8,7 +8,7 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from dummydesign.cli.common_options import add_replace_option, call, count, number
+from dummydesign.cli.common_options import add_options, call
 from dummydesign.cli.progress import Watch
 from dummydesign.cli.text import files_block, labelled, screen, step_lines, warning_block
 from dummydesign.core.errors import InputError, NoAnswerError
@@ -16,49 +16,9 @@ from dummydesign.core.errors import InputError, NoAnswerError
 
 def add_record_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the measured values."""
-    parser.add_argument("folder", metavar="DIR", help="folder that mold wrote")
-    add = parser.add_argument
-    add(
-        "--thickness",
-        dest="thicknesses_mm",
-        metavar="NAME=MM,..",
-        required=True,
-        help="at the gauge points of the pour sheet; of a flat pad also five or more numbers",
-    )
-    add("--mass", dest="mass_g", type=number("mass in g"), metavar="G", required=True, help="of the trimmed pad")
-    add(
-        "--modulus",
-        dest="modulus_kPa",
-        type=number("modulus in kPa"),
-        metavar="KPA",
-        help="of the witness puck, from resins add-compression",
-    )
-    add(
-        "--modulus-error",
-        dest="modulus_error_kPa",
-        type=number("modulus error in kPa"),
-        metavar="KPA",
-        help="standard error of that modulus",
-    )
-    add("--weighed", dest="weighed_g", metavar="NAME=G,..", help="masses of the liquids that were weighed in")
-    add(
-        "--scale",
-        dest="scale_g",
-        type=number("scale in g"),
-        metavar="G",
-        help="limit of the scale's error (default 0.1)",
-    )
-    add("--level", dest="level_deg", type=number("level"), metavar="DEG", help="as read when the mould was filled")
-    add("--bubbles", type=count("bubbles"), metavar="N", help="over 1 mm, under the punch")
-    add(
-        "--gauge",
-        dest="gauge_mm",
-        type=number("gauge in mm"),
-        metavar="MM",
-        help="standard error of the gauge on a gel (default 0.05)",
-    )
-    add("--note", default="", metavar="TEXT", help="anything else")
-    add_replace_option(parser)
+    from dummydesign.api.moulds import record_pad
+
+    add_options(parser, record_pad)
 
 
 def run_record(options: argparse.Namespace) -> dict[str, Any]:
@@ -141,46 +101,12 @@ HELP = "Make the silicone mould of a pad: STEP files, printable master and frame
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of contracts: thickness, size, shape, preset, resin, ratio, output folder; and ``record``."""
-    from dummydesign.geometry.shape_registry import shape_help
+    from dummydesign.api.moulds import make_mould
 
-    add = parser.add_argument
     actions = parser.add_subparsers(dest="action", metavar="[record]", help="without 'record' a mould is made")
     words = "store what was poured and list the limits that the pad misses"
     add_record_arguments(actions.add_parser("record", help=words))
-    add(
-        "--thickness",
-        dest="thickness_mm",
-        metavar="MM",
-        help="thickness of the pad, 3 to 30 mm; required",
-    )
-    add("--puck", metavar="DxH[,DxH..]", help="witness pucks instead of a pad, diameter x height in mm: printed rings")
-    add("--count", type=count("count"), default=1, metavar="N", help="cavities in one mould (default 1)")
-    add("--length", dest="length_mm", default=150.0, metavar="MM", help="length of the pad (default 150)")
-    add("--width", dest="width_mm", default=120.0, metavar="MM", help="width of the pad (default 120)")
-    add("--shape", default="slab", metavar="NAME[:P,..]", help=shape_help("puck"))
-    presets = "mould preset: open (default), lidded, printed or a TOML file"
-    add("--preset", default="open", metavar="NAME|FILE", help=presets)
-    machines = "printer, vacuum chamber and oven the mould must fit (default: the preset's)"
-    add("--machine", metavar="NAME|FILE", help=machines)
-    add("--silicone", metavar="NAME|FILE", help="silicone of the mould (default: the preset's)")
-    add("--resin", metavar="NAME|FILE", help="resin to weigh (default the paper's polyurethane)")
-    add("--ratio", type=number("ratio"), default=15.0, metavar="R", help="mixing ratio of the resin (default 15)")
-    add(
-        "--base-ratio",
-        type=number("base ratio"),
-        metavar="R",
-        help="ratio of a layered pad's base (default: from its modulus ratio)",
-    )
-    add(
-        "--face-sheet",
-        dest="face_sheet_mm",
-        type=number("face sheet in mm"),
-        metavar="MM",
-        help="thickness of a glass sheet that forms the tested face",
-    )
-    add("--paper", default="A4", metavar="A4|A3", help="paper of pour sheet and drawings (default A4)")
-    add("--out", metavar="DIR", help="folder for the files (default mould_tMM)")
-    add_replace_option(parser)
+    add_options(parser, make_mould)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import argparse
 import re
 from typing import Any
 
-from dummydesign.cli.common_options import add_replace_option, call_in_steps
+from dummydesign.cli.common_options import add_options, call_in_steps
 from dummydesign.cli.text import INDENT, WIDTH, files_block, fitted, labelled, step_lines, warning_block
 
 HELP = "Compute what a press measured on a pad would have been on people; compare it with your limits."
@@ -16,21 +16,9 @@ NUMBER_UNIT = re.compile(r"(?<=\d) (?=(?:%|N|mm|mJ|kg|s|mm/s|N/mm|N/cm2|times)(?
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    add = parser.add_argument
-    columns = "one press a file: columns time_s, displacement_mm, force_N, zero at contact ('dummydesign import')"
-    add("traces", nargs="+", metavar="TRACE.csv", help=columns)
-    people = "the people: a name of 'dummydesign tissues list', or a tissue file"
-    add("--tissue", required=True, metavar="NAME|FILE", help=people)
-    drives = "what moves the robot: position (default), steady, force, mass:KG, spring:K,M or spring:K,M,ZETA"
-    add("--drive", default="position", metavar="NAME", help=drives)
-    limits = "your limits of force and pressure, with their source; without it, a template is written"
-    add("--limits", metavar="FILE.toml", help=limits)
-    add("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="low-pass filter of the force sensor; its delay is undone")
-    add("--rate", default=1000.0, metavar="HZ", help="samples per second of on_person.csv (default 1000)")
-    faces = "face of the punch, for the mean pressure: square:14 (default), rectangle:AxB, round:D"
-    add("--punch", default="square:14", metavar="KIND:SIZE", help=faces)
-    add("--out", metavar="DIR", help="folder of report and curves (default on-person-TISSUE)")
-    add_replace_option(parser)
+    from dummydesign.api.traces import on_person
+
+    add_options(parser, on_person)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.common_options import call, number
+from dummydesign.cli.common_options import add_options, call
 from dummydesign.cli.text import labelled, screen, table, tissue_lines, verdict_lines, warning_block, warning_lines
 
 HELP = "Force of one pad: static, under a motion, in a ramp and hold, or as it stops a free mass."
@@ -15,52 +15,9 @@ NO_RELAXATION = "no_relaxation"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the pad, the material and what is done to it."""
-    from dummydesign.geometry.shape_registry import shape_help
+    from dummydesign.api.predictions import predict
 
-    add = parser.add_argument
-    add("--young", dest="young_kPa", metavar="KPA", help="long-term Young's modulus in kPa")
-    add("--resin", metavar="NAME|FILE", help="resin, with --ratio (default polyurethane-nagoya)")
-    add("--ratio", type=number("ratio"), metavar="R", help="mixing ratio of the resin")
-    add("--thickness", dest="thickness_mm", required=True, metavar="MM", help="of the pad at its highest point")
-    add("--depth", dest="depth_mm", metavar="D1,D2,...", help="static depths in mm")
-    add("--motion", metavar="FILE.csv", help="measured motion: columns time_s, displacement_mm")
-    add(
-        "--force", dest="force_N", metavar="N,...", help="force at the end of the hold, with --velocity; one or several"
-    )
-    add("--velocity", dest="velocity_mm_s", metavar="MM_S,...", help="speed of the ramp; one or several")
-    add("--hold", dest="hold_s", default=10.0, metavar="S", help="hold after the stop (default 10 s)")
-    add(
-        "--deceleration",
-        dest="deceleration_mm_s2",
-        default=30000.0,
-        metavar="MM_S2",
-        help="braking (default 30000 mm/s2)",
-    )
-    drives = "position (default), or mass:KG: the pad stops a free mass that hits at --velocity"
-    add("--drive", default="position", metavar="NAME", help=drives)
-    add("--tissue", metavar="NAME|FILE", help="compare the pad with a tissue: the verdict and its numbers")
-    aims = "with --tissue: average (default), safe-side, subject:NAME or people:PERCENT"
-    add("--aim", default="average", metavar="AIM", help=aims)
-    punches = "square:14 (default), round:D, rectangle:AxB, ball:D, profile:FILE.csv, plate"
-    add("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
-    edge = "fillet of the punch's edge, 0 (default, sharp) to 0.3 of its half-width; shapes: --fidelity axisymmetric"
-    add("--edge-radius", dest="edge_radius_mm", default=0.0, metavar="MM", help=edge)
-    add("--condition", default="bonded", metavar="NAME", help="bonded (default), frictionless, friction:MU")
-    add("--base", default="bonded", metavar="NAME", help="bonded (default), sliding or friction:MU")
-    add("--pad", default="slab:150x120", metavar="slab:LxW", help="slab (default 150x120 mm) or cylinder:DIAMETER")
-    add("--shape", default="slab", metavar="NAME[:P,..]", help=shape_help() + "; as crowned:RADIUS,HEIGHT")
-    add("--poisson", type=number("poisson"), default=0.5, metavar="NU", help="Poisson's ratio (default 0.5)")
-    laws = (
-        "neo-hookean (default), yeoh:C2_OVER_MU ogden:MU,ALPHA;.. or ogden-abaqus:MU,ALPHA;.. (scaled to the modulus)"
-    )
-    add("--law", default="neo-hookean", metavar="NAME", help=laws)
-    add("--prony", metavar="TAU:BETA,...", help="relaxation, beta relative to the long-term modulus")
-    add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric, 3d or viscoelastic")
-    add("--out", metavar="FILE.csv", help="write the curve as CSV; several presses to a file each")
-    add("--rate", dest="rate_Hz", metavar="HZ", help="uniform sampling rate in --out (default: the computed times)")
-    add("--units", default="mm", metavar="NAME", help="of --out: mm (mm, N; default) or in (inches, pounds-force)")
-    add("--fields", metavar="FILE.vtu", help="stress and contact at the depths, for ParaView (axisymmetric)")
-    add("--picture", metavar="FILE.png", help="deformed cross-section with stress and contact pressure (axisymmetric)")
+    add_options(parser, predict)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import argparse
 import shlex
 from typing import Any
 
-from dummydesign.cli.common_options import add_effect_option, call_in_steps
+from dummydesign.cli.common_options import add_options, call_in_steps
 from dummydesign.cli.text import labelled, screen, table, verdict_lines, warning_block, warning_lines
 from dummydesign.core.levels import level_name
 
@@ -15,11 +15,9 @@ HELP = "Predict a campaign with a calibration written by 'loop', and compare wit
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    add = parser.add_argument
-    add("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
-    add("--calibration", metavar="FILE", required=True, help="calibration.json of 'dummydesign loop'")
-    add("--tissue", metavar="NAME|FILE", help="judge each pad of the campaign by its presses, as 'compare' does")
-    add_effect_option(parser)
+    from dummydesign.api.campaigns import replay
+
+    add_options(parser, replay)
 
 
 ABOUT_STEPS = 4

@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from dummydesign.cli import text
-from dummydesign.cli.common_options import add_replace_option, call, count
+from dummydesign.cli.common_options import add_options, call
 from dummydesign.cli.progress import Count
 from dummydesign.cli.text import columns_of, labelled, screen, table, tissue_lines, warning_lines
 
@@ -17,39 +17,9 @@ BOTH = 7  # ratios up to which depths and peaks both fit one screen
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add what can be varied; ranges are START:STOP:STEP with STOP included."""
-    add = parser.add_argument
-    thickness = "in mm, inside 3 to 30, such as 3:30:0.5 or 5,15"
-    add("--thickness", dest="thickness_mm", required=True, metavar="RANGE|LIST", help=thickness)
-    add("--ratio", metavar="RANGE|LIST", help="mixing ratios (default the resin's reference)")
-    add("--resin", default="polyurethane-nagoya", metavar="NAME|FILE", help="default polyurethane-nagoya")
-    add("--tissue", metavar="NAME|FILE", help="score every design for this tissue")
-    add("--aim", default="average", metavar="AIM", help="average (default), safe-side, subject:NAME or people:PERCENT")
-    add("--punch", default="square:14", metavar="LIST", help="such as square:14,round:16 (default square:14)")
-    add("--condition", default="bonded", metavar="LIST", help="face: bonded (default), frictionless or friction:MU")
-    add("--base", default="bonded", metavar="LIST", help="pad on its base: bonded (default), sliding")
-    add(
-        "--shape",
-        default="slab",
-        metavar="NAME[:KEY=RANGE,..],..",
-        help="such as slab,crowned:radius=10:20:2,height=1.5/2; every combination of its lengths (default slab)",
-    )
-    edges = "fillets of the punch's edge in mm, for slabs (default 0, sharp)"
-    add("--edge-radius", dest="edge_radius_mm", default="0", metavar="RANGE|LIST", help=edges)
-    add("--velocity", dest="velocity_mm_s", default="10,250", metavar="RANGE|LIST", help="in mm/s (default 10,250)")
-    add("--force", dest="force_N", default="1,5,10,15", metavar="RANGE|LIST", help="in N (default 1,5,10,15)")
-    add("--hold", dest="hold_s", default=10.0, metavar="S", help="hold after the stop (default 10 s)")
-    add(
-        "--deceleration",
-        dest="deceleration_mm_s2",
-        default=30000.0,
-        metavar="MM_S2",
-        help="braking (default 30000 mm/s2)",
-    )
-    add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric or 3d")
-    add("--workers", type=count("workers"), default=1, metavar="N", help="processes of this machine (default 1)")
-    add("--scheduler", metavar="ADDRESS", help="a running Dask scheduler, such as tcp://host:8786")
-    add("--out", metavar="DIR", help="folder of rows.csv and report.html (default whatif-RESIN)")
-    add_replace_option(parser)
+    from dummydesign.api.designs import whatif
+
+    add_options(parser, whatif)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

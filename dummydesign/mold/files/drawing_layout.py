@@ -12,7 +12,6 @@ import numpy as np
 
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.mold.files.drawing_sheet import (
-    CAP_SHARE,
     PAPERS,
     TEXT_MM,
     Box,
@@ -327,9 +326,15 @@ def notes_beside(notes: Sequence[str], wide_mm: float) -> tuple[list[str], float
 
 def wrapped(notes: Sequence[str], room_mm: float) -> list[str]:
     """Notes broken into lines that fit a width; a longer word is cut."""
-    from reportlab.lib.utils import simpleSplit
-
-    lines = [line for note in notes for line in simpleSplit(note, "Helvetica", TEXT_MM / CAP_SHARE, room_mm)]
+    lines = []
+    for note in notes:
+        lines.append("")
+        for word in note.split():
+            longer = f"{lines[-1]} {word}".lstrip()
+            if lines[-1] and text_width(longer, TEXT_MM) > room_mm:
+                lines.append(word)
+            else:
+                lines[-1] = longer
     return [shortened(line, room_mm) for line in lines]
 
 

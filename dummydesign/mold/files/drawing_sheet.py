@@ -6,11 +6,13 @@ import html
 import io
 import math
 import re
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache
+from pathlib import Path
 from typing import Any
+
+from dummydesign.core.typeset import FONTS, typeset
 
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]
@@ -31,14 +33,27 @@ LAYERS = {
 TEXT_MM, CAP_SHARE = 2.5, 0.718
 """Height of the capital letters of the smallest text [mm], and their share of the font size (Helvetica)."""
 ARROW_MM = 2.8
+TEMPLATE = Path(__file__).with_name("drawings.typ")
+FONT_SIZE = 2048
+"""Size at which letters are measured: that of the font's own grid."""
 
 
-@lru_cache(maxsize=4096)
+@cache
+def _letter_width(letter: str) -> float:
+    """Width of a letter over the size of its text."""
+    return float(_font().getlength(letter)) / FONT_SIZE
+
+
+@cache
+def _font() -> Any:
+    from PIL import ImageFont
+
+    return ImageFont.truetype(FONTS / "LiberationSans-Regular.ttf", FONT_SIZE, layout_engine=ImageFont.Layout.BASIC)
+
+
 def text_width(words: str, height: float) -> float:
-    """Width of a text in Helvetica. [mm]"""
-    from reportlab.pdfbase.pdfmetrics import stringWidth
-
-    return float(stringWidth(words, "Helvetica", height / CAP_SHARE))
+    """Width of a text in Helvetica, as wide as which Liberation Sans is. [mm]"""
+    return sum(map(_letter_width, words)) * height / CAP_SHARE
 
 
 @dataclass(frozen=True)
@@ -264,7 +279,8 @@ def to_svg(sheet: Drawing) -> str:
     """Write the sheet as SVG in the size of its paper."""
     w, h = sheet.size
     out = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{w:g}mm" height="{h:g}mm" viewBox="0 0 {w:g} {h:g}">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{w:g}mm" height="{h:g}mm" viewBox="0 0 {w:g} {h:g}" '
+        'xml:space="preserve">',
         f"<title>{html.escape(sheet.title)}</title>",
         f'<rect width="{w:g}" height="{h:g}" fill="#fff"/>',
         '<g fill="none" stroke="#111" stroke-linejoin="round" stroke-linecap="round">',
@@ -292,69 +308,7 @@ def _svg_text(text: Text, h: float) -> str:
     )
 
 
-POINT_PER_MM = 72.0 / 25.4
-
-
 def to_pdf(sheets: Sequence[Drawing], title: str) -> bytes:
-    """Write sheets as PDF; a millimetre of the drawing is a millimetre of the page; equal sheets, equal files."""
-    from reportlab.pdfgen.canvas import Canvas
-
-    stream = io.BytesIO()
-    canvas = Canvas(stream, invariant=1, pageCompression=1)
-    with packed_pages():
-        canvas.setTitle(title)
-        canvas.setCreator("dummydesign")
-        for sheet in sheets:
-            canvas.setPageSize(tuple(POINT_PER_MM * side for side in sheet.size))
-            canvas.saveState()
-            canvas.scale(POINT_PER_MM, POINT_PER_MM)
-            draw(canvas, sheet)
-            canvas.restoreState()
-            canvas.bookmarkPage(sheet.title)
-            canvas.addOutlineEntry(sheet.title, sheet.title)
-            canvas.showPage()
-        canvas.save()
-    return stream.getvalue()
-
-
-@contextmanager
-def packed_pages() -> Iterator[None]:
-    """Write pages packed as they are, not also spelt out in letters; reportlab's setting is given back.
-
-    Letters take longer and a quarter more room.
-    """
-    from reportlab import rl_config
-
-    before = rl_config.useA85
-    rl_config.useA85 = 0
-    try:
-        yield
-    finally:
-        rl_config.useA85 = before
-
-
-def draw(canvas: Any, sheet: Drawing) -> None:
-    """Draw a sheet on a canvas whose unit is a millimetre."""
-    canvas.setLineJoin(1)
-    canvas.setLineCap(1)
-    # Operators of PDF itself: w sets the width, m and l go along a path, S strokes, h closes and f fills it.
-    drawn = [f"{LAYERS[line.layer]} w {_path(line.points)} S" for line in sheet.lines]
-    drawn.append(f"{LAYERS['dimension']} w")
-    for d in sheet.dimensions:
-        lines, heads = d.marks()
-        drawn += [f"{_path(ends)} S" for ends in lines]
-        drawn += [f"{_path(corners)} h f" for corners in heads]
-    canvas.addLiteral("\n".join(drawn))
-    for text in sheet.all_texts:
-        canvas.saveState()
-        canvas.translate(*text.at)
-        if text.upright:
-            canvas.rotate(90)
-        canvas.setFont("Helvetica", text.height / CAP_SHARE)
-        (canvas.drawCentredString if text.middle else canvas.drawString)(0, 0, text.words)
-        canvas.restoreState()
-
-
-def _path(points: Sequence[Point]) -> str:
-    (x, y), *rest = points
-    return f"{x:.4f} {y:.4f} m " + " ".join([f"{x:.4f} {y:.4f} l" for x, y in rest])
+    """Write sheets as PDF, a page each; a millimetre of the drawing is a millimetre of the page."""
+    pages = [{"title": one.title, "size": one.size, "svg": to_svg(one)} for one in sheets]
+    return typeset(TEMPLATE, {"title": title, "pages": pages})

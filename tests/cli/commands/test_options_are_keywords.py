@@ -68,20 +68,20 @@ def test_a_calibration_none_is_none_and_a_red_pad_is_an_answer_that_is_refused(m
             outcome=argparse.Namespace(verdict=verdict), to_dict=lambda: {"verdict": {"level": "not_representative"}}
         )
 
-        def function(request, out, replace, progress):
-            seen.update(calibration=request.calibration)
+        def function(calibration, progress):
+            seen.update(calibration=calibration)
             return answer
 
         return function
 
     monkeypatch.setattr("dummydesign.design.next_steps.mould_of_pad", lambda answer: "dummydesign mold 5")
     for cad in (True, False):
-        monkeypatch.setattr(designs, "answer_request", made(False))
+        monkeypatch.setattr(designs, "suggest", made(False))
         with raises_code("no_acceptable_pad", "verdict") as caught:
             suggest.run(namespace(tissue="palm", calibration="none", cad=cad, out=None, replace=False))
         assert ("dummydesign mold 5" in str(caught.value)) is cad
     assert seen == {"calibration": None}
-    monkeypatch.setattr(designs, "answer_request", made(True))
+    monkeypatch.setattr(designs, "suggest", made(True))
     assert suggest.run(namespace(tissue="palm", calibration="c.json", cad=True, out=None, replace=False))["verdict"]
     assert seen == {"calibration": "c.json"}
 
@@ -134,4 +134,4 @@ def test_numbers_of_whatif_are_read_as_its_defaults():
     parser = argparse.ArgumentParser()
     whatif.add_arguments(parser)
     options = parser.parse_args(["--thickness", "5:15:5"])
-    assert options.velocity_mm_s == "10,250" and options.workers == 1
+    assert options.velocity_mm_s == (10.0, 250.0) and options.workers == 1

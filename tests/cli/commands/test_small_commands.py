@@ -158,8 +158,8 @@ class Wrong:
 
 @pytest.mark.parametrize(("count", "words"), [(0, ""), (1, "1 problem in"), (2, "2 problems in")])
 def test_a_campaign_with_problems_is_no_answer(monkeypatch, count, words):
-    monkeypatch.setattr(campaigns, "check_campaign", lambda folder: Wrong(Wrong.wrong[:count]))
     options = parsed(campaign, "check", "thumb")
+    monkeypatch.setattr(campaigns, "check_campaign", lambda folder: Wrong(Wrong.wrong[:count]))
     if not count:
         assert campaign.run(options) == {"wrong": []}
         return

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
-from dummydesign.mold.files.drawing_sheet import Drawing, Line, to_pdf
+from dummydesign.core.typeset import FONTS
+from dummydesign.mold.files.drawing_sheet import CAP_SHARE, PAPERS, TEXT_MM, Drawing, Line, Text, text_width, to_pdf
 from dummydesign.mold.files.pour_sheet import Foot, SheetBlock, pour_sheet, sheet_pdf
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
@@ -72,9 +75,20 @@ def test_every_page_has_its_number_and_the_hash():
     assert count > 2 and all(f"Specification ABCD page {page} of {count}" in text for page in range(1, count + 1))
 
 
-def test_drawings_leave_the_settings_of_their_library_as_they_were(monkeypatch):
-    from reportlab import rl_config
+def test_every_drawing_is_a_page_in_the_list_of_pages_with_its_letters_in_their_places():
+    texts = [Text((50.0, 60.0), "scale  1:2 µ ±", 5.0), Text((100.0, 90.0), "upright", upright=True, middle=True)]
+    data = to_pdf([LINE, Drawing("crown, A", 1.0, "A4", texts=texts)], "Drawings")
+    assert pages_mm(data) == [pytest.approx(PAPERS[name], abs=0.01) for name in ("A3", "A4")]
+    titles = re.findall(rb"/Title ?\(([^)]*)\)", data)
+    assert sorted(titles) == [b"Drawings", b"crown, A", b"part"]
+    assert "scale1:2µ±" in (letters := pdf_text(data).replace(" ", "")) and "upright" in letters
 
-    monkeypatch.setattr(rl_config, "useA85", 1)
-    data = to_pdf([LINE], "a")
-    assert rl_config.useA85 == 1 and b"ASCII85Decode" not in data
+
+@pytest.mark.parametrize("words", ["0123456789 mm", "AVATo, Heat may warp the print.", "µ ± ° (20.5)"])
+def test_a_text_is_as_wide_as_its_pdf_draws_it(words):
+    """Letters that are moved together make it narrower by a few hundredths, never wider."""
+    from PIL import ImageFont
+
+    font = ImageFont.truetype(FONTS / "LiberationSans-Regular.ttf", 1000)
+    drawn = font.getlength(words) / 1000 * TEXT_MM / CAP_SHARE
+    assert drawn - 0.01 <= text_width(words, TEXT_MM) <= 1.05 * drawn

@@ -54,7 +54,7 @@ def fit(
     lowpass : str, optional
         Filter the forces went through, ``HZ[:ORDER[:PASSES]]``.
     out : path, optional
-        Tissue file (TOML) to write, with residuals, report and manifest beside it; the next free number when a
+        Tissue file (TOML) to write, with a folder NAME-report beside it; the next free number when a
         file of this name is there that another fit wrote.
     replace : bool
         Take the place of the other file instead.

@@ -300,4 +300,5 @@ def _manifests(folder: Path) -> Iterator[Path]:
     for path, below, names in os.walk(folder):
         deep = len(Path(path).relative_to(folder).parts)
         below[:] = [] if deep >= DEEPEST else sorted(name for name in below if not name.startswith("."))
-        yield from (Path(path) / name for name in sorted(names) if name == MANIFEST)
+        if MANIFEST in names:
+            yield Path(path) / MANIFEST

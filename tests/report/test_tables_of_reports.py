@@ -9,9 +9,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import dummydesign
 from dummydesign.measurement.campaign_plan import Planned
 from dummydesign.measurement.trace import Trace
 from dummydesign.report import campaign_sheet, fit, import_preview, on_person
+from tests.support.refusal import raises_code
 
 
 def planned(sequence=1, **more):
@@ -76,6 +78,13 @@ def test_rivals_of_a_fit_are_counted_from_the_lowest():
     data = {"elements": 5, "comparison": {"3": {**row, "aicc": -10.0}, "5": {**row, "aicc": -16.5}}}
     rows = fit._rivals(data).rows
     assert [(one[0], one[-2], one[-1]) for one in rows] == [("3", "-10.0", "6.5"), ("5 (reported)", "-16.5", "0.0")]
+
+
+@pytest.mark.parametrize("name", ["fit.csv", "fit", "toml"])
+def test_a_fit_is_written_to_a_tissue_file_alone(tmp_path, name):
+    with raises_code("bad_name", "out"):
+        dummydesign.fit([], out=tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
 
 
 def imported(noise=0.0):

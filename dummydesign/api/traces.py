@@ -62,7 +62,7 @@ def fit(
     lowpass : HZ[:ORDER[:PASSES]]
         Filter the force went through.
     out : tissue.toml
-        Write a tissue file; residuals and report beside it.
+        Write a tissue file; its report in a folder NAME-report beside it.
 
         The next free number when a file of this name is there that another fit wrote.
     replace

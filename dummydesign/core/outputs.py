@@ -40,14 +40,14 @@ class OutputTarget:
 def choose_target(out: Path, question: Question, replace: bool, shared: bool = False) -> OutputTarget:
     """Choose where an answer goes: ``out`` or the next number after it that holds no answer to another question.
 
-    ``shared`` is a set of files with one stem in a folder with others: ``STEM.toml``, ``STEM-manifest.json``, ...
+    ``shared`` is a file in a folder with others, with a folder beside it: ``STEM.toml`` and ``STEM-report``.
     """
     why = "holds the answer to other inputs"
     for number in range(1, MOST):
         path = out if number == 1 else _numbered(out, number, shared)
         target = OutputTarget(path, path.name, NAME)
         if shared:
-            target = OutputTarget(path.parent, path.stem, f"{path.stem}-{NAME}")
+            target = OutputTarget(path.parent, path.stem, f"{path.stem}-report/{NAME}")
         earlier = read_manifest(target.folder / target.manifest)
         if earlier is None and (path.exists() if shared else path.is_dir() and _marked(path)):
             earlier = Earlier(None, None, {})
@@ -145,7 +145,7 @@ def new_folder(out: FilePath, question: Question, *, replace: bool = False) -> A
 
 
 def new_files(out: FilePath, question: Question, *, replace: bool = False) -> AbstractContextManager[Output]:
-    """Write a set of files with one stem into a folder that others share; ``place.stem`` is the stem to use.
+    """Write ``STEM.toml``, and ``STEM-report`` beside it, into a folder that others share; ``target.stem`` is the stem.
 
     See :func:`new_folder`.
     """

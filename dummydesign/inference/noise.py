@@ -74,6 +74,25 @@ class Bins:
         slow[:, self._rows, self._rows] = own
         return slow
 
+    def size_slopes(self, noise: Noise, slope: NDArray, level: NDArray, pull: NDArray) -> dict[str, float]:
+        """Derivatives to the sizes of a number that changes by ``pull`` with the covariance (as that is shaped)."""
+        pull = np.where(self._both, pull, 0.0)
+        own = np.diagonal(pull, axis1=1, axis2=2)
+        time_s = noise.slow_time_s
+        length = np.where(self.used, np.maximum(self.end - self.start, 1e-9), 1.0) / time_s
+        loss, slow = -np.expm1(-length) / length, self.slow(time_s)
+        relative = 1.0 - np.exp(-length) / loss
+        change = slow * (relative[:, :, None] + relative[:, None, :] + self._gap / time_s)
+        long = 2.0 * (1.0 - loss - relative * loss) / length
+        change[:, self._rows, self._rows] = np.where(length > 1e-4, long, length / 3.0)
+        return {
+            "white_N": 2.0 * noise.white_N * float((own / np.maximum(self.samples, 1.0)).sum()),
+            "slow_N": 2.0 * noise.slow_N * float((pull * slow).sum()),
+            "slow_time_s": noise.slow_N**2 / time_s * float((pull * change).sum()),
+            "position_mm": 2.0 * noise.position_mm * float(((pull @ slope[:, :, None])[..., 0] * slope).sum()),
+            "misfit_fraction": 2.0 * noise.misfit_fraction * float((own * level**2).sum()),
+        }
+
     def covariance(self, noise: Noise, slope: NDArray, level: NDArray | None = None) -> NDArray:
         """Covariance of the bins, shape (traces, longest, longest), identity in the padding. [N2]"""
         total = noise.slow_N**2 * self.slow(noise.slow_time_s)
@@ -107,8 +126,35 @@ def restricted_likelihood(
 
     r' V^-1 r + ln det V + ln det(X' V^-1 X), summed over the traces.
     """
+    return _restricted(covariance, residual, columns, shared, refitted)[0]
+
+
+def restricted_slope(covariance: NDArray, residual: NDArray, columns: NDArray) -> tuple[float, NDArray]:
+    """The same for shared columns without a refit, and its derivative to each element of the covariance."""
+    from scipy.linalg.lapack import dpotri
+
+    cost, lower, white, information = _restricted(covariance, residual, columns)
+    turned = _triangular(lower, white, transposed=True)
+    own, root = turned[..., 0], np.linalg.inv(np.linalg.cholesky(information[0]))
+    sides = turned[..., 1:] @ root.T
+    inverse = np.tril([dpotri(one, lower=1)[0] for one in lower])
+    inverse += np.swapaxes(np.tril(inverse, -1), 1, 2)
+    return cost, inverse - own[:, :, None] * own[:, None, :] - sides @ np.swapaxes(sides, 1, 2)
+
+
+def _triangular(lower: NDArray, values: NDArray, transposed: bool = False) -> NDArray:
+    from scipy.linalg import solve_triangular
+
+    pairs = zip(lower, values)
+    return np.stack([solve_triangular(a, b, transposed, lower=True, check_finite=False) for a, b in pairs])
+
+
+def _restricted(
+    covariance: NDArray, residual: NDArray, columns: NDArray, shared: bool = True, refitted: bool = False
+) -> tuple[float, NDArray, NDArray, NDArray]:
+    """Cost, Cholesky factors, whitened residual and columns, and X' V^-1 X."""
     lower = np.linalg.cholesky(covariance)
-    white = np.linalg.solve(lower, np.concatenate([residual[..., None], columns], axis=-1))
+    white = _triangular(lower, np.concatenate([residual[..., None], columns], axis=-1))
     groups = white.reshape(1, -1, white.shape[-1]) if shared else white
     rest, turned = groups[..., 0], groups[..., 1:]
     information = np.swapaxes(turned, 1, 2) @ turned
@@ -119,13 +165,15 @@ def restricted_likelihood(
     if refitted:
         inner = np.swapaxes(turned, 1, 2) @ rest[..., None]
         cost -= (inner * np.linalg.solve(information, inner)).sum()
-    return float(cost + np.linalg.slogdet(information)[1].sum())
+    return float(cost + np.linalg.slogdet(information)[1].sum()), lower, white, information
 
 
 def likeliest(
     cost: Callable[[NDArray], Any], start: NDArray, low: NDArray, high: NDArray, gradient: bool = False
 ) -> tuple[NDArray, float]:
     """Positive sizes of least cost within bounds, by L-BFGS-B in their logarithms.
+
+    With ``gradient`` the cost comes with its derivatives to the logarithms.
 
     The search goes by boxes of a factor :data:`REACH` to either side of where it stands until it ends inside one:
     a likelihood is flat where a size is too small to be seen, and the first step of a quasi-Newton method, or a

@@ -51,6 +51,8 @@ class Ramp:
         return self.stop_time_s - self.contact_time_s
 
 
+DEEP = 0.9
+"""Share of the largest displacement from which a punch is deep."""
 HOLD_FRACTION = 0.1
 """A hold lasts at least this fraction of the time that the ramps alone take."""
 
@@ -106,6 +108,10 @@ def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike, stop: Stop = "reach
         raise InputError(text, "not_enough_data", "displacement_mm", float(x[0]))
     noise = noise_of(x)
     start, contact, level = ramp_start(time, x, noise)
+    begun = contact, level
+    if last := last_ramp(x):
+        time, x, start = time[last:], x[last:], 0
+        begun = float(time[0]), float(x[0])
     plateau = find_plateau(time, x, start, noise)
     depth = plateau.depth_mm
     if stop == "reached":
@@ -124,12 +130,20 @@ def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike, stop: Stop = "reach
         stopped,
         end,
         depth,
-        (depth - level) / max(stopped - contact, 1e-9),
+        (depth - begun[1]) / max(stopped - begun[0], 1e-9),
         plateau.overshoot_mm,
         settled,
         plateau.period_s,
         Motion(time, x),
     )
+
+
+def last_ramp(x: NDArray) -> int:
+    """Sample at which the last of several ramps begins, at half of the depth; 0 where there are no cycles before."""
+    largest = x.max()
+    deep = int(np.flatnonzero(x >= DEEP * largest)[-1])
+    half = int(np.flatnonzero(x[:deep] < 0.5 * largest)[-1:].sum())
+    return half if x[: half + 1].max() >= 0.6 * largest else 0
 
 
 def _reached(time: NDArray, x: NDArray, depth: float, reach: float) -> float:

@@ -6,7 +6,7 @@ import csv
 import io
 import math
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -69,7 +69,7 @@ def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
         too few samples, or magnitudes that show another unit (m, um, mN, kN, ms) or sign.
     """
     path = Path(path)
-    header, lines, values = read_numbers(path, COLUMNS, "trace")
+    header, values = read_numbers(path, COLUMNS, "trace")
     if len(values) < MIN_SAMPLES:
         raise InputError(
             f"{path.name}: {len(values)} samples; at least {MIN_SAMPLES} are needed",
@@ -78,9 +78,6 @@ def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
             len(values),
         )
     time, displacement, force = values.T
-    for at in np.flatnonzero(np.diff(time) <= 0)[:1] + 1:
-        words = f"time_s = {time[at]:g} does not increase (line before: {time[at - 1]:g})"
-        raise InputError(f"{path.name}:{lines[at]}: {words}", "malformed", "time_s", float(time[at]))
     fault = magnitude_fault(time, displacement, force, velocity_mm_s, SECONDS in header)
     if fault:
         raise InputError(f"{path.name}: {fault.message}{import_first(path)}", fault.code, fault.column)
@@ -94,8 +91,8 @@ def import_first(path: str | Path) -> str:
     return f"; import it first: dummydesign import {shlex.quote(str(path))}"
 
 
-def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[str], Sequence[int], NDArray]:
-    """Read columns of a CSV file: its header, and line and numbers of each row that is not blank.
+def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[str], NDArray]:
+    """Read columns of a CSV file, the first of which rises: its header, and the numbers of each row that is not blank.
 
     A column in inches or pounds-force is read in mm or N.
 
@@ -134,11 +131,10 @@ def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[
         raise InputError(f"{path.name}:1: column '{missing}' is missing{advice}", "missing", missing)
     places = [column for column in columns if column is not None]
     plain = _plain_numbers(text, places)
-    if plain is not None:
-        return header, range(2, len(plain) + 2), plain * np.array(sizes)
     values: list[list[float]] = []
-    lines: list[int] = []
-    for row in rows:
+    lines: list[int] = [] if plain is None else list(range(2, len(plain) + 2))
+    one_by_one: Iterable[list[str]] = rows if plain is None else ()
+    for row in one_by_one:
         if not any(cell.strip() for cell in row):
             continue
         where = f"{path.name}:{rows.line_num}"
@@ -153,7 +149,12 @@ def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[
         cells = (row[at] if at < len(row) else None for at in places)
         values.append([size * _number(cell, name, where) for name, cell, size in zip(names, cells, sizes)])
         lines.append(rows.line_num)
-    return header, lines, np.array(values).reshape(-1, len(names))
+    read = np.array(values).reshape(-1, len(names)) if plain is None else plain * np.array(sizes)
+    time = read[:, 0]
+    for at in np.flatnonzero(np.diff(time) <= 0)[:1] + 1:
+        words = f"time_s = {time[at]:g} does not increase (line before: {time[at - 1]:g})"
+        raise InputError(f"{path.name}:{lines[at]}: {words}", "malformed", "time_s", float(time[at]))
+    return header, read
 
 
 def _plain_numbers(text: str, places: list[int]) -> NDArray | None:
@@ -197,14 +198,14 @@ def _number(cell: str | None, name: str, where: str) -> float:
 
 def check_one_press(trace: Trace, advice: str = "") -> None:
     """Refuse several presses in one trace, which would be read as one long hold; ``advice`` ends the message."""
-    from dummydesign.measurement.importing.sign_convention import find_presses
+    from dummydesign.measurement.importing.sign_convention import find_presses, joined_cycles
 
     force = trace.force_N - np.median(trace.force_N[:3])
     try:
-        count = len(find_presses(trace.name, trace.displacement_mm, force, True))
+        presses = find_presses(trace.name, trace.displacement_mm, force, True)
     except InputError:
         return  # too little force to tell; whoever uses the trace reports it
-    if count > 1:
+    if (count := len(joined_cycles(presses, trace.displacement_mm, 0.0))) > 1:
         raise InputError(f"{trace.name}: holds {count} presses; a trace is one{advice}", "malformed", "trace", count, 1)
 
 
@@ -312,26 +313,18 @@ def _milliseconds(time: NDArray, displacement: NDArray, velocity_mm_s: float | N
 def read_motion(path: str | Path) -> Motion:
     """Read the columns time_s and displacement_mm (or displacement_in) of a CSV file; others are ignored."""
     path = Path(path)
-    _, lines, values = read_numbers(path, MOTION_COLUMNS, "motion_file")
-    time, displacement = values.T
-    for at in np.flatnonzero(np.diff(time) <= 0)[:1] + 1:
-        raise InputError(
-            f"{path.name}:{lines[at]}: time_s = {float(time[at])} does not increase",
-            "malformed",
-            "time_s",
-            float(time[at]),
-        )
+    values = read_numbers(path, MOTION_COLUMNS, "motion_file")[1]
     if len(values) < 2:
         raise InputError(
             f"{path.name}: {len(values)} rows; a motion needs at least 2", "not_enough_data", "motion_file", len(values)
         )
-    return Motion(time, displacement)
+    return Motion(*values.T)
 
 
 def read_motion_force(path: str | Path) -> NDArray | None:
     """Read the force at the samples of a motion file, shape (n,); None where it has no such column. [N]"""
     try:
-        return read_numbers(Path(path), (*MOTION_COLUMNS, "force_N"), "motion_file")[2][:, -1]
+        return read_numbers(Path(path), (*MOTION_COLUMNS, "force_N"), "motion_file")[1][:, -1]
     except InputError as problem:
         if problem.code == "missing":
             return None

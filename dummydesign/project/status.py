@@ -105,11 +105,11 @@ def things_in(root: Path, room: str, problems: list[str] | None = None) -> list[
         if room == "campaigns":
             if (path / CAMPAIGN).is_file():
                 rows.append(_campaign(path, name, [] if problems is None else problems))
-        elif path.is_dir():
+        elif path.is_dir() and room != "tissue":
             if manifest := finished_manifest(path / MANIFEST):
                 rows.append(_made(name, manifest, manifest["summary"]))
-        elif room == "tissue" and path.suffix == ".toml" and not path.stem.endswith("-manifest"):
-            rows.append(_made(name, finished_manifest(path.with_name(f"{path.stem}-{MANIFEST}"))))
+        elif room == "tissue" and path.suffix == ".toml":
+            rows.append(_made(name, finished_manifest(path.with_name(f"{path.stem}-report") / MANIFEST)))
         elif room == "measured" and path.suffix.lower() in TEXTS:
             rows.append(ProjectFile(name, ""))
     return sorted(rows, key=lambda one: one.date)
@@ -289,9 +289,10 @@ def history_of(folder: Path) -> tuple[PastAnswer, ...]:
     answers = []
     for path in _manifests(folder):
         if content := finished_manifest(path):
-            thing = path.parent if path.name == MANIFEST else path.with_name(path.name.removesuffix(f"-{MANIFEST}"))
             command, date, version = (str(content.get(key, "")) for key in ("command", "date", "version"))
-            answers.append(PastAnswer(thing.relative_to(folder).as_posix(), command, date, version, content["summary"]))
+            answers.append(
+                PastAnswer(path.parent.relative_to(folder).as_posix(), command, date, version, content["summary"])
+            )
     return tuple(sorted(answers, key=lambda one: one.date, reverse=True))
 
 
@@ -299,4 +300,5 @@ def _manifests(folder: Path) -> Iterator[Path]:
     for path, below, names in os.walk(folder):
         deep = len(Path(path).relative_to(folder).parts)
         below[:] = [] if deep >= DEEPEST else sorted(name for name in below if not name.startswith("."))
-        yield from (Path(path) / name for name in sorted(names) if name == MANIFEST or name.endswith(f"-{MANIFEST}"))
+        if MANIFEST in names:
+            yield Path(path) / MANIFEST

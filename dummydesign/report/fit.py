@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_bytes, write_text
 from dummydesign.report.page import STYLES, Section, Table, log_start, table_of_parameters, unique, write_report
 from dummydesign.report.plot import Plot, Series, press_plot
@@ -32,7 +31,7 @@ MODES = {
 
 
 def write_fit_report(folder: Path, stem: str, fit: TissueFit, sources: Sequence[str]) -> dict[str, str]:
-    """Write ``STEM-report.html`` and its CSV files; see :func:`dummydesign.report.page.write_report`."""
+    """Write the report of a fit; see :func:`dummydesign.report.page.write_report`."""
     data = fit.result
     facts = [
         (str(data["elements"]), f"elements ({(data['elements'] - 1) // 2} relaxing arms)"),
@@ -63,9 +62,7 @@ def write_fit_report(folder: Path, stem: str, fit: TissueFit, sources: Sequence[
         Section("3, 5 and 7 elements", f"{data['elements']} elements are reported. {RIVALS}", table=_rivals(data)),
         Section("Traces", "", table=_traces(data)),
     ]
-    return write_report(
-        folder, f"Fit {stem}", lead, sections, f"{stem}-report", facts=facts, warnings=data["warnings"], sources=sources
-    )
+    return write_report(folder, f"Fit {stem}", lead, sections, facts=facts, warnings=data["warnings"], sources=sources)
 
 
 def _series(fit: TissueFit) -> Iterable[tuple[ReducedTrace, np.ndarray, np.ndarray, np.ndarray]]:
@@ -217,21 +214,20 @@ def _traces(data: dict[str, Any]) -> Table:
 
 
 def write_fit(fit: TissueFit, out: str, sources: Sequence[str] = ()) -> dict[str, str]:
-    """Write ``out`` (a tissue TOML of one subject) and beside it the residuals as CSV and PNG, and the report."""
+    """Write ``out`` (a tissue TOML of one subject) and a folder beside it: the report, residuals as CSV and PNG."""
     path = Path(out)
-    if path.suffix.lower() != ".toml":
-        message = f"--out '{out}' must end in .toml: a tissue file is written there"
-        raise InputError(message, "bad_name", "out", str(out))
+    folder = path.with_name(f"{path.stem}-report")
+    folder.mkdir()
     subject = subject_from_fit(path.stem, fit)
     notes = tuple(warning["message"] for warning in fit.result["warnings"])
     tissue = Tissue(path.stem, f"fit of {path.stem}", fit.law, (subject,), (), notes, "file")
     files = {
         "tissue": path,
-        "residuals": path.with_name(f"{path.stem}_residuals.csv"),
-        "residual_plot": path.with_name(f"{path.stem}_residuals.png"),
+        "residuals": folder / "residuals.csv",
+        "residual_plot": folder / "residuals.png",
     }
     write_text(files["tissue"], tissue_toml(tissue))
     write_text(files["residuals"], residual_table(fit.problems))
     write_bytes(files["residual_plot"], residual_plot(fit.problems, f"{path.stem}, law {fit.law}, {fit.mode}"))
-    report = write_fit_report(path.parent, path.stem, fit, sources)
+    report = write_fit_report(folder, path.stem, fit, sources)
     return {role: str(file) for role, file in files.items()} | report

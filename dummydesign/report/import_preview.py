@@ -44,7 +44,7 @@ def write_preview(
     if drawn < presses:
         lead += f" Figures of the first {drawn} presses; the rest stand in the tables."
     every = [*(warning for written in files for warning in written["warnings"]), *warnings]
-    return str(write_text(folder / "preview.html", page("Import", lead, sections, facts, every, tables="")))
+    return str(write_text(folder / "preview.html", page("Import", lead, sections, facts, every, values=False)))
 
 
 def _some(press: ImportedPress) -> np.ndarray:

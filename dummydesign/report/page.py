@@ -159,7 +159,7 @@ def page(
     warnings: Sequence[Mapping[str, str]] = (),
     sources: Sequence[str] = (),
     scripts: Sequence[str] = (),
-    tables: str = "report",
+    values: bool = True,
     verdict: Mapping[str, Any] | None = None,
     steps: Sequence[str] | None = None,
 ) -> str:
@@ -172,7 +172,7 @@ def page(
     warned = f'<ul class="warnings">{items}</ul>' if items else ""
     listed = "".join(f"<li>{escape(text)}</li>" for text in sources)
     cited = f'<section id="sources"><h2>Sources</h2><ul class="sources">{listed}</ul></section>' if listed else ""
-    where = f" The values of every figure are in {escape(tables)}.csv beside this page." if tables else ""
+    where = " The values of every figure are in report.csv beside this page." if values else ""
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
@@ -228,7 +228,6 @@ def write_report(
     title: str,
     lead: str,
     sections: Sequence[Section],
-    stem: str = "report",
     front: FrontPage | None = None,
     **parts: Any,
 ) -> dict[str, str]:
@@ -258,12 +257,12 @@ def write_report(
     if front is not None:
         parts["steps"] = front.steps
         with suppress(ImportError):
-            files["first_page"] = str(write_bytes(folder / f"{stem}.pdf", lay_out(front)))
+            files["first_page"] = str(write_bytes(folder / "report.pdf", lay_out(front)))
     rows = [row for section in sections for plot in section.plots for row in plot.rows()]
     if rows:
-        files["report_values"] = str(write_text(folder / f"{stem}.csv", csv_text(COLUMNS, rows)))
-    text = page(title, lead, sections, tables=stem if rows else "", **parts)
-    return {"report": str(write_text(folder / f"{stem}.html", text)), **files}
+        files["report_values"] = str(write_text(folder / "report.csv", csv_text(COLUMNS, rows)))
+    text = page(title, lead, sections, values=bool(rows), **parts)
+    return {"report": str(write_text(folder / "report.html", text)), **files}
 
 
 def figure_values(path: str | Path) -> dict[str, list[dict[str, str]]]:

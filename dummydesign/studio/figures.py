@@ -313,7 +313,7 @@ def solids_page(parts: dict[str, np.ndarray]) -> str:
         "main .viewer,main .viewer .stage{flex:1 1 0;min-height:0}main .viewer .stage{min-height:140px}"
         f"main .viewer .stage canvas{{height:100%}}{alone}</style>"
     )
-    return page("Solids", "", [section], scripts=[view_script()], tables="").replace("</head>", f"{small}</head>")
+    return page("Solids", "", [section], scripts=[view_script()], values=False).replace("</head>", f"{small}</head>")
 
 
 def _faces(nodes: np.ndarray) -> np.ndarray:

@@ -15,7 +15,7 @@ from dummydesign.studio.file_transfer import numbered
 
 def tissues(root: Path) -> dict[str, str]:
     """Tissues of the project, then of the library; value for ``--tissue`` to words."""
-    files = sorted(path for path in (root / "tissue").glob("*.toml") if not path.stem.endswith("-manifest"))
+    files = sorted((root / "tissue").glob("*.toml"))
     return {f"tissue/{path.name}": f"tissue/{path.name}" for path in files} | _of_library("materials/tissues")
 
 

@@ -145,7 +145,7 @@ def check_idle(root: Path, path: str) -> None:
 
 
 def parts_of(root: Path, path: str) -> list[Path]:
-    """The files or the folder of a thing of the project, itself first; a tissue has its report and data beside it."""
+    """The files or the folder of a thing of the project, itself first; a tissue has its report beside it."""
     words = path.split("/")
     inside(root, path)
     if path != PROJECT and (len(words) < 2 or words[0] not in (*FOLDERS, LIMITS) or not all(words)):
@@ -155,12 +155,8 @@ def parts_of(root: Path, path: str) -> list[Path]:
         raise InputError(f"'{path}' is not there (any more)", "file_not_found", "path", path)
     if not (path.startswith("tissue/") and path.endswith(".toml")):
         return [target]
-    manifest = target.with_name(f"{target.stem}-{MANIFEST}")
-    sums = read_json(manifest).get("sha256")
-    known = sums if isinstance(sums, dict) else {}
-    names = [name for name in known if name.startswith(target.stem) and "/" not in name]
-    others = [target.with_name(name) for name in dict.fromkeys([manifest.name, *names]) if name != target.name]
-    return [target, *(one for one in others if one.is_file())]
+    report = target.with_name(f"{target.stem}-report")
+    return [target, report] if (report / MANIFEST).is_file() else [target]
 
 
 def _move(pairs: Sequence[tuple[Path, Path]]) -> None:

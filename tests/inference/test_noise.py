@@ -15,6 +15,7 @@ from dummydesign.inference.noise import (
     likeliest,
     noise_floor,
     restricted_likelihood,
+    restricted_slope,
     white_noise,
     whitener,
 )
@@ -92,6 +93,26 @@ def test_without_a_refit_the_residual_counts_as_it_is():
     taken = restricted_likelihood(cover, explained, x, refitted=True)
     assert kept == pytest.approx((explained**2).sum())
     assert taken == pytest.approx(restricted_likelihood(cover, 0.0 * explained, x), abs=1e-6)
+
+
+def test_slopes_of_the_restricted_likelihood_are_its_finite_differences():
+    rng = np.random.default_rng(11)
+    bins = Bins([press(), press(5.0)])
+    shape = bins.used.shape
+    level, slope, residual = (np.where(bins.used, rng.normal(size=shape), 0.0) for _ in range(3))
+    columns = np.where(bins.used[..., None], rng.normal(size=(*shape, 3)), 0.0)
+    sizes = np.array([0.02, 0.05, 0.4, 0.03, 0.01])
+
+    def value(sizes):
+        noise = Noise(*sizes.tolist())
+        cost, pull = restricted_slope(bins.covariance(noise, slope, level), residual, columns)
+        assert cost == pytest.approx(restricted_likelihood(bins.covariance(noise, slope, level), residual, columns))
+        return cost, np.array(list(bins.size_slopes(noise, slope, level, pull).values()))
+
+    for at in range(5):
+        step = 1e-4 * sizes[at] * np.eye(5)[at]
+        by_differences = (value(sizes + step)[0] - value(sizes - step)[0]) / (2.0 * step[at])
+        assert value(sizes)[1][at] == pytest.approx(by_differences, rel=1e-5)
 
 
 @pytest.mark.parametrize(

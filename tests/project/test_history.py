@@ -23,9 +23,9 @@ def test_the_newest_is_first_and_what_is_not_finished_is_left_out(tmp_path):
     answer(tmp_path / ".hidden", "suggest", "2026-03-01T00:00:00")
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / "manifest.json").write_text("{")
-    (tmp_path / "anna-manifest.json").write_text(json.dumps({"command": "fit", "date": "2025", "finished": True}))
+    answer(tmp_path / "anna-report", "fit", "2025")
     found = history_of(tmp_path)
-    assert [(one.folder, one.command) for one in found] == [("b/c", "loop"), ("a", "suggest"), ("anna", "fit")]
+    assert [(one.folder, one.command) for one in found] == [("b/c", "loop"), ("a", "suggest"), ("anna-report", "fit")]
     assert history_of(tmp_path / "half") == ()
 
 

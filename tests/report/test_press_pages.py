@@ -45,7 +45,10 @@ def made(tmp_path_factory):
         assert run(["fit", *files, "--mode", "per-speed", "--elements", "5", "--out", str(out), "--json"]) == 0
         assert run(["compare", *files, "--tissue", "palm", "--out", str(folder / "compare"), "--json"]) == 0
     fit, compare = (json.loads(text) for text in printed if text.startswith("{"))
-    return {"fit": (folder / "fit" / "mine-report.html", fit), "compare": (folder / "compare" / "report.html", compare)}
+    return {
+        "fit": (folder / "fit" / "mine-report" / "report.html", fit),
+        "compare": (folder / "compare" / "report.html", compare),
+    }
 
 
 @pytest.mark.slow

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import dummydesign
 from dummydesign.measurement.campaign_plan import Planned
 from dummydesign.measurement.trace import Trace
 from dummydesign.report import campaign_sheet, fit, import_preview, on_person
@@ -82,7 +83,7 @@ def test_rivals_of_a_fit_are_counted_from_the_lowest():
 @pytest.mark.parametrize("name", ["fit.csv", "fit", "toml"])
 def test_a_fit_is_written_to_a_tissue_file_alone(tmp_path, name):
     with raises_code("bad_name", "out"):
-        fit.write_fit(None, str(tmp_path / name))
+        dummydesign.fit([], out=tmp_path / name)
     assert list(tmp_path.iterdir()) == []
 
 

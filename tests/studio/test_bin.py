@@ -12,7 +12,6 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import acquire_lock
-from dummydesign.core.manifest import sha256_of
 from dummydesign.project.folder import make_project, read_project
 from dummydesign.studio import job_process as runner
 from dummydesign.studio import jobs
@@ -28,10 +27,11 @@ def root(tmp_path):
     (made / "measured" / "import-a" / "a_1.csv").write_text("press")
     tissue = made / "tissue" / "mine.toml"
     tissue.write_text('schema = 1\nname = "mine"\n\n[[subject]]\nname = "mine"\n')
-    (made / "tissue" / "mine-report.html").write_text("report")
+    report = made / "tissue" / "mine-report"
+    report.mkdir()
+    (report / "report.html").write_text("report")
     (made / "tissue" / "minerva.toml").write_text('name = "minerva"\n')
-    sums = {path.name: sha256_of(path) for path in (tissue, made / "tissue" / "mine-report.html")}
-    (made / "tissue" / "mine-manifest.json").write_text(json.dumps({"command": "fit", "sha256": sums}))
+    (report / "manifest.json").write_text(json.dumps({"command": "fit", "sha256": {}}))
     return made
 
 
@@ -70,7 +70,7 @@ def test_a_tissue_goes_and_comes_back_with_its_report_and_leaves_others_alone(ro
     gone = bin.delete(root, "tissue/mine.toml")
     assert names(root / "tissue") == ["minerva.toml"]
     assert bin.restore(root, gone) == "tissue/mine.toml"
-    assert names(root / "tissue") == ["mine-manifest.json", "mine-report.html", "mine.toml", "minerva.toml"]
+    assert names(root / "tissue") == ["mine-report", "mine.toml", "minerva.toml"]
 
 
 def test_things_of_one_name_deleted_in_one_second_are_all_kept(root):
@@ -140,11 +140,11 @@ def test_a_restore_overwrites_nothing(root):
 
 def test_a_restore_that_would_write_over_a_part_is_refused_and_moves_nothing(root):
     gone = bin.delete(root, "tissue/mine.toml")
-    (root / "tissue" / "mine-report.html").write_text("of another")
+    (root / "tissue" / "mine-report").write_text("of another")
     with raises_code("file_unwritable", "path"):
         bin.restore(root, gone)
-    assert names(root / "tissue") == ["mine-report.html", "minerva.toml"]
-    assert (root / "tissue" / "mine-report.html").read_text() == "of another" and bin.deleted(root) == [gone]
+    assert names(root / "tissue") == ["mine-report", "minerva.toml"]
+    assert (root / "tissue" / "mine-report").read_text() == "of another" and bin.deleted(root) == [gone]
 
 
 def test_a_choice_for_the_project_can_be_taken_back(root):

@@ -132,7 +132,7 @@ def test_a_deleted_tissue_stays_chosen_and_comes_back(page, studio):
     assert "tissue=tissue%2Fanna.toml" in page.url
     page.locator(by("undo-last")).click()
     page.wait_for_selector(by("delete"))
-    assert (root / "tissue" / "anna-report.html").is_file()
+    assert (root / "tissue" / "anna-report" / "report.html").is_file()
 
 
 def test_that_no_tissue_is_chosen_is_said_once(page, tmp_path):

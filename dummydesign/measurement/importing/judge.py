@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.measurement.importing.baseline import digit_step
 from dummydesign.measurement.plateau import noise_of
-from dummydesign.measurement.ramp_detection import Summary
+from dummydesign.measurement.ramp_detection import Summary, last_ramp
 
 POWERS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.5, 9.0, 13.0])
 TIMES_S = np.geomspace(0.004, 40.0, 9)
@@ -73,7 +73,7 @@ class Judgement:
         """What a user must know of it."""
         if not self.delay_s:
             text = f"the displacement does not explain the force {self.where}: no pad and no skin presses so"
-            return f"{text}; plot both over time: a position in steps, a slower source, a drift, another clock?"
+            return f"{text}; plot both over time: a position in steps, a slower source, a drift, a loose contact?"
         late = "later" if self.delay_s > 0 else "earlier"
         return (
             f"the force is about {1e3 * abs(self.delay_s):.0f} ms {late} than the displacement: contact and depth are "
@@ -102,7 +102,7 @@ def judge_press(time: NDArray, x: NDArray, force: NDArray, summary: Summary) -> 
     t = time[kept]
     part = np.where(t > stop + SETTLES_S, 3, np.where(t > stop, 2, np.where(x[kept] > 0.0, 1, 0)))
     judged = [k for k in range(len(PARTS)) if summary.depth_mm >= SLOW_S * summary.velocity_mm_s or k == 3]
-    size *= np.where(np.isin(part, judged), 1.0, UNJUDGED)
+    size *= np.where(np.isin(part, judged) & (t >= time[last_ramp(x)]), 1.0, UNJUDGED)
 
     def misfits(delay_s: float) -> NDArray:
         """Misfit of each part, the contact carried along."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,36 +19,8 @@ EVEN, MOST = 0.02, 30.0
 """How far a rounded position's steps may be off multiples of one digit, and the largest multiple."""
 
 
-@dataclass(frozen=True)
-class Steps:
-    """How a position changes on its way: how often, and the usual time and size of a change. [s, mm]"""
-
-    number: int
-    usual_s: float
-    size_mm: float
-
-    @property
-    def message(self) -> str:
-        """What a user must know where they are coarse."""
-        return (
-            f"the position goes in steps of {self.size_mm:.2g} mm: contact, depth and hold are known to "
-            f"{self.size_mm:.2g} mm and {self.usual_s:.2g} s only; record it with more digits, or as often as the force"
-        )
-
-
-def steps_of(time: NDArray, x: NDArray) -> Steps:
-    """The steps of a position that moves, those of its ends left out."""
-    step, reach = np.abs(np.diff(x)), float(np.ptp(x))
-    rows = np.flatnonzero(step) + 1
-    rows = rows[np.abs(x[rows] - x.min() - 0.5 * reach) < MIDDLE * reach]
-    if not len(rows):
-        return Steps(0, 0.0, 0.0)
-    usual = np.median(np.diff(time[rows])) if len(rows) > 1 else np.ptp(time)
-    return Steps(len(rows), float(usual), float(np.median(step[rows - 1])))
-
-
-def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> NDArray:
-    """The position at each sample: between changes on a line, where it stands as it is written. [mm]
+def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> tuple[NDArray, float]:
+    """The position at each sample: between changes on a line, where it stands as it is written; its step. [mm]
 
     A rounded position is half way between two values where it changes; one that is held is that of the new value. The
     steps of a rounded position are all multiples of one digit.
@@ -60,12 +30,14 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> NDArray:
     time, x : ndarray, shape (n,)
         [s, mm]
     """
-    steps, reach = steps_of(time, x), float(np.ptp(x))
-    usual, size = steps.usual_s, steps.size_mm
-    if steps.number < FEWEST or usual < SLOWER * float(np.median(np.diff(time))) or size < COARSE * reach:
-        return x
-    step = np.abs(np.diff(x))
+    step, reach = np.abs(np.diff(x)), float(np.ptp(x))
     rows = np.flatnonzero(step) + 1
+    way = rows[np.abs(x[rows] - x.min() - 0.5 * reach) < MIDDLE * reach]
+    if len(way) < FEWEST:
+        return x, 0.0
+    usual, size = float(np.median(np.diff(time[way]))), float(np.median(step[way - 1]))
+    if usual < SLOWER * float(np.median(np.diff(time))) or size < COARSE * reach:
+        return x, 0.0
     digits = step[rows - 1] / step[rows - 1].min()
     rounded = bool(np.all(np.abs(digits - np.round(digits)) < EVEN * digits)) and digits.max() < MOST
     after, before = (0.5, 0.5) if rounded else (0.0, 1.0)
@@ -79,5 +51,10 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> NDArray:
     why = f"it changes every {usual:.3g} s only, by {size:.2g} mm: " + ("few digits" if rounded else "a slower source")
     log.decide("position", "read where it changes", why)
     if size > WARNED * reach:
-        log.warn("coarse_position", steps.message)
-    return np.interp(time, places[order], values[order])
+        log.warn(
+            "coarse_position",
+            f"the position goes in steps of {size:.2g} mm: contact, depth and hold are known to {size:.2g} mm and "
+            f"{usual:.2g} s only, the speed to {100.0 * size / reach:.0f} %; record it with more digits, or as often "
+            "as the force",
+        )
+    return np.interp(time, places[order], values[order]), size

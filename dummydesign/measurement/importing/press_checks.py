@@ -18,7 +18,6 @@ from dummydesign.measurement.importing.baseline import LEAST_LEAD_IN, digit_step
 from dummydesign.measurement.importing.contact import ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.judge import DELAYED, Judgement, judge_press
-from dummydesign.measurement.importing.position_steps import steps_of
 from dummydesign.measurement.importing.sign_convention import find_presses, find_signs, middle_of_three
 from dummydesign.measurement.plateau import noise_of
 from dummydesign.measurement.ramp_detection import Summary, summarise
@@ -80,7 +79,6 @@ def check_press(
         _several_holds,
         _clipped,
         _gaps,
-        _lost,
         _frozen,
         _spikes,
         _units,
@@ -145,18 +143,6 @@ def _coarse(press: _Press) -> None:
             f"the digits of the force are {step:.2g} N, {100 * step / steady:.1f} % of the "
             "steady force: export it with more digits, or use a smaller range",
         )
-
-
-def _steps(press: _Press) -> None:
-    """Position in steps, by its digits or by a slower source that is held: most samples of the rise repeat the last."""
-    rise = (press.x > 0.0) & (press.time < press.summary.stop_time_s)
-    time, x = press.time[rise], press.x[rise]
-    if len(time) < 2:
-        return
-    steps = steps_of(time, x)
-    held = steps.usual_s > 2.0 * float(np.median(np.diff(time)))
-    if held and 0.5 * steps.size_mm > COARSE * press.summary.depth_mm:
-        press.warn("coarse_position", steps.message)
 
 
 def _hold(press: _Press) -> None:
@@ -245,21 +231,6 @@ def _gaps(press: _Press) -> None:
         )
 
 
-def _lost(press: _Press) -> None:
-    """Force at zero for a few samples while the punch is deep."""
-    x, force, noise = press.x, press.force, press.noise_N
-    deep = (x > 0.5 * press.summary.depth_mm) & (press.time <= press.summary.hold_end_s)
-    near = np.median(force[deep]) if deep.any() else 0.0
-    deep &= np.cumsum(force > 0.5 * near) > 0  # a filtered force is late in a fast rise
-    lost = np.flatnonzero(deep & (np.abs(force) < max(3.0 * noise, 0.02 * near)) & (near > 20.0 * max(noise, 1e-9)))
-    if lost.size:
-        press.warn(
-            "drop_out",
-            f"the force is zero at {press.time[lost[0]]:.4g} s ({lost.size} samples) while the "
-            f"punch presses {x[lost[0]]:.3g} mm deep: a loose contact? record again",
-        )
-
-
 def _frozen(press: _Press) -> None:
     """Both columns repeat while the punch should move."""
     time, x, depth = press.time, press.x, press.summary.depth_mm
@@ -305,7 +276,7 @@ def _units(press: _Press) -> None:
 
 CODES = (
     *("force_before_contact", "contact_off", "hold_too_short", "several_holds", "clipped", "drop_out", "spike"),
-    *("coarse_digits", "coarse_position", "far_from_known", "columns_swapped", "same_press", "several_subjects"),
+    *("coarse_digits", "far_from_known", "columns_swapped", "same_press", "several_subjects"),
     *("not_explained", "proportional"),
 )
 """Codes of the warnings of this module."""

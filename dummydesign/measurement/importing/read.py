@@ -24,7 +24,7 @@ from dummydesign.measurement.importing.decoding import LEFT_OUT
 from dummydesign.measurement.importing.judge import Judgement
 from dummydesign.measurement.importing.position_steps import read_between_changes
 from dummydesign.measurement.importing.press_checks import Warn, check_press, copies_among
-from dummydesign.measurement.importing.sign_convention import HIGH, Span, find_presses, find_signs
+from dummydesign.measurement.importing.sign_convention import HIGH, Span, find_presses, find_signs, joined_cycles
 from dummydesign.measurement.importing.table import Columns, Ranges, columns_of, read_texts
 from dummydesign.measurement.importing.vocabulary import BASE, KIND_OF_ROLE, ROLES, USUAL_UNITS, find_unit, scaled_unit
 from dummydesign.measurement.plausible import ROLE, impossible, press_quantities, ranges, units_that_fit
@@ -96,11 +96,16 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog) -> Imported:
     zero = _read_option("contact", log.settings.contact, "length")
     signs = find_signs(columns.displacement_mm, columns.force_N, tare, log)
     time = columns.time_s
-    x = signs.displacement * read_between_changes(time, columns.displacement_mm, log)
+    way, step_mm = read_between_changes(time, columns.displacement_mm, log)
+    x = signs.displacement * way
     rest, load = signs.force * signs.rest_force_N, signs.force * (columns.force_N - signs.rest_force_N)
     spans = _find_spans(time, x, load, columns.recordings, log)
     _check_magnitudes(time, x, load, spans, columns, log)
-    contacts = [_find_contact(time, x, load, span, rest, log) for span in spans]
+    found = {span.start: _find_contact(time, x, load, span, rest, log) for span in spans}
+    spans = joined_cycles(spans, x, found[spans[0].start].position_mm)
+    contacts = [found[span.start] for span in spans]
+    if len(spans) < len(found):
+        log.decide("cycles", f"{len(found) - len(spans)} joined", "they begin pressed; the hold is that of the last")
     tares = contact_zero.find_tares(contacts, rest, signs.force, log, tare)
     depths = [float(x[s.start : s.stop].max()) - c.position_mm for s, c in zip(spans, contacts)]
     zeros = contact_zero.find_contacts(contacts, depths, float(x[spans[0].start]), signs.displacement, log, zero)
@@ -117,7 +122,7 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog) -> Imported:
             raise log.question(f"press {number}: {fault.message}", option)
         warn = partial(log.warn, name=name)
         judged = check_press(t, way, force, contact, summary, warn)
-        interval = contact.low_mm - at, contact.high_mm - at
+        interval = contact.low_mm - at - step_mm, contact.high_mm - at + step_mm
         error = _steady_error(summary, contact.baseline.held_error_N, warn)
         presses.append(ImportedPress(number, t, way, force, summary, *interval, float(time[span.start]), error, judged))
     return Imported(path, tuple(presses), tuple(log.decisions), tuple(log.warnings), columns, sheet)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.interpolation import true_runs
 from dummydesign.measurement.importing.decisions import ImportLog
-from dummydesign.measurement.plateau import noise_of, ramp_start
+from dummydesign.measurement.plateau import BEGUN, noise_of, ramp_start
 
 _BOTH_WAYS = 0.4
 """Share of the larger swing of the force above which the smaller one leaves open which of them is pressing."""
@@ -166,6 +167,18 @@ def find_presses(file: str, x: NDArray, load: NDArray, several: bool, time: NDAr
     # nothing is touched while the punch is parked, whatever the force does there
     onsets = [max(run[0], approach_start(at, x, a, deep)) for run, a, deep in zip(joined, cuts, deepest)]
     return [Span(a, b, onset) for a, b, onset in zip(cuts, cuts[1:], onsets)]
+
+
+def joined_cycles(spans: Sequence[Span], x: NDArray, zero_mm: float) -> list[Span]:
+    """Join each press that begins pressed to the one before: cycles of one test, of which the last is held."""
+    kept = list(spans[:1])
+    for span in spans[1:]:
+        first = kept[-1]
+        if x[span.start] - zero_mm > BEGUN * (x[first.start : span.stop].max() - zero_mm):
+            kept[-1] = Span(first.start, span.stop, first.onset)
+        else:
+            kept.append(span)
+    return kept
 
 
 def approach_start(time: NDArray, x: NDArray, start: int, deepest: int) -> int:

@@ -14,6 +14,7 @@ from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.serialise import to_plain
 from dummydesign.core.user_library import check_name, entries, hidden_by, user_folder
+from dummydesign.measurement.importing.press_checks import doubts_of
 from dummydesign.measurement.ramp_detection import Hold, find_holds
 from dummydesign.measurement.trace import Trace, read_trace
 from dummydesign.pad.material.relaxation import PronyTerm
@@ -193,6 +194,8 @@ def add_compression(
 RAMP_TIMES = 10.0
 """A term is seen well by a ramp of this many of its times: a tenth of its force is left when the ramp ends."""
 SAMPLES_A_TIME = 20.0
+LOOKED_FOR = ("clipped", "drop_out", "spike", "not_explained")
+"""Faults of a press that are told of pucks as well; stages and loadings without a hold are usual there."""
 SPEEDS = (1.0, 2.0, 5.0, 10.0)
 
 
@@ -274,7 +277,8 @@ def _doubts(fit: PuckFit, plates: Plates, traces: Sequence[Trace], window: tuple
             f"{', '.join(trace.name for trace in traces)} is of a puck between plates, its diameter, its height and "
             "the zero of its displacement"
         )
-    return [{"code": code, "message": message} for code, message in doubts.items()]
+    looked_at = (doubt for trace in traces for doubt in doubts_of(trace) if doubt["code"] in LOOKED_FOR)
+    return [*({"code": code, "message": message} for code, message in doubts.items()), *looked_at]
 
 
 def _unrelaxed(trace: Trace, arms: Sequence[PronyTerm]) -> float:

@@ -126,7 +126,7 @@ def _show_tissue(root: Path, name: str) -> None:
             html("<p><b>{}</b>: {}, {}. {}</p>", name, tissue.title, subjects, deep)
             parameter_table(("mean", "lowest", "highest", "kind"), tissue.to_dict()["bands"], lambda one: one["kind"])
             widgets.command_line(["tissues", "show", name])
-    report = f"{name.removesuffix('.toml')}-report.html"
+    report = f"{name.removesuffix('.toml')}-report/report.html"
     if name.endswith(".toml") and (root / report).is_file():
         widgets.file_links([("report of the fit", report)])
     html("{}", joined('<p class="source">{}</p>', ([note] for note in tissue.notes)))

@@ -18,7 +18,7 @@ from dummydesign.inference.noise import (
     likeliest,
     minus_two_log_likelihood,
     noise_floor,
-    restricted_likelihood,
+    restricted_slope,
     whitener,
 )
 from dummydesign.measurement.sensor import Lowpass
@@ -106,11 +106,14 @@ def estimate_noise(
             kept = {name: 0.0 if value <= 1.02 * LOWEST else value for name, value in zip(names, sizes.tolist())}
             return Noise(**{**dict.fromkeys(asdict(high), 0.0), **kept})
 
-        def cost_of(sizes: NDArray) -> float:
-            return restricted_likelihood(bins.covariance(noise_of(sizes), slope, level), residual, jacobian)
+        def cost_of(sizes: NDArray) -> tuple[float, NDArray]:
+            noise = noise_of(sizes)
+            cost, pull = restricted_slope(bins.covariance(noise, slope, level), residual, jacobian)
+            slopes = bins.size_slopes(noise, slope, level, pull)
+            return cost, sizes * [slopes[name] for name in names]
 
         first, least, most = (np.array([getattr(one, name) for name in names]) for one in (begin, low, high))
-        sizes, cost = likeliest(cost_of, first, least, most)
+        sizes, cost = likeliest(cost_of, first, least, most, gradient=True)
         return noise_of(sizes), cost
 
     plain, plain_cost = search(begin, low, high)

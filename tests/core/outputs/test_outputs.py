@@ -177,22 +177,22 @@ def test_a_place_that_cannot_be_written_is_told_before_any_work(tmp_path):
     assert tree(tmp_path) == ["file"]
 
 
-def test_files_that_share_a_folder_are_told_by_their_stem(tmp_path):
+def test_a_file_that_shares_a_folder_and_the_folder_beside_it_have_its_stem(tmp_path):
     def fit(question, replace=False):
         with new_files(tmp_path / "carla.toml", question, replace=replace) as output:
             output.path(f"{output.target.stem}.toml").write_text("x")
-            output.path(f"{output.target.stem}_residuals.csv").write_text("x")
+            report = output.path(f"{output.target.stem}-report")
+            report.mkdir()
+            (report / "residuals.csv").write_text("x")
         return output.target.stem
 
     (tmp_path / "bruno.toml").write_text("bruno")
     assert fit(ask(1)) == "carla" and fit(ask(1)) == "carla"
     assert fit(ask(2)) == "carla-2" and fit(ask(3), replace=True) == "carla"
-    assert json.loads((tmp_path / "carla-manifest.json").read_text())["inputs"] == {"tissue": 3}
-    names = ("", "_residuals", "-2", "-2_residuals")
-    assert tree(tmp_path) == sorted(
-        ["bruno.toml", "carla-manifest.json", "carla-2-manifest.json"]
-        + [f"carla{name}.{'csv' if 'res' in name else 'toml'}" for name in names]
-    )
+    assert json.loads((tmp_path / "carla-report" / "manifest.json").read_text())["inputs"] == {"tissue": 3}
+    parts = (".toml", "-report", "-report/manifest.json", "-report/residuals.csv")
+    made = {f"carla{number}{part}" for number in ("", "-2") for part in parts}
+    assert {name for name in tree(tmp_path) if not name.endswith("-report")} | made == {"bruno.toml", *made}
 
 
 def test_what_a_killed_command_left_is_cleared_by_the_next(tmp_path):

@@ -305,3 +305,18 @@ def test_a_trace_that_no_puck_would_give_is_doubted_and_a_puck_is_not(curve, tmp
         assert run(command(file, "--json")) == 0
         codes[file.name] = [one["code"] for one in json.loads(capsys.readouterr().out)["warnings"]]
     assert "lack_of_fit" not in codes["puck.csv"] and "lack_of_fit" in codes["pad.csv"]
+
+
+@pytest.mark.slow
+def test_a_puck_whose_force_fails_on_the_way_is_doubted(curve, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    head, *rows = curve.read_text().splitlines()
+    for at in range(200, 260):
+        time, x, force = rows[at].split(",")
+        rows[at] = f"{time},{x},{0.6 * float(force):.5f}"
+    (tmp_path / "loose.csv").write_text("\n".join([head, *rows]) + "\n")
+    codes = {}
+    for file in (curve, tmp_path / "loose.csv"):
+        assert run(command(file, "--json")) == 0
+        codes[file.name] = [one["code"] for one in json.loads(capsys.readouterr().out)["warnings"]]
+    assert "not_explained" in codes["loose.csv"] and "not_explained" not in codes["puck.csv"]

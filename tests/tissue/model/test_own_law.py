@@ -81,7 +81,7 @@ def test_fit_finds_its_parameters_and_the_number_of_elements_it_may_have(traces,
     assert run(["fit", *traces, "--json"]) == 0
     other = json.loads(capsys.readouterr().out)
     assert other["rmse_N"] > 3.0 * result["rmse_N"]  # the law in which times fall with depth does not describe them
-    report = next(path for path in result["files"].values() if path.endswith("-report.html"))
+    report = next(path for path in result["files"].values() if path.endswith("-report/report.html"))
     with open(report, encoding="utf-8") as stream:
         assert "arms whose times do not depend on depth" in stream.read()
 

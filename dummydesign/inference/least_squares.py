@@ -130,7 +130,7 @@ def solve_marquardt(
         if columns is None:
             columns = jacobian(at)
             normal = columns.T @ columns
-        downhill = -columns.T @ value
+        downhill = -(columns.T @ value)
         held = ((at <= low + 1e-9) & (downhill < 0)) | ((at >= high - 1e-9) & (downhill > 0))
         held[list(fixed)] = True
         free = np.nonzero(~held)[0]

@@ -40,7 +40,7 @@ class CampaignProblem:
     effects: tuple[Effect, ...] = ()
     prior: BasePrior = UNDECLARED
     _last: dict[bytes, NDArray] = field(default_factory=dict, init=False, repr=False, compare=False)
-    _seen: dict[tuple[bytes, float], NDArray] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _seen: dict[tuple[bytes, bytes], NDArray] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def plus(self, *effects: Effect) -> CampaignProblem:
         """Return the problem with further effects."""
@@ -113,9 +113,9 @@ class CampaignProblem:
     def _model(self, vector: NDArray) -> tuple[BaseParameters, tuple[Active, ...], LawError]:
         return self.base_of(vector), self.active_of(vector), self.law_error_of(vector)
 
-    def predict(self, vector: NDArray, offset_mm: float = 0.0) -> NDArray:
+    def predict(self, vector: NDArray, offset_mm: NDArray | float = 0.0) -> NDArray:
         """Bin means (T, B), kept. [N]"""
-        if (key := (vector.tobytes(), offset_mm)) not in self._seen:
+        if (key := (vector.tobytes(), np.asarray(offset_mm, float).tobytes())) not in self._seen:
             measured = self.presses.measure(self.nodes(vector, offset_mm))
             self._seen[key] = readings(self.presses, measured, self.active_of(vector))
         return self._seen[key]

@@ -184,7 +184,7 @@ def beyond_pads_N(campaign: Campaign, calibration: Calibration, total_N: float, 
     forces = problem.predict(vector)
     residual = np.where(presses.used, presses.force_N - forces, 0.0)
     smooth = slice(problem.fixed, problem.law_entries(len(PADS)).start)
-    pads = problem.jacobian(vector, forces)[..., smooth] * presses.used[..., None]
+    pads = problem.spread(problem.jacobian(vector, forces))[..., smooth] * presses.used[..., None]
     slope = np.where(presses.used, problem.slope(vector, forces), 0.0)
     scattered = Noise(noise.white_N, noise.slow_N, noise.slow_time_s, POSITION_MM)
     whiten = make_whitener(presses, scattered, (slope,), (POSITION_MM,))

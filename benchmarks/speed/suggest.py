@@ -3,7 +3,7 @@
     python -m benchmarks.speed.suggest [REPEATS]
 
 Prints the fastest of REPEATS warm runs (default 7), its ratio to a bare interpreter, the processor time, and
-the largest memory. Processor time is what to compare on a machine that does other work.
+the largest memory, and the machine's load then. Processor time is what to compare on a machine that does other work.
 """
 
 from __future__ import annotations
@@ -66,15 +66,15 @@ def main() -> None:
     root = str(Path(__file__).resolve().parents[2])
     os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (root, os.environ.get("PYTHONPATH"))))
     bare = 0.0
-    print(f"{'command':<24} {'wall s':>8} {'of bare':>8} {'processor s':>12} {'memory MB':>10}")
+    print(f"{'command':<24} {'wall s':>8} {'of bare':>8} {'processor s':>12} {'memory MB':>10} {'load':>5}")
     with tempfile.TemporaryDirectory() as out:
         for name, arguments in COMMANDS.items():
             arguments = [part.format(out=out) for part in arguments]
             measure(arguments, out)
             runs = [measure(arguments, out) for _ in range(repeats)]
             wall, processor, memory = (f(column) for f, column in zip((min, min, max), zip(*runs)))
-            bare = bare or wall
-            print(f"{name:<24} {wall:>8.3f} {wall / bare:>8.1f} {processor:>12.3f} {memory:>10.0f}")
+            bare, load = bare or wall, os.getloadavg()[0]
+            print(f"{name:<24} {wall:>8.3f} {wall / bare:>8.1f} {processor:>12.3f} {memory:>10.0f} {load:>5.1f}")
 
 
 if __name__ == "__main__":

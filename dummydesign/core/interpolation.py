@@ -13,7 +13,8 @@ MOST_ROWS = 500_000
 
 
 def monotone_cubic(x: NDArray, y: NDArray) -> Callable[[ArrayLike], NDArray]:
-    """Piecewise cubic of Fritsch and Butland, as ``scipy.interpolate.PchipInterpolator``, whose package loads slowly.
+    """Piecewise cubic of Fritsch and Butland, as ``scipy.interpolate.PchipInterpolator``, whose package loads slowly;
+    of values (n, k) at one place.
 
     References
     ----------
@@ -25,14 +26,19 @@ def monotone_cubic(x: NDArray, y: NDArray) -> Callable[[ArrayLike], NDArray]:
 
 def monotone_slopes(x: NDArray, y: NDArray) -> NDArray:
     """Slopes of :func:`monotone_cubic` at its points; each knows of the points next to it, those of the ends of two."""
-    step = np.diff(x)
-    return _tilts(step, np.diff(y) / step)
+    step = _steps(x, y)
+    return _tilts(step, np.diff(y, axis=0) / step)
+
+
+def _steps(x: NDArray, y: NDArray) -> NDArray:
+    """Distances of places, to divide the rises of values (n, ...) at them."""
+    return np.diff(x).reshape(-1, *(1,) * (y.ndim - 1))
 
 
 def cubic_by_slopes(x: NDArray, y: NDArray, tilt: NDArray) -> Callable[[ArrayLike], NDArray]:
     """Piecewise cubic of Hermite: values and slopes are known at increasing places."""
-    step = np.diff(x)
-    slope = np.diff(y) / step
+    step = _steps(x, y)
+    slope = np.diff(y, axis=0) / step
     bend = (3.0 * slope - 2.0 * tilt[:-1] - tilt[1:]) / step
     twist = (tilt[:-1] + tilt[1:] - 2.0 * slope) / step**2
 
@@ -48,8 +54,8 @@ def cubic_by_slopes(x: NDArray, y: NDArray, tilt: NDArray) -> Callable[[ArrayLik
 def _tilts(step: NDArray, slope: NDArray) -> NDArray:
     """Slopes at the points: weighted harmonic means of those beside, 0 where these differ in sign."""
     if len(slope) == 1:
-        return np.repeat(slope, 2)
-    tilt = np.zeros(len(slope) + 1)
+        return np.repeat(slope, 2, axis=0)
+    tilt = np.zeros((len(slope) + 1, *slope.shape[1:]))
     before, after = 2.0 * step[1:] + step[:-1], step[1:] + 2.0 * step[:-1]
     same = slope[1:] * slope[:-1] > 0.0
     neighbours = [np.where(same, one, 1.0) for one in (slope[:-1], slope[1:])]
@@ -59,14 +65,11 @@ def _tilts(step: NDArray, slope: NDArray) -> NDArray:
     return tilt
 
 
-def _end(near: float, next_: float, slope: float, beyond: float) -> float:
+def _end(near: NDArray, next_: NDArray, slope: NDArray, beyond: NDArray) -> NDArray:
     """Slope at an end by the parabola through three points, kept in shape."""
     tilt = ((2.0 * near + next_) * slope - near * beyond) / (near + next_)
-    if np.sign(tilt) != np.sign(slope):
-        return 0.0
-    if np.sign(slope) != np.sign(beyond) and abs(tilt) > 3.0 * abs(slope):
-        return 3.0 * slope
-    return tilt
+    steep = (np.sign(slope) != np.sign(beyond)) & (np.abs(tilt) > 3.0 * np.abs(slope))
+    return np.where(np.sign(tilt) != np.sign(slope), 0.0, np.where(steep, 3.0 * slope, tilt))
 
 
 def locate_on_grid(grid: NDArray, value: NDArray) -> tuple[NDArray, NDArray]:

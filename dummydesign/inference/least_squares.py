@@ -130,7 +130,7 @@ def solve_marquardt(
         if columns is None:
             columns = jacobian(at)
             normal = columns.T @ columns
-        downhill = -columns.T @ value
+        downhill = -(columns.T @ value)
         held = ((at <= low + 1e-9) & (downhill < 0)) | ((at >= high - 1e-9) & (downhill > 0))
         held[list(fixed)] = True
         free = np.nonzero(~held)[0]
@@ -213,8 +213,7 @@ def profile_interval(model: Model, best: Solution, index: int, low: NDArray, hig
     centre = best.parameters
     at_bound = bool(min(centre[index] - low[index], high[index] - centre[index]) < 1e-4)
     spread = covariance(model(centre)[1])
-    first = np.sqrt(CHI_SQUARE_95 * spread[index, index]) if spread is not None else 0.5
-    first = float(np.clip(first, 1e-6, 2.0))
+    first = float(np.clip(0.5 if spread is None else np.sqrt(CHI_SQUARE_95 * spread[index, index]), 1e-6, 2.0))
     ends, reasons = [], []
     for side in (-1.0, 1.0):
         limit = min(centre[index] - low[index] if side < 0 else high[index] - centre[index], FARTHEST)
@@ -304,5 +303,4 @@ def aicc(minus_two_log_likelihood: float, unknown: int, observed: int) -> float:
 
 def simplest(criterion: Mapping[Size, float]) -> Size:
     """Smallest size whose criterion is within :data:`PARSIMONY` of the lowest."""
-    lowest = min(criterion.values())
-    return min(size for size, value in criterion.items() if value <= lowest + PARSIMONY)
+    return min(size for size, value in criterion.items() if value <= min(criterion.values()) + PARSIMONY)

@@ -108,15 +108,17 @@ class Bins:
 
 def whitener(covariance: NDArray) -> NDArray:
     """Inverse Cholesky factors (..., n, n) of covariances: whitened = factor @ values."""
-    return np.linalg.inv(np.linalg.cholesky(covariance))
+    from scipy.linalg.lapack import dtrtri
+
+    lower = np.linalg.cholesky(covariance)
+    return np.reshape([dtrtri(one, lower=True)[0] for one in lower.reshape(-1, *lower.shape[-2:])], lower.shape)
 
 
 def minus_two_log_likelihood(bins: Bins, factor: NDArray, residual: NDArray) -> float:
     """Minus twice the Gaussian log likelihood of stacked residuals (traces, longest) under a whitening."""
     white = (factor @ residual[..., None])[..., 0]
-    diagonal = np.diagonal(factor, axis1=1, axis2=2)
-    count = int(bins.used.sum())
-    return float((white**2).sum() - 2.0 * np.log(diagonal).sum() + count * np.log(2.0 * np.pi))
+    volume = -2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum()
+    return float((white**2).sum() + volume + int(bins.used.sum()) * np.log(2.0 * np.pi))
 
 
 def restricted_likelihood(

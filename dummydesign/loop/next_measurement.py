@@ -202,7 +202,7 @@ def _prediction(fit: CampaignFit, planned: Presses) -> tuple[NDArray, NDArray]:
     spread[np.ix_(known, known)] = fit.covariance[np.ix_(source[known], source[known])]
     forces = problem.predict(vector)
     values, turn = np.linalg.eigh(0.5 * (spread + spread.T))
-    return forces, problem.jacobian(vector, forces) @ (turn * np.sqrt(np.maximum(values, 0.0)))
+    return forces, problem.spread(problem.jacobian(vector, forces)) @ (turn * np.sqrt(np.maximum(values, 0.0)))
 
 
 def _without_friction(fit: CampaignFit) -> CampaignFit:

@@ -303,7 +303,7 @@ def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, 
     problem = CampaignProblem(presses, law, prior=material_of(campaign).prior)
     usual = NoiseSizes(NOISE, *(prior[0] for prior in law.error_priors))
     vector = start_vector(problem, young_MPa)
-    fit = fit_at(problem, vector, problem.predict(vector), usual)
+    fit = fit_at(problem, vector, usual)
     projection = project(fit)
     untested: dict[str, str] = {}
     changes: dict[str, NDArray] = {}

@@ -19,6 +19,14 @@ def test_it_is_the_one_of_scipy_inside_and_beyond(count, seed):
         assert monotone_cubic(x, y)(at) == pytest.approx(expected, abs=1e-12 * np.abs(expected).max(), rel=1e-12)
 
 
+def test_columns_at_one_place_are_those_of_each_column_alone():
+    rng = np.random.default_rng(4)
+    for count in (2, 3, 6):
+        x, y = np.cumsum(rng.uniform(0.1, 1.0, count)), rng.standard_normal((count, 30)).round(1)
+        for at in rng.uniform(x[0], x[-1], 5).tolist():
+            assert np.array_equal(monotone_cubic(x, y)(at), [monotone_cubic(x, column)(at) for column in y.T])
+
+
 @pytest.mark.slow
 def test_a_suggestion_loads_neither_interpolation_nor_the_loop():
     code = (

@@ -263,7 +263,7 @@ def test_a_prediction_knows_pressed_pads_as_the_fit_does_and_new_ones_as_their_p
     problem = CampaignProblem(new, pucks.LAW)
     vector = np.r_[found.vector[:BASE], np.zeros(LAW_TERMS)]
     np.testing.assert_allclose(forces, problem.predict(vector), atol=1e-9)
-    jacobian = problem.jacobian(vector, forces)[0]
+    jacobian = problem.spread(problem.jacobian(vector, forces))[0]
     spread = np.zeros((5 + LAW_TERMS,) * 2)
     spread[:5, :5] = found.covariance[:5, :5]
     spread[5:, 5:] = np.diag(np.repeat(np.square(found.sizes.law), [1, 1, 1, WAVES]))

@@ -183,7 +183,7 @@ def test_evidence_apart_counts_only_bins_that_the_form_error_of_another_effect_d
         problem=problem,
         sizes=SimpleNamespace(noise=None),
         slope=None,
-        jacobian=jacobian,
+        whitened_jacobian=jacobian,
         vector=vector,
         forces=forces,
         residual=np.zeros((1, bins)),
@@ -209,7 +209,7 @@ def doubtful(share, monkeypatch):
     jacobian[0, round(50 * (1.0 - share)) : round(50 * (2.0 - share)), 6] = 1.0
     problem = CampaignProblem(None, None, effects)
     sizes = SimpleNamespace(noise=None)
-    fit = SimpleNamespace(problem=problem, sizes=sizes, slope=None, jacobian=jacobian)
+    fit = SimpleNamespace(problem=problem, sizes=sizes, slope=None, columns=jacobian)
     monkeypatch.setattr(verdict, "make_whitener", lambda *args: lambda values: values)
     monkeypatch.setattr(verdict, "lack_of_fit", lambda fit: SimpleNamespace(ratio=1.0))
     return verdict.needed([], fit, "contact_offset", {"force_bias": 1e5}, 20)

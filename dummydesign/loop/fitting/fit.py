@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,13 +29,6 @@ from dummydesign.loop.model.material import UNDECLARED, BasePrior
 NORMAL_95 = 1.959964
 
 
-def student_over_normal(degrees: NDArray) -> NDArray:
-    """97.5 % quantile of Student's t over that of the normal distribution."""
-    from scipy.special import stdtrit
-
-    return np.asarray(stdtrit(np.asarray(degrees, float), 0.975)) / NORMAL_95
-
-
 ENOUGH = 0.02
 TRUSTED = 0.8  # share of its promise that a step must keep for its Jacobian to serve again
 
@@ -49,7 +43,8 @@ class CampaignFit:
     residual: NDArray
     slope: NDArray
     forces: NDArray
-    jacobian: NDArray
+    columns: NDArray
+    """Sensitivities of the bins, see :meth:`CampaignProblem.jacobian`."""
     covariance: NDArray
     chi2: float
     score: float
@@ -66,6 +61,16 @@ class CampaignFit:
     def whitener(self) -> Whitener:
         """Whitening by all noise, the scatter of presses at its estimated size."""
         return make_whitener(self.problem.presses, self.sizes.noise, (self.slope, self.forces), self.sizes.scatter)
+
+    @cached_property
+    def jacobian(self) -> NDArray:
+        """Sensitivities of the bins to the vector (T, B, len(vector))."""
+        return self.problem.spread(self.columns)
+
+    @cached_property
+    def whitened_jacobian(self) -> NDArray:
+        """The same by :attr:`whitener`."""
+        return self.problem.spread(self.whitener(self.columns))
 
     @property
     def active(self) -> tuple[Active, ...]:
@@ -85,8 +90,8 @@ def start_vector(problem: CampaignProblem, young_MPa: float) -> NDArray:
 
 def prior_precision(problem: CampaignProblem, sizes: NoiseSizes) -> NDArray:
     """Inverse prior variances of the vector: of the material, of parameters of form, and of the law error."""
-    forms = [p.spread**-2.0 for effect in problem.effects for p in effect.parameters]
-    return np.r_[problem.prior.spread**-2.0, forms, np.repeat(np.array(sizes.law) ** -2.0, law_counts(problem))]
+    own = np.r_[problem.prior.spread, [p.spread for effect in problem.effects for p in effect.parameters]]
+    return np.r_[own**-2.0, np.repeat(np.array(sizes.law) ** -2.0, law_counts(problem))]
 
 
 def law_counts(problem: CampaignProblem) -> tuple[int, ...]:
@@ -98,6 +103,13 @@ def law_counts(problem: CampaignProblem) -> tuple[int, ...]:
 def fit(
     problem: CampaignProblem, start: NDArray, sizes: NoiseSizes, iterations: int = 12, enough: float = ENOUGH
 ) -> CampaignFit:
+    """The optimum with a given noise and what is known there."""
+    return fit_at(problem, best_vector(problem, start, sizes, iterations, enough), sizes)
+
+
+def best_vector(
+    problem: CampaignProblem, start: NDArray, sizes: NoiseSizes, iterations: int = 12, enough: float = ENOUGH
+) -> NDArray:
     """Levenberg-Marquardt with a given noise."""
     count(models=1)
     low, high = problem.bounds()
@@ -106,44 +118,36 @@ def fit(
     used = problem.presses.used
     first = problem.predict(begin)
     whiten = make_whitener(problem.presses, sizes.noise, (problem.slope(begin, first), first), sizes.scatter)
-    kept: dict[bytes, NDArray] = {}
-
-    def forces_at(vector: NDArray) -> NDArray:
-        key = vector.tobytes()
-        if key not in kept:
-            kept[key] = problem.predict(vector)
-        return kept[key]
 
     def residual(vector: NDArray) -> NDArray:
-        error = np.where(used, forces_at(vector) - problem.presses.force_N, 0.0)
+        error = np.where(used, problem.predict(vector) - problem.presses.force_N, 0.0)
         return np.r_[whiten(error).ravel(), root * (vector - centre)]
 
     def jacobian(vector: NDArray) -> NDArray:
         count(iterations=1)
-        change = np.where(used[..., None], problem.jacobian(vector, forces_at(vector)), 0.0)
-        return np.concatenate([whiten(change).reshape(-1, len(vector)), np.diag(root)])
+        change = np.where(used[..., None], problem.jacobian(vector, problem.predict(vector)), 0.0)
+        return np.concatenate([problem.spread(whiten(change)).reshape(-1, len(vector)), np.diag(root)])
 
     vector = solve_marquardt(residual, jacobian, begin, low, high, problem.frozen(), iterations, enough, TRUSTED)
-    forces = forces_at(vector)
     if not problem.prior.declared:
         arms = vector[1 : problem.base_count].reshape(-1, 2)
         ordered = np.r_[vector[0], arms[np.argsort(arms[:, 0])].ravel(), vector[problem.base_count :]]
         if np.all((low <= ordered) & (ordered <= high)):
             vector = ordered  # the fast arm first
-    return fit_at(problem, vector, forces, sizes)
+    return vector
 
 
-def fit_at(problem: CampaignProblem, vector: NDArray, forces: NDArray, sizes: NoiseSizes) -> CampaignFit:
-    """What a fit knows at a vector and its forces, without a search."""
-    used, prior = problem.presses.used, prior_precision(problem, sizes)
-    jacobian = np.where(used[..., None], problem.jacobian(vector, forces), 0.0)
+def fit_at(problem: CampaignProblem, vector: NDArray, sizes: NoiseSizes) -> CampaignFit:
+    """What a fit knows at a vector, without a search."""
+    used, prior, forces = problem.presses.used, prior_precision(problem, sizes), problem.predict(vector)
+    columns = np.where(used[..., None], problem.jacobian(vector, forces), 0.0)
     slope = np.where(used, problem.slope(vector, forces), 0.0)
     residual = np.where(used, problem.presses.force_N - forces, 0.0)
     whiten = make_whitener(problem.presses, sizes.noise, (slope, forces), sizes.scatter)
-    turned = whiten(jacobian).reshape(-1, len(vector))
+    turned = problem.spread(whiten(columns)).reshape(-1, len(vector))
     covariance = np.linalg.pinv(turned.T @ turned + np.diag(prior), rcond=1e-12, hermitian=True)
     chi2 = float((whiten(residual) ** 2).sum() + (prior * (vector - problem.centre) ** 2).sum())
-    return CampaignFit(problem, vector, sizes, residual, slope, forces, jacobian, covariance, chi2, float("nan"))
+    return CampaignFit(problem, vector, sizes, residual, slope, forces, columns, covariance, chi2, float("nan"))
 
 
 def with_sizes(campaign_fit: CampaignFit) -> CampaignFit:
@@ -157,7 +161,7 @@ def size_likelihood(campaign_fit: CampaignFit) -> SizeLikelihood:
     fit, problem, p = campaign_fit, campaign_fit.problem, campaign_fit.problem.fixed
     whiten = make_whitener(problem.presses, fit.sizes.noise)
     residual = fit.residual + fit.jacobian[..., p:] @ fit.vector[p:]
-    turned = whiten(fit.jacobian).reshape(-1, len(fit.vector))
+    turned = problem.spread(whiten(fit.columns)).reshape(-1, len(fit.vector))
     scatter = np.stack([whiten(fit.slope), whiten(np.where(problem.presses.used, fit.forces, 0.0))])
     dense = np.column_stack([whiten(residual).ravel(), turned])
     inner, count = dense.T @ dense, 2 * scatter.shape[1]
@@ -180,11 +184,10 @@ def fit_with_noise(
     problem: CampaignProblem, start: NDArray, sizes: NoiseSizes, rounds: int = 2, iterations: int = 12
 ) -> CampaignFit:
     """Alternate the fit and the estimate of scatter of presses and law error."""
-    fitted = fit(problem, start, sizes, iterations)
-    for _ in range(rounds - 1):
-        sized = with_sizes(fitted)
-        fitted = fit(problem, sized.vector, sized.sizes, iterations)
-    return with_sizes(fitted)
+    for _ in range(rounds):
+        fitted = with_sizes(fit(problem, start, sizes, iterations))
+        start, sizes = fitted.vector, fitted.sizes
+    return fitted
 
 
 def fit_base(
@@ -216,8 +219,3 @@ def same_noise(fitted: CampaignFit, iterations: int = 8) -> CampaignFit:
     trial = with_sizes(replace(fitted, sizes=sizes))
     old, new = (one.score + volume(presses, one.sizes.noise) for one in (fitted, trial))
     return fit_with_noise(problem, fitted.vector, sizes, 2, iterations) if new < old else fitted
-
-
-def hats(values: NDArray, knots: NDArray) -> list[NDArray]:
-    """Piecewise-linear hat functions on knots, constant outside."""
-    return [np.interp(values, knots, hat) for hat in np.eye(len(knots))]

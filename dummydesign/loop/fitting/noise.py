@@ -304,16 +304,18 @@ class SizeLikelihood:
         self, terms: tuple[float, NDArray, NDArray, NDArray], sizes: NDArray, restricted: bool
     ) -> tuple[float, NDArray]:
         """Minus twice the log likelihood, and (restricted) its gradient in the logarithms of the sizes."""
+        from scipy.linalg.lapack import dpotrf, dpotri, dpotrs
+
         total, inner, cleaned, random = terms
         groups = self._groups()
         medians, spreads = np.array(self.priors).T
         eye, scale, logs = np.eye(len(random)), sizes[groups], np.log(sizes)
         # in units of the scale the matrix is 1 + S R S, which is never singular
-        inverse = np.linalg.inv(eye + scale[:, None] * cleaned * scale)
-        pull = inverse @ (scale * inner)
+        spectra = (cleaned,) if restricted else (cleaned, random)
+        lower, *other = (dpotrf(eye + scale[:, None] * one * scale, lower=True)[0] for one in spectra)
+        pull = dpotrs(lower, scale * inner, lower=True)[0]
         chi2 = total - (scale * inner) @ pull
-        spectrum = cleaned if restricted else random
-        volume = np.linalg.slogdet(eye + scale[:, None] * spectrum * scale)[1]
+        volume = 2.0 * np.log(np.diag([lower, *other][-1])).sum()
         prior = (logs - np.log(medians)) / spreads
-        each = -2.0 * pull**2 + 2.0 * (1.0 - np.diag(inverse))
+        each = -2.0 * pull**2 + 2.0 * (1.0 - np.diag(dpotri(lower, lower=True)[0]))
         return float(chi2 + volume + prior @ prior), np.bincount(groups, each) + 2.0 * prior / spreads

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +40,7 @@ class CampaignProblem:
     effects: tuple[Effect, ...] = ()
     prior: BasePrior = UNDECLARED
     _last: dict[bytes, NDArray] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _seen: dict[tuple[bytes, bytes], NDArray] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def plus(self, *effects: Effect) -> CampaignProblem:
         """Return the problem with further effects."""
@@ -108,15 +108,17 @@ class CampaignProblem:
 
     def nodes(self, vector: NDArray, offset_mm: NDArray | float = 0.0, near_mm: NDArray | None = None) -> NDArray:
         """Force at the nodes before the sensor filter (T, N). [N]"""
-        return self._simulate(vector, offset_mm, near_mm)[0]
+        return simulate_yielding(self.presses, self.law, *self._model(vector), offset_mm, near_mm)[0]
 
-    def _simulate(self, vector: NDArray, *changes: Any) -> tuple[NDArray, NDArray]:
-        model = self.base_of(vector), self.active_of(vector), self.law_error_of(vector)
-        return simulate_yielding(self.presses, self.law, *model, *changes)
+    def _model(self, vector: NDArray) -> tuple[BaseParameters, tuple[Active, ...], LawError]:
+        return self.base_of(vector), self.active_of(vector), self.law_error_of(vector)
 
     def predict(self, vector: NDArray, offset_mm: NDArray | float = 0.0) -> NDArray:
-        """Bin means (T, B). [N]"""
-        return readings(self.presses, self.presses.measure(self.nodes(vector, offset_mm)), self.active_of(vector))
+        """Bin means (T, B), kept. [N]"""
+        if (key := (vector.tobytes(), np.asarray(offset_mm, float).tobytes())) not in self._seen:
+            measured = self.presses.measure(self.nodes(vector, offset_mm))
+            self._seen[key] = readings(self.presses, measured, self.active_of(vector))
+        return self._seen[key]
 
     def at_samples(self, vector: NDArray, offset_mm: NDArray | float = 0.0) -> list[NDArray]:
         """Readings at the raw samples of each trial. [N]"""
@@ -129,19 +131,19 @@ class CampaignProblem:
         return (forces - self.predict(vector, step)) / step
 
     def jacobian(self, vector: NDArray, forces: NDArray) -> NDArray:
-        """Sensitivities (T, B, len(vector)) by forward differences; those at the last vector are kept."""
+        """Sensitivities by forward differences, of the law's error those to each trial's own pad: (T, B, base, effects
+        and one pad's terms), see :meth:`spread`; those at the last vector are kept."""
         if (key := vector.tobytes()) not in self._last:
             self._last.clear()
             self._last[key] = self._jacobian(vector, forces)
-            self._last[key].flags.writeable = False
         return self._last[key]
 
     def _jacobian(self, vector: NDArray, forces: NDArray) -> NDArray:
         (_low, high), count = self.bounds(), self.base_count
-        out = np.zeros((*forces.shape, len(vector)))
+        out = np.zeros((*forces.shape, self.fixed + LAW_TERMS))
         # where the depth does not depend on the force, one evaluation of the law serves base and law error
         shared = not any(one.effect.feeds_back for one in self.active_of(vector) if not one.absent)
-        near = None if shared else self._simulate(vector)[1]
+        near = None if shared else simulate_yielding(self.presses, self.law, *self._model(vector))[1]
         units, free = np.eye(len(vector)), sorted({*range(count if shared else 0, self.fixed)} - {*self.frozen()})
         steps = [(entry, STEP if vector[entry] + STEP <= high[entry] else -STEP) for entry in free]
         moved = [vector + step * units[entry] for entry, step in steps]
@@ -153,15 +155,18 @@ class CampaignProblem:
             change = np.stack(read, axis=-1) - forces[..., None]
         for number, (entry, step) in enumerate(steps):
             out[..., entry] = change[..., number] / step
-        model = self.base_of(vector), self.active_of(vector), self.law_error_of(vector)
-        pad = pad_state(self.presses, self.law, *model, 0.0 if near is None else near)
+        pad = pad_state(self.presses, self.law, *self._model(vector), 0.0 if near is None else near)
         if shared:
             out[..., :count], by_pad = base_and_law_columns(self.presses, pad, vector[:count], STEP)
         else:
             by_pad = change[..., len(steps) :] / STEP
-        by_pad = np.concatenate([by_pad, wave_columns(self.presses, pad)], axis=-1)
-        rows = np.arange(len(self.presses.pad))
-        for term in range(LAW_TERMS):
-            out[rows, :, self.law_entries(term).start + self.presses.pad] = by_pad[..., term]
+        out[..., self.fixed :] = np.concatenate([by_pad, wave_columns(self.presses, pad)], axis=-1)
         out[..., self.frozen()] = 0.0
         return out
+
+    def spread(self, columns: NDArray) -> NDArray:
+        """Columns (T, B, base, effects and one pad's terms) at their entries of the vector (T, B, len(vector))."""
+        pad, own = self.presses.pad, columns[..., self.fixed :]
+        law = np.zeros((*own.shape, len(self.presses.pads)))
+        law[np.arange(len(pad)), :, :, pad] = own
+        return np.concatenate([columns[..., : self.fixed], law.reshape(*own.shape[:2], -1)], axis=-1)

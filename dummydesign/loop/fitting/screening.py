@@ -58,7 +58,7 @@ def project(fit: CampaignFit, law_free: bool = False) -> Projection:
     scale = np.sqrt(prior_precision(problem, fit.sizes)[problem.fixed :])
     if law_free:
         scale[: SMOOTH_TERMS * len(problem.presses.pads)] = 0.0
-    turned = whiten(fit.jacobian).reshape(-1, len(fit.vector))
+    turned = fit.whitened_jacobian.reshape(-1, len(fit.vector))
     # the base parameters have no prior
     prior = np.diag(np.r_[np.zeros(problem.fixed), scale])[problem.fixed :]
     stacked = np.concatenate([turned, prior])

@@ -302,7 +302,7 @@ def base_and_law_columns(presses: Presses, pad: PadState, logs: NDArray, step: f
         changed = arms_of(presses, BaseParameters.from_logs(other), pad.acting, pad.depth)
         moved.append(_with_arms(presses, pad.elastic, pad.arms, held[:, 0], changed))
     shown = [sensor_signal(presses, at_the_surface(presses, one, pad.acting, pad.depth), pad.acting) for one in moved]
-    bins = readings(presses, presses.operator @ np.moveaxis(np.stack(shown), 0, -1), pad.acting)
+    bins = readings(presses, presses.operator @ np.stack(shown, axis=-1), pad.acting)
     change = (bins[..., 1:] - bins[..., :1]) / step
     after = 1 + SMOOTH_TERMS
     return np.concatenate([change[..., :1], change[..., after:]], axis=-1), change[..., 1:after]
@@ -313,15 +313,15 @@ def wave_columns(presses: Presses, pad: PadState) -> NDArray:
     [N]"""
     at = wave_number(pad.share)
     left, nodes = at.astype(int), np.arange(at.size).reshape(at.shape)
-    hats = np.zeros((int(left.max()) + 2, *at.shape))
+    hats = np.zeros((*at.shape, int(left.max()) + 2))
     for knot in (left, left + 1):
-        hats.put(knot * at.size + nodes, pad.elastic * (1.0 - np.abs(at - knot)))
-    hats, hats[0] = hats[: WAVES + 1], pad.elastic
-    none = sensor_signal(presses, np.zeros_like(pad.elastic), pad.acting)
-    for hat in hats:
-        hat[...] = sensor_signal(presses, hat, pad.acting) - none
-    direct = presses.operator @ np.moveaxis(hats, 0, -1)
-    bins, each = presses.bins, np.moveaxis(direct, -1, 0)
+        hats.put(nodes * hats.shape[-1] + knot, pad.elastic * (1.0 - np.abs(at - knot)))
+    hats[..., 0] = pad.elastic
+    if pad.acting:
+        none = sensor_signal(presses, np.zeros_like(pad.elastic), pad.acting)
+        for hat in np.moveaxis(hats, -1, 0):
+            hat[...] = sensor_signal(presses, hat, pad.acting) - none
+    bins, each = presses.bins, np.moveaxis((presses.operator @ hats)[..., : WAVES + 1], -1, 0)
     middle = np.maximum.accumulate(np.where(bins.used, 0.5 * (bins.start + bins.end), 0.0), axis=1)
     middle += 1e-6 * np.arange(middle.shape[1])  # the padding too goes on
     arms = [_at_bins(presses, arm) for arm in pad.arms]
@@ -345,12 +345,8 @@ def _with_arms(
     known = []
     for number, arm in enumerate(changed):
         old = arms[number] if number < len(arms) else None
-        if old is not None and np.array_equal(old.tau_s, arm.tau_s) and _same(old.weight, arm.weight):
+        if old and all(np.array_equal(getattr(old, name), getattr(arm, name)) for name in ("tau_s", "weight")):
             known.append(held_N[number])
         else:
             known.append(arm_forces(presses.time_s, elastic_N[None], [arm])[0, 0])
     return loaded(elastic_N, changed, np.stack(known))
-
-
-def _same(one: NDArray | None, other: NDArray | None) -> bool:
-    return one is other if one is None or other is None else np.array_equal(one, other)

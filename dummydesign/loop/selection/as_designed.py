@@ -66,7 +66,7 @@ def as_designed(refitted: CampaignFit) -> AsDesigned | None:
     prior, count = problem.prior, problem.base_count
     if not np.isfinite(prior.spread).all():
         return None
-    design = fit_at(problem, problem.centre, problem.predict(problem.centre), refitted.sizes)
+    design = fit_at(problem, problem.centre, refitted.sizes)
     learnt = prior.spread**2 - np.diag(refitted.covariance)[:count]
     distance = np.abs(refitted.vector[:count] - prior.mean) / np.sqrt(np.maximum(learnt, 1e-2 * prior.spread**2))
     declared, fitted = (problem.base_of(at).to_dict() for at in (prior.mean, refitted.vector))

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.inference.noise import Bins, whitener
-from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit, prior_precision, size_likelihood, student_over_normal
+from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit, prior_precision, size_likelihood
 from dummydesign.loop.fitting.noise import UNSEEN, contrasts, repeat_scatter
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import SMOOTH_TERMS, base_names
@@ -90,8 +91,7 @@ def expected_heldout_N(fit: CampaignFit) -> float:
 def leave_out(fit: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
     """Change of the vector when each cell is left out; cells without which an effect is not known are missing."""
     problem = fit.problem
-    whiten = fit.whitener
-    turned, white = whiten(fit.jacobian), whiten(fit.residual)
+    turned, white = fit.whitened_jacobian, fit.whitener(fit.residual)
     normal = np.swapaxes(turned, 1, 2) @ turned
     gradient = np.einsum("tbi,tb->ti", turned, white)
     prior = np.diag(prior_precision(problem, fit.sizes) + 1e-9)
@@ -124,6 +124,13 @@ def leave_out(fit: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
 SIZE_ERROR = 0.01
 """Relative standard deviation of what the law of an effect is off in its size: no instrument or force law is better."""
 MISFIT = 1.5  # lack of fit over the pure error of repeats, a ratio of variances, above which a model is taken to misfit
+
+
+def student_over_normal(degrees: NDArray) -> NDArray:
+    """97.5 % quantile of Student's t over that of the normal distribution."""
+    from scipy.special import stdtrit
+
+    return np.asarray(stdtrit(np.asarray(degrees, float), 0.975)) / NORMAL_95
 
 
 def widened(fit: CampaignFit, lack_ratio: float | None = None) -> NDArray:
@@ -213,10 +220,15 @@ class AssessedModel:
     by_pad: Errors
     lack: LackOfFit
 
+    @cached_property
+    def covariance(self) -> NDArray:
+        """Covariance of the fit's vector, see :func:`widened`."""
+        return widened(self.fit, self.lack.ratio)
+
     def to_dict(self) -> dict[str, Any]:
         """Parameters with 95 % intervals, and errors."""
         return {
-            "parameters": base_intervals(self.fit, self.lack.ratio),
+            "parameters": base_intervals(self.fit, self.covariance),
             "error": {
                 "train_rmse_N": self.errors.train_N,
                 "heldout_rmse_N": self.errors.heldout_N,
@@ -248,9 +260,8 @@ def interval(fit: CampaignFit, covariance: NDArray, index: int, to_value: Callab
     return {"value": to_value(at), "low": ends[0], "high": ends[1], "at_bound": bound, "determined": known}
 
 
-def base_intervals(fit: CampaignFit, lack_ratio: float | None = None) -> dict[str, Any]:
-    """Base parameters with 95 % intervals, widened by the lack of fit; modulus in kPa."""
-    covariance = widened(fit, lack_ratio)
+def base_intervals(fit: CampaignFit, covariance: NDArray) -> dict[str, Any]:
+    """Base parameters with 95 % intervals; modulus in kPa."""
     young, *arms = (interval(fit, covariance, at, lambda z: float(np.exp(z))) for at in range(fit.problem.base_count))
     ends = {key: 1e3 * young[key] for key in ("value", "low", "high")}
     return dict(zip(base_names(fit.problem.prior.arms), ({**young, **ends}, *arms)))
@@ -258,9 +269,8 @@ def base_intervals(fit: CampaignFit, lack_ratio: float | None = None) -> dict[st
 
 def effect_intervals(model: AssessedModel, effect: Effect) -> dict[str, Any]:
     """Parameters of one fitted effect of a model with 95 % intervals, widened by its lack of fit."""
-    fit, covariance = model.fit, widened(model.fit, model.lack.ratio)
-    entries = fit.problem.entries[effect.name]
-    intervals = {p.name: interval(fit, covariance, at, p.to_value) for p, at in zip(effect.parameters, entries)}
+    fit, entries = model.fit, model.fit.problem.entries[effect.name]
+    intervals = {p.name: interval(fit, model.covariance, at, p.to_value) for p, at in zip(effect.parameters, entries)}
     size = effect.parameters[0]
     one = intervals[size.name]
     # with its null value inside, the interval reaches over all decades

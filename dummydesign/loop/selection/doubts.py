@@ -82,8 +82,7 @@ def expect(
     """Regression on columns with normal priors and Student's t about it, of those values that are used; the scale is
     from the values themselves. Also the weights (T,)."""
     prior = np.diag(spreads**-2.0)
-    middle_of = np.median(values[use])
-    scale = max(floor, 1.4826 * float(np.median(np.abs(values[use] - middle_of))))
+    scale = max(floor, 1.4826 * float(np.median(np.abs(values[use] - np.median(values[use])))))
     weight = 1.0 * use
     for _ in range(ROUNDS):
         strength = weight / (scale**2 + errors**2)

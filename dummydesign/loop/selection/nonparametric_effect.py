@@ -13,7 +13,7 @@ from dummydesign.core.progress import Progress
 from dummydesign.loop.effects.learned import BY_TRIAL, FOLLOWED, Learned, SmoothChange, followed, largest_change
 from dummydesign.loop.fitting.budget import budget_spent
 from dummydesign.loop.fitting.candidates import EffectCandidate, modest
-from dummydesign.loop.fitting.fit import CampaignFit, fit, fit_with_noise
+from dummydesign.loop.fitting.fit import CampaignFit, best_vector, fit_at, fit_with_noise
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.fitting.screening import project
 from dummydesign.loop.model.effect import Effect
@@ -333,10 +333,11 @@ def predicted_without(campaign_fit: CampaignFit, out: NDArray) -> NDArray:
     """Bins (T, B) of all presses by a fit to those that are not ``out`` (T,), a learned shape learned anew. [N]"""
     presses = campaign_fit.problem.presses
     rest = replace(campaign_fit.problem, presses=replace(presses, bins=presses.bins.without(out)))
-    known = fit(rest, campaign_fit.vector, campaign_fit.sizes, 6)
+    vector = best_vector(rest, campaign_fit.vector, campaign_fit.sizes, 6)
     for _ in range(REFITS if any(isinstance(one, Learned) for one in rest.effects) else 0):
-        known = fit(*_with(known, _learned_again(known)), campaign_fit.sizes, 4)
-    return replace(known.problem, presses=presses).predict(known.vector)
+        rest, start = _learned_again(fit_at(rest, vector, campaign_fit.sizes))
+        vector = best_vector(rest, start, campaign_fit.sizes, 4)
+    return replace(rest, presses=presses).predict(vector)
 
 
 def _without_modulus(shape: SmoothChange, step: _Step) -> NDArray:
@@ -349,10 +350,10 @@ def _without_modulus(shape: SmoothChange, step: _Step) -> NDArray:
     return step.values - np.average(step.values, weights=np.maximum(np.diag(step.information), 1e-12))
 
 
-def _learned_again(campaign_fit: CampaignFit) -> SmoothChange:
-    """The shape that a fit holds, one step further."""
+def _learned_again(campaign_fit: CampaignFit) -> tuple[CampaignProblem, NDArray]:
+    """A model with the shape that its fit holds one step further."""
     shape = next(one.shape for one in campaign_fit.problem.effects if isinstance(one, Learned))
-    return shape.with_flat(_without_modulus(shape, _step(campaign_fit, shape)))
+    return _with(campaign_fit, shape.with_flat(_without_modulus(shape, _step(campaign_fit, shape))))
 
 
 @dataclass(frozen=True)

@@ -8,14 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.serialise import Serialised
+from dummydesign.inference.noise import whitener
 from dummydesign.loop.data.reduction import HOLD, PRE, UNLOADING
-from dummydesign.loop.fitting.fit import CampaignFit, hats
+from dummydesign.loop.fitting.fit import CampaignFit
 from dummydesign.loop.fitting.screening import project
 
 LINE_RATIO = 2.3
 STEP_Z = 6.0
 QUIET_RATIO = 1.5
 BLOCK_S = 0.1
+
+
+def hats(values: NDArray, knots: NDArray) -> list[NDArray]:
+    """Piecewise-linear hat functions on knots, constant outside."""
+    return [np.interp(values, knots, hat) for hat in np.eye(len(knots))]
 
 
 @dataclass(frozen=True)
@@ -101,15 +107,14 @@ def _steps(fit: CampaignFit, residual: list[NDArray]) -> ResidualCheck:
         middle = begin + BLOCK_S * (np.arange(count) + 0.5)
         gap = np.abs(middle[:, None] - middle)
         cover = noise.slow_N**2 * np.exp(-gap / noise.slow_time_s) + np.diag(noise.white_N**2 / samples)
-        factor = np.linalg.inv(np.linalg.cholesky(cover))
+        factor = whitener(cover)
         since = middle - presses.stop_s[row]
         # what a wrong relaxation leaves bends, in time and in its logarithm
         smooth = factor @ np.stack([np.ones(count), np.log(since), since, np.log(since) ** 2, since**2], axis=1)
         basis = np.linalg.qr(smooth)[0]
-        steps = factor @ (np.arange(count)[:, None] >= np.arange(3, count - 3))
-        steps = steps - basis @ (basis.T @ steps)
-        clean = factor @ mean
-        clean = clean - basis @ (basis.T @ clean)
+        both = factor @ np.column_stack([mean, np.arange(count)[:, None] >= np.arange(3, count - 3)])
+        both -= basis @ (basis.T @ both)
+        clean, steps = both[:, 0], both[:, 1:]
         length = np.linalg.norm(steps, axis=0)
         z = (steps.T @ clean) / length
         top = int(np.argmax(np.abs(z)))
@@ -168,10 +173,8 @@ def families(fit: CampaignFit) -> dict[str, list[NDArray]]:
     depth = presses.measure(np.maximum(presses.displacement_mm, 0.0))
     pressed = np.where((phase == HOLD) | (phase == UNLOADING), 1.0, 0.0)
     times = np.log([1e-3, 6e-3, 3e-2, 0.12, 0.5, 2.0, 8.0])
-    speed = np.log(np.maximum(presses.velocity_mm_s, 1e-3))[:, None]
-    speed = speed - speed.mean()
-    thick = np.log(presses.thickness_mm)[:, None]
-    thick = thick - thick.mean()
+    logs = (np.log(one)[:, None] for one in (np.maximum(presses.velocity_mm_s, 1e-3), presses.thickness_mm))
+    speed, thick = (one - one.mean() for one in logs)
     fast = presses.velocity_mm_s[:, None] / presses.velocity_mm_s.max()
     window = np.linspace(0.0, 0.3, 31)
     unit = force.max() or 1.0

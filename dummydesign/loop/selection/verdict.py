@@ -73,7 +73,7 @@ def needed(screened: list[Screened], fit: CampaignFit, name: str, others: dict[s
 def _where(fit: CampaignFit, names: set[str]) -> dict[str, NDArray]:
     """How the whitened squares of each effect's size spread over the bins (T, B); each sums to one."""
     whiten = make_whitener(fit.problem.presses, fit.sizes.noise)
-    squares = {name: whiten(fit.jacobian[..., fit.problem.entries[name][0]]) ** 2 for name in names}
+    squares = {name: whiten(fit.columns[..., fit.problem.entries[name][0]]) ** 2 for name in names}
     return {name: values / max(float(values.sum()), 1e-300) for name, values in squares.items()}
 
 
@@ -92,7 +92,7 @@ def separate_evidence(fit: CampaignFit, name: str) -> float:
             change = np.where(problem.presses.used, fit.forces - problem.predict(vector), 0.0)
             quiet += IMITATED * whiten(change) ** 2
     shown = problem.presses.used & (quiet < FORM_ERROR_LIMIT)
-    rows, left = whiten(fit.jacobian)[shown], whiten(fit.residual)[shown]
+    rows, left = fit.whitened_jacobian[shown], whiten(fit.residual)[shown]
     prior = prior_precision(problem, fit.sizes)
     inverse = np.linalg.pinv(rows.T @ rows + np.diag(prior + 1e-9), rcond=1e-14, hermitian=True)
     index = problem.entries[name][0]

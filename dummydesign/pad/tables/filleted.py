@@ -99,17 +99,16 @@ def _joined(at: Array, rows: Array, position: float) -> Array:
     """Values (fillets, depths) at one place between the fillets; NaN where a neighbour is not known."""
     right = int(np.clip(np.searchsorted(at, position), 1, len(at) - 1))
     out = np.full(rows.shape[1], np.nan)
-    for i, column in enumerate(rows.T):
-        known = np.isfinite(column)
-        if known[right - 1] and known[right]:
-            out[i] = monotone_cubic(at[known], column[known])(position)
+    known = np.isfinite(rows)
+    for pattern in np.unique(known[:, known[right - 1] & known[right]], axis=1).T:
+        same = (known == pattern[:, None]).all(axis=0)
+        out[same] = monotone_cubic(at[pattern], rows[np.ix_(pattern, same)])(position)
     return out
 
 
 def _last_known(depth: Array, row: Array) -> float:
     """Depth up to which there is a value at every depth; 0 without any."""
-    unknown = np.nonzero(~np.isfinite(row))[0]
-    count = int(unknown[0]) if len(unknown) else len(row)
+    count = int(np.argmin(np.append(np.isfinite(row), False)))
     return float(depth[count - 1]) if count else 0.0
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from dummydesign.loop.fitting.budget import budget_spent, count, counted
 from dummydesign.loop.fitting.fit import fit
 from dummydesign.loop.fitting.problem import CampaignProblem
+from dummydesign.loop.selection.nonparametric_effect import predicted_without
 from tests.support.puck_presses import clean_fit
 
 
@@ -45,3 +46,26 @@ def test_sensitivities_at_one_vector_are_worked_out_once_and_counted_each_time(m
     assert once <= budget.iterations and len(worked) <= once + 1
     fresh = fit(replace(first.problem), first.vector, first.sizes, 1)
     assert np.array_equal(again.vector, fresh.vector) and np.array_equal(again.jacobian, fresh.jacobian)
+
+
+def test_a_refit_without_some_presses_works_out_no_sensitivities_that_it_does_not_step_by(monkeypatch):
+    found, whole, worked = clean_fit(), CampaignProblem._jacobian, []
+    out = np.arange(len(found.problem.presses.trials)) < 4
+    monkeypatch.setattr(CampaignProblem, "_jacobian", lambda *words: worked.append(1) or whole(*words))
+    moved = replace(found, vector=found.vector + 0.05)
+    with counted(100) as budget:
+        predicted = predicted_without(moved, out)
+    assert len(worked) == budget.iterations and budget.models == 1
+    assert np.isfinite(predicted[out]).all()
+
+
+def test_a_vector_is_simulated_once_for_its_forces_and_once_for_their_slope(monkeypatch):
+    problem, whole, simulated = replace(clean_fit().problem), CampaignProblem.nodes, []
+    monkeypatch.setattr(CampaignProblem, "nodes", lambda *words: simulated.append(1) or whole(*words))
+    vector = clean_fit().vector
+    first = problem.predict(vector)
+    problem.slope(vector, first)
+    assert problem.predict(vector) is first and len(simulated) == 2
+    problem.slope(vector, problem.predict(vector))
+    assert len(simulated) == 2
+    assert not np.array_equal(problem.predict(vector + 0.01), first) and len(simulated) == 3

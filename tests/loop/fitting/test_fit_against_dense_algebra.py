@@ -90,7 +90,7 @@ def test_sensitivities_are_differences_of_predictions(names):
     vector[problem.fixed :] = 0.01 * np.cos(np.arange(len(vector) - problem.fixed))
     vector[problem.law_entries(SMOOTH_TERMS).start :] *= 0.1
     forces = problem.predict(vector)
-    columns = problem.jacobian(vector, forces)
+    columns = problem.spread(problem.jacobian(vector, forces))
     # on the way back the contact lets go: there is no slope
     used = problem.presses.used & (problem.presses.label < 300)
     for entry in range(len(vector)):

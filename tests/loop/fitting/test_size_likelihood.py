@@ -7,8 +7,9 @@ import pytest
 from scipy.stats import t as student
 
 from dummydesign.inference.noise import Noise
-from dummydesign.loop.fitting.fit import NORMAL_95, student_over_normal
+from dummydesign.loop.fitting.fit import NORMAL_95
 from dummydesign.loop.fitting.noise import NoiseSizes, SizeLikelihood
+from dummydesign.loop.selection.cross_validation import student_over_normal
 
 NOISE = 1e-4
 WIDE = ((0.005, 30.0), (0.005, 0.3), (0.005, 0.3), (0.001, 0.3))

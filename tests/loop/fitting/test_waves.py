@@ -62,7 +62,7 @@ def test_waves_are_none_at_no_depth_add_up_to_a_level_and_end_where_they_are_hel
 def test_sensitivities_to_the_law_are_those_of_central_differences(edged):
     vector = edged.vector + np.r_[np.zeros(edged.problem.fixed), np.full(len(edged.vector) - edged.problem.fixed, 2e-3)]
     forces = edged.problem.predict(vector)
-    jacobian, step = edged.problem.jacobian(vector, forces), 1e-4
+    jacobian, step = edged.problem.spread(edged.problem.jacobian(vector, forces)), 1e-4
     for term in (0, 1, 2, 5, 9, 14):
         for entry in range(len(vector))[edged.problem.law_entries(term)]:
             ends = [edged.problem.predict(vector + sign * step * np.eye(len(vector))[entry]) for sign in (1, -1)]

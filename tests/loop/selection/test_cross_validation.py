@@ -108,15 +108,15 @@ def test_an_effect_that_the_rest_hardly_shows_leaves_its_presses_out_of_the_coun
     found = clean_fit()
     problem = CampaignProblem(found.problem.presses, pucks.LAW, (effect_named("force_bias"),))
     for share, counted in ((0.15, False), (0.25, True)):
-        jacobian = np.insert(np.zeros_like(found.jacobian), BASE, 0.0, axis=-1)
+        columns = np.insert(np.zeros_like(found.columns), BASE, 0.0, axis=-1)
         weights = np.array([share / (1.0 - share), 1.0])
-        jacobian[:2, 20, BASE] = np.sqrt(weights)
-        jacobian[:, 10:15, :BASE] = np.eye(BASE)
+        columns[:2, 20, BASE] = np.sqrt(weights)
+        columns[:, 10:15, :BASE] = np.eye(BASE)
         sizes = replace(found.sizes, noise=replace(found.sizes.noise, slow_N=1e-6, position_mm=1e-9))
         samples = problem.presses.samples[:2, 20]
         assert samples[0] == samples[1]
         vector = np.insert(found.vector, BASE, 0.1)
-        made = replace(found, problem=problem, vector=vector, jacobian=jacobian, sizes=sizes)
+        made = replace(found, problem=problem, vector=vector, columns=columns, sizes=sizes)
         assert (1 in leave_out(made, np.arange(16))) is counted
         assert 5 in leave_out(made, np.arange(16))
 
@@ -252,7 +252,7 @@ def test_an_interval_over_more_than_two_decades_determines_nothing():
 
 
 def test_intervals_of_base_and_effects_are_named_and_in_their_units(offset_fit):
-    said = base_intervals(offset_fit)
+    said = base_intervals(offset_fit, widened(offset_fit))
     base = offset_fit.base
     values = [1e3 * base.young_MPa, base.tau_s[0], base.beta[0], base.tau_s[1], base.beta[1]]
     assert [one["value"] for one in said.values()] == pytest.approx(values)

@@ -20,7 +20,14 @@ from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.pad.tables.puck import PuckTable, table_for
 from dummydesign.resin.model.resin import Point, PuckPoint, ResinArm
 from dummydesign.resin.model.resin_file import DEFAULT, KIND, load_resin, recording_sha256, save_resin
-from dummydesign.resin.puck_test.contradictions import check_slips, odd_press, pairs_of, warnings_of
+from dummydesign.resin.puck_test.contradictions import (
+    check_slips,
+    odd_press,
+    other_height,
+    pairs_of,
+    size_not_weighed,
+    warnings_of,
+)
 from dummydesign.resin.puck_test.loading_fit import LoadingCurve, PuckFit, fit_pucks, reduce_press
 from dummydesign.resin.puck_test.plates import Plates, read_plates
 from dummydesign.resin.puck_test.relaxation_fit import PuckRelaxation, fit_relaxation
@@ -111,7 +118,6 @@ def add_compression(
         )
     resin = load_resin(base or (name if known is not None else DEFAULT))
     resin.check_ratio(ratio)
-    table = table_for(diameter_mm, height_mm)
     # their order does not matter
     traces = sorted(
         map(read_trace, [file] if isinstance(file, str | Path) else file),
@@ -121,7 +127,7 @@ def add_compression(
     if len(set(sha256)) < len(traces):
         raise InputError("a recording is listed twice; give each press once", "duplicate", "file")
     names = ", ".join(trace.name for trace in traces)
-    window = _window(traces, height_mm, table)
+    window = _window(traces, height_mm, table_for(diameter_mm, height_mm))
     source = f"puck {diameter_mm:g} x {height_mm:g} mm, {names}, fitted with {plates.words}"
     puck = PuckPoint(" ".join(sorted(sha256)), names, diameter_mm, height_mm, plates=plates.name)
     held = [_holds(trace, window) for trace in traces]
@@ -132,17 +138,23 @@ def add_compression(
             "inconsistent",
             "file",
         )
+
+    def fitted(height_mm: float) -> PuckFit:
+        table = table_for(diameter_mm, height_mm)
+        window = _window(traces, height_mm, table)
+        if all(held):
+            return _fit_holds(traces, held, table, window, replace(puck, height_mm=height_mm), plates)
+        curves = [LoadingCurve(one.name, "puck", *steps(one.displacement_mm, one.force_N, window)) for one in traces]
+        return fit_pucks(curves, diameter_mm, height_mm, table, (window[0] * (1 - 1e-9), window[1]), plates)
+
     before = known_puck(resin, puck.sha256)
     scatter = np.zeros((len(traces), len(traces)))
     relaxation: dict[str, Any] | None = None
     unseen: list[dict[str, str]] = []
-    fit: PuckFit
-    if all(held):
-        fit = relaxed = _fit_holds(traces, held, table, window, puck, plates)
-        puck, (relaxation, unseen) = _with_arms(puck, relaxed), _of_holds(relaxed, held)
+    fit = fitted(height_mm)
+    if isinstance(fit, PuckRelaxation):
+        puck, (relaxation, unseen) = _with_arms(puck, fit), _of_holds(fit, held)
     else:
-        curves = [LoadingCurve(one.name, "puck", *steps(one.displacement_mm, one.force_N, window)) for one in traces]
-        fit = fit_pucks(curves, diameter_mm, height_mm, table, (window[0] * (1 - 1e-9), window[1]), plates)
         rates = [_unrelaxed(trace, resin.prony(ratio)) for trace in traces]
         scatter = np.outer(rates, rates)
     alpha, young = fit.known.alpha, Quantity(*fit.known.young_kPa, "fitted", source)
@@ -150,6 +162,7 @@ def add_compression(
     others = [one for one in resin.points if one.puck is None or not one.puck.has(puck.sha256)]
     pairs = pairs_of(replace(resin, points=tuple(others)), point, mass_g)
     check_slips(pairs[0])
+    pairs += other_height(fit, height_mm, fitted)
     pairs += odd_press([trace.name for trace in traces], young.value, fit.levels, fit.level_covariance + scatter)
     path = user_folder() / KIND / f"{own.name if own else name}.toml"
     action, former = "added", ""
@@ -160,7 +173,8 @@ def add_compression(
         former = f"ratio {before.ratio:g}, {was.diameter_mm:g} x {was.height_mm:g} mm"
         former += f", plates {was.plates}" if was.plates else ""
     contradictions, first = warnings_of(pairs, alpha.value)
-    warnings = [*first, *unseen, *_doubts(fit, plates, traces, window)]
+    asked = [] if mass_g else [size_not_weighed(resin, point)]
+    warnings = [*first, *asked, *unseen, *_doubts(fit, plates, traces, window)]
     if action != "unchanged":
         changed, became = rebuild(resin, [*others, point], path.stem)
         updates = became.get(puck.sha256, ())

@@ -148,32 +148,33 @@ def add_compression(
         return fit_pucks(curves, diameter_mm, height_mm, table, (window[0] * (1 - 1e-9), window[1]), plates)
 
     before = known_puck(resin, puck.sha256)
-    scatter = np.zeros((len(traces), len(traces)))
     relaxation: dict[str, Any] | None = None
     unseen: list[dict[str, str]] = []
     fit = fitted(height_mm)
     if isinstance(fit, PuckRelaxation):
         puck, (relaxation, unseen) = _with_arms(puck, fit), _of_holds(fit, held)
-    else:
-        rates = [_unrelaxed(trace, resin.prony(ratio)) for trace in traces]
-        scatter = np.outer(rates, rates)
+    # without holds the presses also differ by what had not relaxed
+    rates = [0.0 if relaxation else _unrelaxed(trace, resin.prony(ratio)) for trace in traces]
     alpha, young = fit.known.alpha, Quantity(*fit.known.young_kPa, "fitted", source)
     point = Point(ratio, young, replace(puck, alpha=Quantity(*alpha, "fitted", source)))
     others = [one for one in resin.points if one.puck is None or not one.puck.has(puck.sha256)]
     pairs = pairs_of(replace(resin, points=tuple(others)), point, mass_g)
     check_slips(pairs[0])
     pairs += other_height(fit, height_mm, fitted)
-    pairs += odd_press([trace.name for trace in traces], young.value, fit.levels, fit.level_covariance + scatter)
+    pairs += odd_press(
+        [trace.name for trace in traces], young.value, fit.levels, fit.level_covariance + np.outer(rates, rates)
+    )
     path = user_folder() / KIND / f"{own.name if own else name}.toml"
     action, former = "added", ""
     if before and before.puck:
         was, now = before.puck, (ratio, diameter_mm, height_mm, plates.name)
         same = (before.ratio, was.diameter_mm, was.height_mm, was.plates) == now
         action = "unchanged" if same and set(puck.sha256.split()) <= set(was.sha256.split()) else "replaced"
-        former = f"ratio {before.ratio:g}, {was.diameter_mm:g} x {was.height_mm:g} mm"
-        former += f", plates {was.plates}" if was.plates else ""
+        end = f", plates {was.plates}" if was.plates else ""
+        former = f"ratio {before.ratio:g}, {was.diameter_mm:g} x {was.height_mm:g} mm{end}"
     contradictions, first = warnings_of(pairs, alpha.value)
-    asked = [] if mass_g else [size_not_weighed(resin, point)]
+    density = resin.property("density_g_per_cm3", ratio).value
+    asked = [] if mass_g else [size_not_weighed(young.value, density, puck)]
     warnings = [*first, *asked, *unseen, *_doubts(fit, plates, traces, window)]
     if action != "unchanged":
         changed, became = rebuild(resin, [*others, point], path.stem)

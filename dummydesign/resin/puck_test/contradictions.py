@@ -12,7 +12,7 @@ import numpy as np
 from dummydesign.core.errors import InputError
 from dummydesign.core.parsing import YOUNG
 from dummydesign.measurement.plausible import UNITS
-from dummydesign.resin.model.resin import SURPRISE, Point, Resin, log_spread
+from dummydesign.resin.model.resin import SURPRISE, Point, PuckPoint, Resin, log_spread
 from dummydesign.resin.puck_test.loading_fit import TABLE_ERROR, PuckFit
 from dummydesign.resin.puck_test.plates import ALPHA_RANGE
 from dummydesign.resin.update.modulus import spread_between, without_points
@@ -96,30 +96,31 @@ def pairs_of(resin: Resin, point: Point, mass_g: float | None = None) -> list[Pa
         for other in resin.points
         if resin.same_ratio(point, other)
     ]
-    if mass_g is not None:
-        spread = math.hypot(VOLUME_SPREAD, log_spread(resin.property("density_g_per_cm3", point.ratio)))
-        check = "check diameter and height; voids make a puck lighter"
+    if mass_g is not None and point.puck is not None:
+        density = resin.property("density_g_per_cm3", point.ratio)
         pairs.append(
-            Pair("mass_g weighed and by size and density", mass_g, mass_by_size_g(resin, point), spread, check)
+            Pair(
+                "mass_g weighed and by size and density",
+                mass_g,
+                mass_by_size_g(density.value, point.puck),
+                math.hypot(VOLUME_SPREAD, log_spread(density)),
+                "check diameter and height; voids make a puck lighter",
+            )
         )
     return pairs
 
 
-def mass_by_size_g(resin: Resin, point: Point) -> float:
+def mass_by_size_g(density_g_per_cm3: float, puck: PuckPoint) -> float:
     """Density times volume of a puck."""
-    assert point.puck is not None
-    density = resin.property("density_g_per_cm3", point.ratio).value
-    return density * 0.25e-3 * math.pi * point.puck.diameter_mm**2 * point.puck.height_mm
+    return density_g_per_cm3 * 0.25e-3 * math.pi * puck.diameter_mm**2 * puck.height_mm
 
 
-def size_not_weighed(resin: Resin, point: Point) -> dict[str, str]:
+def size_not_weighed(young_kPa: float, density_g_per_cm3: float, puck: PuckPoint) -> dict[str, str]:
     """What to do where nothing confirms the typed size, with both numbers."""
-    young, puck = point.young_kPa.value, point.puck
-    assert puck is not None
     message = (
-        f"the size is not confirmed. A height typed 10 % low can read {young / 1.1:.3g} kPa for {young:.3g}. A puck "
-        f"of {puck.diameter_mm:g} x {puck.height_mm:g} mm weighs {mass_by_size_g(resin, point):.1f} g: weigh it and "
-        "add --mass"
+        f"the size is not confirmed. A height typed 10 % low reads about {young_kPa / 1.1:.3g} kPa for "
+        f"{young_kPa:.3g}. A puck of {puck.diameter_mm:g} x {puck.height_mm:g} mm weighs "
+        f"{mass_by_size_g(density_g_per_cm3, puck):.1f} g: weigh it and add --mass"
     )
     return {"code": "size_not_weighed", "message": message}
 

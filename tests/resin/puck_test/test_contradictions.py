@@ -103,8 +103,8 @@ def test_a_height_typed_too_small_is_read_off_the_course_of_the_force(typed_mm, 
 
 def test_a_size_that_nothing_confirms_is_asked_with_the_mass_it_should_have():
     resin, point = load_resin(), puck(15.5, 42.0)
-    asked = size_not_weighed(resin, point)
-    mass = resin.property("density_g_per_cm3", 15.5).value * 0.25 * math.pi * 25.0 * 3.0
+    density = resin.property("density_g_per_cm3", 15.5).value
+    asked, mass = size_not_weighed(42.0, density, point.puck), density * 0.25 * math.pi * 25.0 * 3.0
     assert asked["code"] == "size_not_weighed" and f"{mass:.1f} g" in asked["message"]
 
 

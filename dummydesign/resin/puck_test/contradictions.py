@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -132,8 +133,15 @@ def other_height(fit: PuckFit, height_mm: float, fitted: Callable[[float], PuckF
     """
     if fit.misfit <= SURPRISE * TABLE_ERROR:
         return []
-    best, height = min(((fitted(one), one) for one in (height_mm * HEIGHTS).tolist()), key=lambda pair: pair[0].misfit)
-    gain = (max(fit.misfit**2 - best.misfit**2, 1e-12) / (TABLE_ERROR**2 + best.misfit**2)) ** 0.5
+    tried = [(fit, height_mm)]
+    for one in (height_mm * HEIGHTS).tolist():
+        # no table for such a puck, or the presses are too shallow for it
+        with suppress(InputError):
+            tried.append((fitted(one), one))
+    best, height = min(tried, key=lambda pair: pair[0].misfit)
+    if best is fit:
+        return []
+    gain = ((fit.misfit**2 - best.misfit**2) / (TABLE_ERROR**2 + best.misfit**2)) ** 0.5
     check = f"measure the puck; {height:.3g} mm makes {best.known.young_kPa.value:.3g} kPa"
     return [
         Pair(

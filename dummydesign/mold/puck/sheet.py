@@ -51,7 +51,7 @@ def puck_sheet(spec: PuckSpec, plan: PuckPlan) -> list[SheetBlock]:
     for ring in spec.rings:
         for number in range(1, ring.count + 1):
             names = trace_names(ring.tag, number, ring.count)
-            typed = command(names, *["MEASURED"] * 2, spec.pour.ratio, spec.pour.resin, mass="MEASURED")
+            typed = command(names, "MEASURED", "MEASURED", spec.pour.ratio, spec.pour.resin, mass="MEASURED")
             blocks += [
                 SheetBlock("table", rows=tuple(press_rows(names, ring.height_mm))),
                 SheetBlock("text", f"Then type, with the measured sizes in mm and the mass in g: {typed}"),

@@ -87,11 +87,10 @@ def test_a_mass_that_disagrees_is_told():
 
 
 @pytest.mark.parametrize(("typed_mm", "found"), [(25.0, True), (30.0, False), (33.0, False)])
-@pytest.mark.parametrize("alpha", [1.4, 2.0, 2.6])
-def test_a_height_typed_too_small_is_read_off_the_course_of_the_force(typed_mm, found, alpha):
+def test_a_height_typed_too_small_is_read_off_the_course_of_the_force(typed_mm, found):
     """Closed form between frictionless plates, 60 kPa, 50 x 30 mm; the pair holds both heights."""
     depth = np.linspace(0.0, 9.0, 80)
-    force = 60e-3 * 0.25 * math.pi * 50.0**2 * uniaxial(alpha, depth / 30.0)
+    force = 60e-3 * 0.25 * math.pi * 50.0**2 * uniaxial(2.0, depth / 30.0)
 
     def fitted(height_mm):
         curve, window = LoadingCurve("p", "p", depth, force), (0.03 * height_mm, 9.0)

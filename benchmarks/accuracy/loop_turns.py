@@ -233,7 +233,7 @@ def pads_table(rows: list[dict]) -> list[str]:
     falls = {one: sum(each[-1] < each[0] for each in error[one]) for one in error}
     smaller = int((np.array(error[True]) < np.array(error[False])).sum())
     last = [next(row for row in both[True] if row["seed"] == seed)["turns"][-1]["pad_factors"] for seed in seeds]
-    explained = [one["explained"] for one in last if one["explained"] is not None]
+    explained = [one["explained"] or 0.0 for one in last]
     lines += [
         f"| median error | {_medians(error[False])} | {_medians(error[True])} |",
         f"| error smaller after the third turn | {falls[False]} of {len(seeds)} | {falls[True]} of {len(seeds)} |",
@@ -243,7 +243,8 @@ def pads_table(rows: list[dict]) -> list[str]:
         f"- With records the error is smaller in {smaller} of {3 * len(seeds)} turns.",
         f"- The third answer states that pads differ by {np.median([one['size_percent'] for one in last]):.1f} % "
         f"(standard deviation). With the records {np.median([one['left_percent'] for one in last]):.1f} % remain; "
-        f"they explain {100 * np.median(explained):.0f} % of the variance (medians).",
+        f"they explain {100 * min(explained):.0f} to {100 * max(explained):.0f} % of the variance (median "
+        f"{100 * np.median(explained):.0f}).",
     ]
     return lines
 

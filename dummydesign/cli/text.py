@@ -121,7 +121,15 @@ def step_lines(steps: Sequence[str], one: int | None = None, several: int | None
 
 
 NO_LAW = "measured_curves"
-FIRST = (NO_LAW, "tissue_punch", "force_not_in_band", "speed_not_in_band", "calibration_resin")
+FIRST = (
+    NO_LAW,
+    "tissue_punch",
+    "force_not_in_band",
+    "speed_not_in_band",
+    "calibration_resin",
+    "contradiction",
+    "size_not_weighed",
+)
 """Codes of warnings printed right after the verdict: missing measurements, or another resin's campaign."""
 CODES = {"green": "32", "amber": "33", "red": "31"}
 

@@ -96,8 +96,8 @@ def _draw(resin: Resin, ratios: list[float], young: np.ndarray, beta: np.ndarray
         error = [[q.value - q.low], [q.high - q.value]]
         top.errorbar(point.ratio, q.value, yerr=error, fmt="o", color="black", label=f"point, {q.kind}")
     if {"ratio_ref", "young_ref_kPa"} <= set(resin.numbers):
-        anchor = resin.numbers["young_ref_kPa"]
-        top.plot(resin.numbers["ratio_ref"].value, anchor.value, "ks", label=f"reference, {anchor.kind}")
+        at, anchor = (resin.numbers[name] for name in ("ratio_ref", "young_ref_kPa"))
+        top.plot(at.value, anchor.value, "ks", label=f"reference, {anchor.kind}")
     top.set(yscale="log", ylabel="long-term Young's modulus, kPa", title=resin.title)
     for column, name in zip(beta.T, names):
         bottom.plot(ratios, column, label=name.replace("_", " "))

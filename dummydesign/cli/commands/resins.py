@@ -249,9 +249,7 @@ def _render_puck(result: dict[str, Any]) -> list[str]:
     if not (result["relaxation"] or {}).get("prony"):
         known = "Only the modulus is measured: hold the position for 10 s to measure the relaxation too."
     first = [
-        line
-        for one in result["contradictions"]
-        for line in labelled("CHECK", f"{one['what']}: {one['a']:.3g} and {one['b']:.3g}")
+        line for one in result["warnings"] if one["code"] in text.FIRST for line in labelled("CHECK", one["message"])
     ]
     return [
         *first,

@@ -35,6 +35,12 @@ class SheetBlock:
     items: tuple[str, ...] = ()
 
 
+def safety_words(pour: Pour, isocyanate: str = "") -> str:
+    """What protects the person who pours; ``isocyanate`` is added to the words on it."""
+    harm = f"isocyanates harm the airways and can cause a lasting allergy{isocyanate}. " if pour.has_isocyanate else ""
+    return f"Safety: {harm}Gloves, goggles, extraction or a hood; read the safety data sheets of all products first."
+
+
 def pour_sheet(
     spec: MouldSpec, plan: PourPlan, warnings: Sequence[dict[str, str]], printed_mm3: Mapping[str, float] | None = None
 ) -> list[SheetBlock]:
@@ -49,17 +55,11 @@ def pour_sheet(
     label = f"label on the mould: {text}" if text else "the land has no room for a label: mark the mould"
     typed = ",".join(f"{point.name}=MM" for point in gauge_points(spec))
     record = f"dummydesign mold record DIR --thickness {typed} --mass G [--modulus KPA --level DEG --bubbles N]"
-    safety = "Gloves, goggles, extraction or a hood; read the safety data sheets of all products first."
-    if spec.pour.has_isocyanate:
-        safety = (
-            "isocyanates harm the airways and can cause a lasting allergy; never heat open isocyanate; "
-            f"keep moisture out. {safety}"
-        )
     return [
         SheetBlock("head", title),
         SheetBlock("text", f"Specification {spec.hash}; {label}. Date {BLANK}  Operator {BLANK}  Resin batch {BLANK}"),
         *([SheetBlock("text", f"{pad.title}. {mark[0].upper()}{mark[1:]}.")] if mark else []),
-        SheetBlock("text", f"Safety: {safety}"),
+        SheetBlock("text", safety_words(spec.pour, "; never heat open isocyanate; keep moisture out")),
         SheetBlock("head", "1. The mould"),
         SheetBlock("list", items=_mould_steps(spec, plan)),
         *_weight_blocks(spec, plan),

@@ -9,6 +9,7 @@ from typing import Any
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model import layout as dimensions
 from dummydesign.mold.model.layout import BACKER_PLAY_MM, Outline, layout
+from dummydesign.mold.model.products import Machines
 from dummydesign.mold.model.spec import MouldSpec, Pour
 
 RATIO_ERROR_LIMIT_PERCENT = 0.5
@@ -152,7 +153,6 @@ def _one_pour(
     resolution = spec.machines.balance_resolution_g
     components, error = split_batch(wanted, pour.components, resolution)
     batch = sum(mass for _, mass in components)
-    smallest = min(share for _, share in pour.components)
     long = max(spec.pad.length_mm, spec.pad.width_mm)
     level = formula.level_tolerance_deg(spec.pad.thickness_mm, long)
     mass_mould, mass_lid = (
@@ -167,7 +167,7 @@ def _one_pour(
         batch_mass_g=round(batch, 6),
         components=components,
         ratio_error_percent=error,
-        batch_for_ratio_g=resolution / (RATIO_ERROR_LIMIT_PERCENT / 100 * smallest),
+        batch_for_ratio_g=batch_for_ratio_g(pour, resolution),
         cup_mm3=CUP_FACTOR * batch / density,
         fill_mass_g=in_mould,
         gram_per_mm_g=density * face.area_mm2,
@@ -309,17 +309,28 @@ def witness_mass_g(pour: Pour) -> float:
     return math.pi / 4 * diameter**2 * height * pour.density_g_per_cm3 * 1e-3
 
 
+def batch_for_ratio_g(pour: Pour, resolution_g: float) -> float:
+    """Smallest batch that a balance weighs in the right ratio. [g]"""
+    return resolution_g / (RATIO_ERROR_LIMIT_PERCENT / 100 * min(share for _, share in pour.components))
+
+
+def batch_limits_g(pour: Pour, machines: Machines) -> tuple[int, float]:
+    """Least batch, in whole grams, for the balance, and the most that foams in the vacuum chamber. [g]"""
+    least = math.ceil(batch_for_ratio_g(pour, machines.balance_resolution_g) - 1e-9)
+    if not pour.is_degassed:
+        return least, math.inf
+    cup_mm = min(machines.chamber_diameter_mm, machines.chamber_height_mm)
+    most = math.pi / 4 * cup_mm**3 / CUP_FACTOR * pour.density_g_per_cm3 * 1e-3
+    return min(least, math.floor(most)), most
+
+
 def batch_of(spec: MouldSpec, pour: Pour, plan: PourPlan) -> Batch:
     """Work out the batch of one pour.
 
     It is the pour's own, raised to whole grams where the balance could not weigh that in the right ratio, but not
     above what foams in the vacuum chamber.
     """
-    machines = spec.machines
-    cup_mm = min(machines.chamber_diameter_mm, machines.chamber_height_mm)
-    foamed = math.pi / 4 * cup_mm**3 / CUP_FACTOR * pour.density_g_per_cm3 * 1e-3
-    most = foamed if pour.is_degassed else math.inf
-    least = math.ceil(min(plan.batch_for_ratio_g, math.floor(most) if pour.is_degassed else math.inf) - 1e-9)
+    least, most = batch_limits_g(pour, spec.machines)
     own = Mix(
         plan.components,
         plan.batch_mass_g,
@@ -327,9 +338,9 @@ def batch_of(spec: MouldSpec, pour: Pour, plan: PourPlan) -> Batch:
         plan.weighed_ratio,
         volumes_ml(pour, plan.components),
     )
-    mix = own if plan.batch_mass_g >= least else mix_of(least, pour, machines.balance_resolution_g, most)
+    mix = own if plan.batch_mass_g >= least else mix_of(least, pour, spec.machines.balance_resolution_g, most)
     wanted = plan.batch_mass_g + (1 + pour.extra_percent / 100) * witness_mass_g(pour)
-    both = mix if wanted <= mix.total_g else mix_of(wanted, pour, machines.balance_resolution_g)
+    both = mix if wanted <= mix.total_g else mix_of(wanted, pour, spec.machines.balance_resolution_g)
     poured = spec.count * plan.fill_mass_g
     return Batch(mix, poured, mix is not own, round(witness_mass_g(pour), 2), both)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dummydesign.mold.model import formulas as formula
-from dummydesign.mold.pour.plan import CUP_FACTOR, GRAM_PER_HOUR, RATIO_ERROR_LIMIT_PERCENT, Mix, mix_of
+from dummydesign.mold.pour.plan import CUP_FACTOR, GRAM_PER_HOUR, Mix, batch_limits_g, mix_of
 from dummydesign.mold.puck.ring import PRINTED, PuckSpec, Ring, cavity_mm3, puck_spec, ring_mass_g
 
 
@@ -38,18 +38,13 @@ class PuckPlan:
 
 def puck_plan(spec: PuckSpec) -> PuckPlan:
     """Work out the pour: all rings filled a little over the rim, film and spare added, weighable in the right ratio."""
-    pour, machines = spec.pour, spec.machines
+    pour = spec.pour
     density = pour.density_g_per_cm3 * 1e-3
     over = tuple(density * (cavity_mm3(spec, ring) + _over_rim_mm3(spec, ring)) for ring in spec.rings)
     needed = sum(ring.count * mass for ring, mass in zip(spec.rings, over))
     wanted = needed * (1 + pour.extra_percent / 100) + pour.film_loss_g
-    resolution = machines.balance_resolution_g
-    smallest = min(share for _, share in pour.components)
-    cup_mm = min(machines.chamber_diameter_mm, machines.chamber_height_mm)
-    least = math.ceil(resolution / (RATIO_ERROR_LIMIT_PERCENT / 100 * smallest) - 1e-9)
-    if pour.is_degassed:
-        least = min(least, math.floor(math.pi / 4 * cup_mm**3 / CUP_FACTOR * density))
-    mix = mix_of(max(wanted, least), pour, resolution)
+    least, _ = batch_limits_g(pour, spec.machines)
+    mix = mix_of(max(wanted, least), pour, spec.machines.balance_resolution_g)
     return PuckPlan(
         mix,
         over,

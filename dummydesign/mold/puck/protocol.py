@@ -22,11 +22,13 @@ def trace_names(tag: str, number: int = 1, count: int = 1) -> tuple[str, ...]:
     return tuple(f"{puck}-v{speed:g}.csv" for speed in SPEEDS_MM_S)
 
 
-def command(names: Sequence[str], diameter: str, height: str, ratio: float, resin: str, name: str = BATCH) -> str:
-    """What is typed when the presses are saved."""
+def command(
+    names: Sequence[str], diameter: str, height: str, ratio: float, resin: str, name: str = BATCH, mass: str = ""
+) -> str:
+    """What is typed when the presses are saved, with the weighed mass where there is one."""
     return (
         f"dummydesign resins add-compression {' '.join(names)} --diameter {diameter} --height {height} "
-        f"--friction lubricated --name {name} --ratio {ratio:.6g} --resin {resin}"
+        f"{f'--mass {mass} ' if mass else ''}--friction lubricated --name {name} --ratio {ratio:.6g} --resin {resin}"
     )
 
 

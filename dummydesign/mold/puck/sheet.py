@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from dummydesign.mold.files.pour_sheet import SheetBlock, ratio_text, volume_blocks, weight_rows
+from dummydesign.mold.files.pour_sheet import SheetBlock, ratio_text, safety_words, volume_blocks, weight_rows
 from dummydesign.mold.pour.bill_of_materials import (
     CUPS_LITRE,
     MaterialItem,
@@ -23,16 +23,13 @@ ROUND_MM, PARALLEL_SHARE, SIZE_SHARE = 0.5, 0.01, 0.02
 
 def puck_sheet(spec: PuckSpec, plan: PuckPlan) -> list[SheetBlock]:
     """Put together the sheet of some pucks, in the order of the work."""
-    safety = "Gloves, goggles, extraction or a hood; read the safety data sheets of all products first."
-    if spec.pour.has_isocyanate:
-        safety = f"isocyanates harm the airways and can cause a lasting allergy. {safety}"
     blocks = [
         SheetBlock("head", f"Pour sheet: {spec.title}"),
         SheetBlock("text", f"Specification {spec.hash}. Date {BLANK}  Operator {BLANK}  Resin batch {BLANK}"),
         SheetBlock(
             "text", "A puck measures the modulus and the relaxation of a batch. Do not reject it for its modulus."
         ),
-        SheetBlock("text", f"Safety: {safety}"),
+        SheetBlock("text", safety_words(spec.pour)),
         SheetBlock("head", "1. The ring"),
         SheetBlock("list", items=_ring_steps(spec)),
         SheetBlock("head", "2. Weigh the resin"),
@@ -54,10 +51,10 @@ def puck_sheet(spec: PuckSpec, plan: PuckPlan) -> list[SheetBlock]:
     for ring in spec.rings:
         for number in range(1, ring.count + 1):
             names = trace_names(ring.tag, number, ring.count)
-            typed = command(names, "MEASURED", "MEASURED", spec.pour.ratio, spec.pour.resin)
+            typed = command(names, "MEASURED", "MEASURED", spec.pour.ratio, spec.pour.resin, mass="MEASURED")
             blocks += [
                 SheetBlock("table", rows=tuple(press_rows(names, ring.height_mm))),
-                SheetBlock("text", f"Then type, with the measured sizes in mm: {typed}"),
+                SheetBlock("text", f"Then type, with the measured sizes in mm and the mass in g: {typed}"),
             ]
     return [*blocks, SheetBlock("head", "What is needed"), SheetBlock("table", rows=tuple(needed(spec, plan)))]
 

@@ -72,11 +72,6 @@ def _gel_ratio(young: NDArray, young_ref: NDArray, ref: NDArray, share: NDArray,
     return gel + (ref - gel) * (young / young_ref) ** (1.0 / exponent)
 
 
-def _gel_valid(lowest_ratio: float, _: NDArray, ref: NDArray, share: NDArray, exponent: NDArray) -> NDArray:
-    """Tell where the gel point lies below the lowest ratio and below the reference."""
-    return (share * ref < lowest_ratio) & (share < 1.0) & (share > 0.0) & (exponent > 0)
-
-
 def _fraction_young(ratio: NDArray, neat: NDArray, exponent: NDArray) -> NDArray:
     """Network thinned by an inert liquid: E = E_0 phi^n with phi = 100 / (100 + r), r parts of thinner.
 
@@ -85,27 +80,6 @@ def _fraction_young(ratio: NDArray, neat: NDArray, exponent: NDArray) -> NDArray
     Obukhov, Rubinstein and Colby, Macromolecules 27 (1994) 3191 (modulus against polymer fraction).
     """
     return neat * (100.0 / (100.0 + ratio)) ** exponent
-
-
-def _fraction_ratio(young: NDArray, neat: NDArray, exponent: NDArray) -> NDArray:
-    return 100.0 * ((young / neat) ** (-1.0 / exponent) - 1.0)
-
-
-def _fraction_valid(_: float, neat: NDArray, exponent: NDArray) -> NDArray:
-    return exponent > 0
-
-
-def _fixed_young(ratio: NDArray, young: NDArray) -> NDArray:
-    """One mix with one modulus, for a product that is mixed at one ratio only."""
-    return young + np.zeros(np.shape(ratio))
-
-
-def _fixed_ratio(other: NDArray, young: NDArray) -> NDArray:
-    return np.full(np.shape(other), np.nan)
-
-
-def _fixed_valid(_: float, young: NDArray) -> NDArray:
-    return young > 0
 
 
 LAWS = {
@@ -117,12 +91,26 @@ LAWS = {
             1,
             _gel_young,
             _gel_ratio,
-            _gel_valid,
+            # the gel point lies below the lowest ratio and below the reference
+            lambda lowest, _, ref, share, power: (share * ref < lowest) & (share < 1.0) & (share > 0.0) & (power > 0),
         ),
         ModulusLaw(
-            "polymer_fraction", ("young_neat_kPa", "exponent"), -1, _fraction_young, _fraction_ratio, _fraction_valid
+            "polymer_fraction",
+            ("young_neat_kPa", "exponent"),
+            -1,
+            _fraction_young,
+            lambda young, neat, exponent: 100.0 * ((young / neat) ** (-1.0 / exponent) - 1.0),
+            lambda _, neat, exponent: exponent > 0,
         ),
-        ModulusLaw("fixed", ("young_kPa",), 1, _fixed_young, _fixed_ratio, _fixed_valid),
+        # one mix with one modulus, for a product that is mixed at one ratio only
+        ModulusLaw(
+            "fixed",
+            ("young_kPa",),
+            1,
+            lambda ratio, young: young + np.zeros(np.shape(ratio)),
+            lambda other, young: np.full(np.shape(other), np.nan),
+            lambda _, young: young > 0,
+        ),
     )
 }
 """Known laws by the name used in resin files."""

@@ -21,7 +21,14 @@ from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.pad.tables.puck import PuckTable, table_for
 from dummydesign.resin.model.resin import Point, PuckPoint, ResinArm
 from dummydesign.resin.model.resin_file import DEFAULT, KIND, load_resin, recording_sha256, save_resin
-from dummydesign.resin.puck_test.contradictions import check_slips, odd_press, pairs_of, warnings_of
+from dummydesign.resin.puck_test.contradictions import (
+    check_slips,
+    odd_press,
+    other_height,
+    pairs_of,
+    size_not_weighed,
+    warnings_of,
+)
 from dummydesign.resin.puck_test.loading_fit import LoadingCurve, PuckFit, fit_pucks, reduce_press
 from dummydesign.resin.puck_test.plates import Plates, read_plates
 from dummydesign.resin.puck_test.relaxation_fit import PuckRelaxation, fit_relaxation
@@ -112,7 +119,6 @@ def add_compression(
         )
     resin = load_resin(base or (name if known is not None else DEFAULT))
     resin.check_ratio(ratio)
-    table = table_for(diameter_mm, height_mm)
     # their order does not matter
     traces = sorted(
         map(read_trace, [file] if isinstance(file, str | Path) else file),
@@ -122,7 +128,7 @@ def add_compression(
     if len(set(sha256)) < len(traces):
         raise InputError("a recording is listed twice; give each press once", "duplicate", "file")
     names = ", ".join(trace.name for trace in traces)
-    window = _window(traces, height_mm, table)
+    window = _window(traces, height_mm, table_for(diameter_mm, height_mm))
     source = f"puck {diameter_mm:g} x {height_mm:g} mm, {names}, fitted with {plates.words}"
     puck = PuckPoint(" ".join(sorted(sha256)), names, diameter_mm, height_mm, plates=plates.name)
     held = [_holds(trace, window) for trace in traces]
@@ -133,35 +139,44 @@ def add_compression(
             "inconsistent",
             "file",
         )
+
+    def fitted(height_mm: float) -> PuckFit:
+        table = table_for(diameter_mm, height_mm)
+        window = _window(traces, height_mm, table)
+        if all(held):
+            return _fit_holds(traces, held, table, window, replace(puck, height_mm=height_mm), plates)
+        curves = [LoadingCurve(one.name, "puck", *steps(one.displacement_mm, one.force_N, window)) for one in traces]
+        return fit_pucks(curves, diameter_mm, height_mm, table, (window[0] * (1 - 1e-9), window[1]), plates)
+
     before = known_puck(resin, puck.sha256)
-    scatter = np.zeros((len(traces), len(traces)))
     relaxation: dict[str, Any] | None = None
     unseen: list[dict[str, str]] = []
-    fit: PuckFit
-    if all(held):
-        fit = relaxed = _fit_holds(traces, held, table, window, puck, plates)
-        puck, (relaxation, unseen) = _with_arms(puck, relaxed), _of_holds(relaxed, held)
-    else:
-        curves = [LoadingCurve(one.name, "puck", *steps(one.displacement_mm, one.force_N, window)) for one in traces]
-        fit = fit_pucks(curves, diameter_mm, height_mm, table, (window[0] * (1 - 1e-9), window[1]), plates)
-        rates = [_unrelaxed(trace, resin.prony(ratio)) for trace in traces]
-        scatter = np.outer(rates, rates)
+    fit = fitted(height_mm)
+    if isinstance(fit, PuckRelaxation):
+        puck, (relaxation, unseen) = _with_arms(puck, fit), _of_holds(fit, held)
+    # without holds the presses also differ by what had not relaxed
+    rates = [0.0 if relaxation else _unrelaxed(trace, resin.prony(ratio)) for trace in traces]
     alpha, young = fit.known.alpha, Quantity(*fit.known.young_kPa, "fitted", source)
     point = Point(ratio, young, replace(puck, alpha=Quantity(*alpha, "fitted", source)))
     others = [one for one in resin.points if one.puck is None or not one.puck.has(puck.sha256)]
     pairs = pairs_of(replace(resin, points=tuple(others)), point, mass_g)
     check_slips(pairs[0])
-    pairs += odd_press([trace.name for trace in traces], young.value, fit.levels, fit.level_covariance + scatter)
+    pairs += other_height(fit, height_mm, fitted)
+    pairs += odd_press(
+        [trace.name for trace in traces], young.value, fit.levels, fit.level_covariance + np.outer(rates, rates)
+    )
     path = user_folder() / KIND / f"{own.name if own else name}.toml"
     action, former = "added", ""
     if before and before.puck:
         was, now = before.puck, (ratio, diameter_mm, height_mm, plates.name)
         same = (before.ratio, was.diameter_mm, was.height_mm, was.plates) == now
         action = "unchanged" if same and set(puck.sha256.split()) <= set(was.sha256.split()) else "replaced"
-        former = f"ratio {before.ratio:g}, {was.diameter_mm:g} x {was.height_mm:g} mm"
-        former += f", plates {was.plates}" if was.plates else ""
+        end = f", plates {was.plates}" if was.plates else ""
+        former = f"ratio {before.ratio:g}, {was.diameter_mm:g} x {was.height_mm:g} mm{end}"
     contradictions, first = warnings_of(pairs, alpha.value)
-    warnings = [*first, *unseen, *_doubts(fit, plates, traces, window)]
+    density = resin.property("density_g_per_cm3", ratio).value
+    asked = [] if mass_g else [size_not_weighed(young.value, density, puck)]
+    warnings = [*first, *asked, *unseen, *_doubts(fit, plates, traces, window)]
     if action != "unchanged":
         changed, became = rebuild(resin, [*others, point], path.stem)
         updates = became.get(puck.sha256, ())

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +13,8 @@ import numpy as np
 from dummydesign.core.errors import InputError
 from dummydesign.core.parsing import YOUNG
 from dummydesign.measurement.plausible import UNITS
-from dummydesign.resin.model.resin import SURPRISE, Point, Resin, log_spread
+from dummydesign.resin.model.resin import SURPRISE, Point, PuckPoint, Resin, log_spread
+from dummydesign.resin.puck_test.loading_fit import TABLE_ERROR, PuckFit
 from dummydesign.resin.puck_test.plates import ALPHA_RANGE
 from dummydesign.resin.update.modulus import spread_between, without_points
 
@@ -22,6 +24,8 @@ SLIP_FITS = 0.5
 """How near, in ln, a slip has to bring a modulus to the resin's where that is known better than this."""
 AT_BOUND = 0.1
 """How near a bound of its range an exponent counts as ended there."""
+HEIGHTS = np.array([1.1, 1.2])
+"""Heights over the typed one that are tried where the law misfits."""
 SLIPS = {
     **{f"the force is in {unit}": size for unit, size in UNITS["force"].items() if unit != "N"},
     "the force is ten times too small": 10.0,
@@ -71,7 +75,7 @@ def pairs_of(resin: Resin, point: Point, mass_g: float | None = None) -> list[Pa
     mass_g : float or None
         Of the puck. [g]
     """
-    young, puck = point.young_kPa.value, point.puck
+    young = point.young_kPa.value
     known = without_points(resin).modulus_kPa(point.ratio)
     pairs = [
         Pair(
@@ -93,18 +97,61 @@ def pairs_of(resin: Resin, point: Point, mass_g: float | None = None) -> list[Pa
         for other in resin.points
         if resin.same_ratio(point, other)
     ]
-    if mass_g is not None and puck is not None:
+    if mass_g is not None and point.puck is not None:
         density = resin.property("density_g_per_cm3", point.ratio)
         pairs.append(
             Pair(
                 "mass_g weighed and by size and density",
                 mass_g,
-                density.value * 0.25e-3 * math.pi * puck.diameter_mm**2 * puck.height_mm,
+                mass_by_size_g(density.value, point.puck),
                 math.hypot(VOLUME_SPREAD, log_spread(density)),
                 "check diameter and height; voids make a puck lighter",
             )
         )
     return pairs
+
+
+def mass_by_size_g(density_g_per_cm3: float, puck: PuckPoint) -> float:
+    """Density times volume of a puck."""
+    return density_g_per_cm3 * 0.25e-3 * math.pi * puck.diameter_mm**2 * puck.height_mm
+
+
+def size_not_weighed(young_kPa: float, density_g_per_cm3: float, puck: PuckPoint) -> dict[str, str]:
+    """What to do where nothing confirms the typed size, with both numbers."""
+    message = (
+        f"the size is not confirmed. A height typed 10 % low reads about {young_kPa / 1.1:.3g} kPa for "
+        f"{young_kPa:.3g}. A puck of {puck.diameter_mm:g} x {puck.height_mm:g} mm weighs "
+        f"{mass_by_size_g(density_g_per_cm3, puck):.1f} g: weigh it and add --mass"
+    )
+    return {"code": "size_not_weighed", "message": message}
+
+
+def other_height(fit: PuckFit, height_mm: float, fitted: Callable[[float], PuckFit]) -> list[Pair]:
+    """The typed height and the one that the curves fit best, where they differ; nothing where the law fits.
+
+    A height typed too small makes the curve one of no elastic law; one typed too large hardly shows.
+    """
+    if fit.misfit <= SURPRISE * TABLE_ERROR:
+        return []
+    tried = [(fit, height_mm)]
+    for one in (height_mm * HEIGHTS).tolist():
+        # no table for such a puck, or the presses are too shallow for it
+        with suppress(InputError):
+            tried.append((fitted(one), one))
+    best, height = min(tried, key=lambda pair: pair[0].misfit)
+    if best is fit:
+        return []
+    gain = ((fit.misfit**2 - best.misfit**2) / (TABLE_ERROR**2 + best.misfit**2)) ** 0.5
+    check = f"measure the puck; {height:.3g} mm makes {best.known.young_kPa.value:.3g} kPa"
+    return [
+        Pair(
+            "height_mm typed and by the course of the force",
+            height_mm,
+            height,
+            math.log(height / height_mm) / gain,
+            check,
+        )
+    ]
 
 
 def odd_press(names: Sequence[str], young_kPa: float, levels: np.ndarray, covariance: np.ndarray) -> list[Pair]:

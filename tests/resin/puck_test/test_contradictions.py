@@ -10,9 +10,19 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import HALF_WIDTH, Quantity
+from dummydesign.pad.tables.puck import table_for, uniaxial
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.resin import Point, PuckPoint
-from dummydesign.resin.puck_test.contradictions import check_slips, odd_press, pairs_of, warnings_of
+from dummydesign.resin.puck_test.contradictions import (
+    check_slips,
+    odd_press,
+    other_height,
+    pairs_of,
+    size_not_weighed,
+    warnings_of,
+)
+from dummydesign.resin.puck_test.loading_fit import LoadingCurve, fit_pucks
+from dummydesign.resin.puck_test.plates import read_plates
 from dummydesign.resin.update.modulus import rebuild
 
 
@@ -74,6 +84,27 @@ def test_a_mass_that_disagrees_is_told():
     assert told(resin, point, mass) == ()
     (one,) = told(resin, point, 0.87 * mass)
     assert one.what.startswith("mass_g") and one.b == pytest.approx(mass)
+
+
+@pytest.mark.parametrize(("typed_mm", "found"), [(25.0, True), (30.0, False), (33.0, False)])
+def test_a_height_typed_too_small_is_read_off_the_course_of_the_force(typed_mm, found):
+    """Closed form between frictionless plates, 60 kPa, 50 x 30 mm; the pair holds both heights."""
+    depth = np.linspace(0.0, 9.0, 80)
+    force = 60e-3 * 0.25 * math.pi * 50.0**2 * uniaxial(2.0, depth / 30.0)
+
+    def fitted(height_mm):
+        curve, window = LoadingCurve("p", "p", depth, force), (0.03 * height_mm, 9.0)
+        return fit_pucks([curve], 50.0, height_mm, table_for(50.0, height_mm), window, read_plates("0"))
+
+    far = [one for one in other_height(fitted(typed_mm), typed_mm, fitted) if one.far]
+    assert [(one.a, one.b) for one in far] == ([(25.0, pytest.approx(30.0))] if found else [])
+
+
+def test_a_size_that_nothing_confirms_is_asked_with_the_mass_it_should_have():
+    resin, point = load_resin(), puck(15.5, 42.0)
+    density = resin.property("density_g_per_cm3", 15.5).value
+    asked, mass = size_not_weighed(42.0, density, point.puck), density * 0.25 * math.pi * 25.0 * 3.0
+    assert asked["code"] == "size_not_weighed" and f"{mass:.1f} g" in asked["message"]
 
 
 @pytest.mark.parametrize("count", [2, 3, 4])

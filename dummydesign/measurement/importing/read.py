@@ -59,12 +59,6 @@ class ImportedPress:
     steady_error_N: float | None
     judged: Judgement
 
-    @property
-    def contact_half_width_mm(self) -> float:
-        """Half the interval of the contact when the force may be late by a filter that is not declared."""
-        late = self.summary.velocity_mm_s * contact_zero.FILTER_DELAY_S
-        return 0.5 * (self.contact_high_mm - self.contact_low_mm + late)
-
 
 @dataclass(frozen=True)
 class Imported:
@@ -290,9 +284,12 @@ def import_files(paths: Sequence[str | Path], settings: Settings | None = None) 
             warnings.append({"code": "skipped", "message": message})
     asked = {at: one for at, one in read.items() if isinstance(one, QuestionError) and one.quantity == "contact"}
     zeros = {at: zero for at, one in asked.items() if (zero := _shared_zero(at[0], one, [*read.values()]))}
-    for path in {path for path, _ in zeros}:
-        tests = [test for test in _tests_of(path, settings) if (path, test[0]) in zeros]
-        read |= {(path, test[0]): _read_test(path, *test, zeros[path, test[0]]) for test in tests}
+    again = [(path, test) for path in {path for path, _ in zeros} for test in _tests_of(path, settings)]
+    read |= {
+        (path, test[0]): _read_test(path, *test, zeros[path, test[0]])
+        for path, test in again
+        if (path, test[0]) in zeros
+    }
     if zeros:
         names = ", ".join(dict.fromkeys(path.name for path, _ in zeros))
         message = f"{names}: too fast to show contact; the zero is that of slower presses (see the decisions). If the "
@@ -325,21 +322,22 @@ def _read_test(path: Path, sheet: str, text: str, log: ImportLog, shared: Shared
 def _shared_zero(path: Path, doubt: QuestionError, read: Iterable[object]) -> SharedZero | None:
     """The zero of slow presses, from the files named most like this one, if they agree and its force allows it."""
     imported = [one for one in read if isinstance(one, Imported)]
-    names = [zip(str(one.source), str(path)) for one in imported]
-    alike = [len([*takewhile(lambda pair: pair[0] == pair[1], name)]) for name in names]
+    alike = [len([*takewhile(lambda pair: pair[0] == pair[1], zip(str(one.source), str(path)))]) for one in imported]
     slow = [
         (one.name, press.zero_mm, wide)
         for one, same in zip(imported, alike)
         for press in one.presses
-        if same == max(alike) and (wide := press.contact_half_width_mm) <= contact_zero.SURE_MM
+        # the force may be late by a filter that is not declared
+        for late in [press.summary.velocity_mm_s * contact_zero.FILTER_DELAY_S]
+        for wide in [0.5 * (press.contact_high_mm - press.contact_low_mm + late)]
+        if same == max(alike) and wide <= contact_zero.SURE_MM
     ]
     if not slow:
         return None
     files, zeros, wides = (np.array(column) for column in zip(*slow))
     zero, (low, high) = float(np.average(zeros, weights=wides**-2.0)), doubt.allowed
-    if not low <= zero <= high or np.any(abs(zeros - zero) > wides + contact_zero.SMALL_MM):
-        return None
-    return round(zero, 3), f"as {', '.join(dict.fromkeys(files.tolist()))} {'show' if len(files) > 1 else 'shows'} it"
+    agree = low <= zero <= high and np.all(abs(zeros - zero) <= wides + contact_zero.SMALL_MM)
+    return (round(zero, 3), f"as seen in {', '.join(dict.fromkeys(files.tolist()))}") if agree else None
 
 
 def _other_files(problems: Sequence[tuple[InputError, Path, str]], read: Set[Path]) -> str:
@@ -477,18 +475,19 @@ def _read_profile(path: Path) -> Settings:
     for key, value in data.items():
         if key not in vars(_NO_SETTINGS):
             raise unknown_name("key", key, vars(_NO_SETTINGS), "unknown_key", "profile").within(path.name)
-        if key in ("columns", "units"):
-            valid, form = isinstance(value, dict) and not set(value) - set(ROLES), f"texts for {', '.join(ROLES)}"
-        elif key == "skip":
-            valid, form = type(value) is int and value >= 0, "a whole number from 0"
-        elif key == "flip":
-            valid = isinstance(value, list) and not set(map(str, value)) - {"displacement", "force"}
-            form = "a list of 'displacement' and 'force', which may be empty"
-        elif key in ("rate", "delay"):
-            valid = type(value) in (int, float) and (value > 0 or key == "delay")
-            form = "a number above 0, in Hz" if key == "rate" else "a number, in s"
-        else:
-            valid, form = isinstance(value, str), "a text in quotes"
+        number = type(value) in (int, float) and (value > 0 or key == "delay")
+        roles = isinstance(value, dict) and not set(value) - set(ROLES), f"texts for {', '.join(ROLES)}"
+        valid, form = {
+            "columns": roles,
+            "units": roles,
+            "skip": (type(value) is int and value >= 0, "a whole number from 0"),
+            "flip": (
+                isinstance(value, list) and not set(map(str, value)) - {"displacement", "force"},
+                "a list of 'displacement' and 'force', which may be empty",
+            ),
+            "rate": (number, "a number above 0, in Hz"),
+            "delay": (number, "a number, in s"),
+        }.get(key, (isinstance(value, str), "a text in quotes"))
         if not valid:
             code = "out_of_range" if key == "skip" else "malformed"
             raise InputError(f"{path.name}: {key} = {value!r} must be {form}", code, key, value)

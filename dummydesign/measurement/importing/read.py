@@ -335,7 +335,7 @@ def _shared_zero(path: Path, doubt: QuestionError, read: Iterable[object]) -> Sh
     if not slow:
         return None
     files, zeros, wides = (np.array(column) for column in zip(*slow))
-    zero, (low, high) = float(np.average(zeros, weights=wides**-2.0)), doubt.allowed
+    zero, (low, high) = float(np.average(zeros, weights=wides**-2.0)), np.array(doubt.allowed)
     agree = low <= zero <= high and np.all(abs(zeros - zero) <= wides + contact_zero.SMALL_MM)
     return (round(zero, 3), f"as seen in {', '.join(dict.fromkeys(files.tolist()))}") if agree else None
 

@@ -50,7 +50,8 @@ from benchmarks.rows import keep_row, read_rows, scratch
 ROOT = Path(__file__).resolve().parents[2]
 PUNCH_MM, CONTACT_MM, POURS = 16.0, 0.004, 0.02
 """Standard deviations of a press's contact, and of the modulus between pours of one batch."""
-RED = ("no_acceptable_pad",)
+RED = ("no_acceptable_pad", "not_representative")
+"""Codes of answers that are a verdict, not a fault."""
 
 
 class Stop(Exception):

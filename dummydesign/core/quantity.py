@@ -32,6 +32,12 @@ class Quantity(Serialised):
     source: str
 
 
+def fitted_around(value: float, spread: float, source: str) -> Quantity:
+    """A positive fitted quantity whose logarithm has this half width of its 95 % interval."""
+    factor = math.exp(min(spread, 99.0))
+    return Quantity(value, value / factor, value * factor, "fitted", source)
+
+
 def line_of(text: str, *keys: str) -> int:
     """Find the line (from 1) of a TOML text that sets the last of ``keys``, each searched after the one before.
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.quantity import Quantity
+from dummydesign.core.quantity import fitted_around
 from dummydesign.design.search.shape_family import Designs, Family
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.shape_registry import read_shape
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from dummydesign.loop.corrected_law import CorrectedLaw, Correction
 
 
-# Half widths of the 95 % intervals of ln modulus and ln strength of calibrations that carry none: assumed.
-YOUNG_SPREAD, BETA_SPREAD = 0.03, 0.1
+BETA_SPREAD = 0.1
+"""Half width of the 95 % interval of ln strength of calibrations that carry none: assumed."""
 UNDETERMINED = 3.0
 """A modulus that is known only within this factor either way (95 %) was not measured: as wide as a resin's own law."""
 # What holds the base and the face of the pads that are designed.
@@ -62,17 +62,9 @@ class Calibrated:
         }
 
 
-def young_spread(calibration: Calibration) -> float:
-    """Return the logarithm of the factor within which the modulus of a new pad is known (95 %)."""
-    from dummydesign.loop.fitting.fit import NORMAL_95
-
-    known = calibration.posterior
-    return YOUNG_SPREAD if known is None else float(NORMAL_95 * known.new_pad_spread)
-
-
 def settles_modulus(calibration: Calibration) -> bool:
     """Whether a pad can be designed with a calibration: it knows the modulus within a factor of 3."""
-    return young_spread(calibration) <= log(UNDETERMINED)
+    return calibration.young_spread <= log(UNDETERMINED)
 
 
 def with_calibration(
@@ -107,7 +99,7 @@ def with_calibration(
     warnings = _differences(calibration, resin, punch)
     source = f"calibration {path} of a measured campaign"
     young = 1e3 * float(calibration.after.base.young_MPa)
-    spread = young_spread(calibration)
+    spread = calibration.young_spread
     if not settles_modulus(calibration):
         raise InputError(
             f"calibration {path} leaves the modulus undetermined: {young:.3g} kPa, 95 % within a factor of "
@@ -117,8 +109,7 @@ def with_calibration(
             "calibration.young_kPa",
             young,
         )
-    point = Point(ratio, _around(young, spread, source))
-    updated = update_resin(resin, [point], resin.name)
+    updated = update_resin(resin, [Point(ratio, fitted_around(young, spread, source))], resin.name)
     arms = []
     for term in calibration.prony():
         own = calibration.strength_spread(term)
@@ -130,7 +121,7 @@ def with_calibration(
                 "press a ramp and a longer hold"
             )
             warnings = (*warnings, {"code": "calibration_relaxation", "message": message})
-        arms.append(ResinArm(_around(term.tau_s, 0.0, source), _around(term.beta, beta_spread, source)))
+        arms.append(ResinArm(fitted_around(term.tau_s, 0.0, source), fitted_around(term.beta, beta_spread, source)))
     resin = replace(
         updated,
         arms=tuple(arms),
@@ -224,12 +215,6 @@ def _differences(calibration: Calibration, resin: Resin, punch: str) -> tuple[di
                 )
             )
     return tuple({"code": code, "message": message} for code, message in notes)
-
-
-def _around(value: float, spread: float, source: str) -> Quantity:
-    """A positive quantity whose logarithm has this half width of its 95 % interval."""
-    factor = exp(min(spread, 99.0))
-    return Quantity(value, value / factor, value * factor, "fitted", source)
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+Range = tuple[float, float]
+NOWHERE = np.inf, -np.inf
 HOLD_GROWTH = 1.33  # ratio of neighbouring times since the stop at which bins of a hold end
 
 
@@ -28,23 +30,29 @@ class Binning:
         """Mean of the samples (n,) of each bin, shape (bins,)."""
         return np.bincount(self.bin_index, values[self.inside]) / self.samples
 
-    def average(self, time_s: NDArray, nodes_s: NDArray, smooth_from_s: float = np.inf) -> NDArray:
+    def average(self, time_s: NDArray, nodes_s: NDArray, smooth_s: Range = NOWHERE) -> NDArray:
         """Operator (bins, nodes) from a curve's values at nodes to its means over the samples of each bin."""
-        time = time_s[self.inside]
-        after = np.clip(np.searchsorted(nodes_s, time), 1, len(nodes_s) - 1)
-        part = np.clip((time - nodes_s[after - 1]) / (nodes_s[after] - nodes_s[after - 1]), 0.0, 1.0)
+        index, weight = interpolation(time_s[self.inside], nodes_s, smooth_s)
         average = np.zeros((len(self.samples), len(nodes_s)))
-        first = int(np.searchsorted(nodes_s, smooth_from_s))
-        smooth = (time > nodes_s[min(first, len(nodes_s) - 1)]) & (len(nodes_s) - first >= 4)
-        np.add.at(average, (self.bin_index[~smooth], after[~smooth] - 1), 1.0 - part[~smooth])
-        np.add.at(average, (self.bin_index[~smooth], after[~smooth]), part[~smooth])
-        start = np.clip(after[smooth] - 2, first, len(nodes_s) - 4)
-        at = nodes_s[start[:, None] + np.arange(4)]
+        np.add.at(average, (self.bin_index[:, None], index), weight)
+        return average / self.samples[:, None]
+
+
+def interpolation(time_s: NDArray, nodes_s: NDArray, smooth_s: Range) -> tuple[NDArray, NDArray]:
+    """Four nodes and their weights for each time, shape (n, 4): linear, cubic within ``smooth_s``."""
+    after = np.clip(np.searchsorted(nodes_s, time_s), 1, len(nodes_s) - 1)
+    part = np.clip((time_s - nodes_s[after - 1]) / (nodes_s[after] - nodes_s[after - 1]), 0.0, 1.0)
+    index = np.stack([after - 1, after, after, after], axis=1)
+    weight = np.stack([1.0 - part, part, 0.0 * part, 0.0 * part], axis=1)
+    first, last = np.searchsorted(nodes_s, smooth_s[0]), np.searchsorted(nodes_s, smooth_s[1], side="right") - 1
+    if last - first >= 3:
+        inside = (time_s > nodes_s[first]) & (time_s < nodes_s[last])
+        index[inside] = np.clip(after[inside] - 2, first, last - 3)[:, None] + np.arange(4)
+        at = nodes_s[index[inside]]
         for corner in range(4):
             others = np.delete(at, corner, axis=1)
-            weight = np.prod((time[smooth, None] - others) / (at[:, [corner]] - others), axis=1)
-            np.add.at(average, (self.bin_index[smooth], start + corner), weight)
-        return average / self.samples[:, None]
+            weight[inside, corner] = np.prod((time_s[inside, None] - others) / (at[:, [corner]] - others), axis=1)
+    return index, weight
 
 
 def cut(time_s: NDArray, edges_s: NDArray, left_out: NDArray | None = None) -> Binning:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.quantity import fitted_around
 from dummydesign.loop.data.reduction import HOLD, PRE, RISE, UNLOADING
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.effects.learned import Learned
@@ -27,9 +28,16 @@ from dummydesign.loop.model.material import material_of
 from dummydesign.loop.pad_scatter import carried_share, recorded_spread
 from dummydesign.loop.result import LoopResult
 from dummydesign.loop.selection.cross_validation import pad_spreads, widened
+from dummydesign.measurement.campaign import PadSpec
 from dummydesign.pad.material.relaxation import PronyTerm
+from dummydesign.resin import load_resin, update_resin
+from dummydesign.resin.model.resin import Point
 
 PADS = ("level", "slope", "curve")
+YOUNG_SPREAD = 0.03
+"""Half width of the 95 % interval of ln modulus of calibrations that carry none: assumed."""
+SAME_RATIO = 1e-3
+"""Share by which the ratios of two campaigns of one mix may differ."""
 
 
 @dataclass(frozen=True)
@@ -188,6 +196,27 @@ class Calibration:
             return ""
         why = f": {self.unexplained_because[0]}" if self.unexplained_because else ""
         return f"the calibration's verdict is unexplained, something is missing in its model{why}"
+
+    @property
+    def young_spread(self) -> float:
+        """Logarithm of the factor within which the modulus of a new pad is known (95 %)."""
+        return YOUNG_SPREAD if self.posterior is None else float(NORMAL_95 * self.posterior.new_pad_spread)
+
+    def at_ratio_of(self, pad: PadSpec) -> Calibration:
+        """The calibration for pads of another ratio: modulus and strengths follow the resin's law, as in a design."""
+        ratio = self.pad.get("ratio")
+        if pad.resin is None or pad.ratio is None or ratio is None or abs(pad.ratio - ratio) <= SAME_RATIO * ratio:
+            return self
+        young = fitted_around(1e3 * self.after.base.young_MPa, self.young_spread, "calibration")
+        resin = update_resin(load_resin(pad.resin), [Point(ratio, young)], pad.resin)
+        grown = resin.young_MPa(pad.ratio) / resin.young_MPa(ratio)
+        softer = grown**-resin.softness_exponent.value
+
+        def carried(model: Model) -> Model:
+            base, strengths = model.base, tuple(softer * beta for beta in model.base.beta)
+            return replace(model, base=replace(base, young_MPa=grown * base.young_MPa, beta=strengths))
+
+        return replace(self, base=carried(self.base), after=carried(self.after))
 
     def prony(self) -> tuple[PronyTerm, ...]:
         """Relaxation of the corrected material at small strain, extra modes included."""

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.loop.calibration import Calibration
+from dummydesign.loop.calibration import SAME_RATIO, Calibration
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise
 from dummydesign.loop.model.forward_model import parameter_names
 from dummydesign.loop.model.material import ARM_TOLERANCE
@@ -22,7 +22,6 @@ from dummydesign.measurement.campaign import Campaign
 
 CONFLICT_P = 0.01  # probability of a larger difference by chance below which a prior is held to contradict the data
 NAMED_Z = 2.5  # parameters that differ by more standard deviations than this are named
-SAME_RATIO = 1e-3
 
 
 def check_prior(prior: Calibration, campaign: Campaign) -> None:

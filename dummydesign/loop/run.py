@@ -78,7 +78,7 @@ def replay(campaign: Campaign, calibration: Calibration, progress: Progress = qu
 
     ``peak_error_N`` is modelled minus measured largest force, both smoothed over five samples.
     """
-    campaign = with_pad_factors(campaign, calibration.pad)
+    campaign, calibration = with_pad_factors(campaign, calibration.pad), calibration.at_ratio_of(campaign.pad)
     law = law_of(campaign, progress)
     progress("presses")
     campaign, presses, left_out = within_reach(campaign, make_presses(campaign), law, least=1)

@@ -20,6 +20,8 @@ middle stands above its ends. Least noise, over the largest force."""
 RISE, FALL = 25.0, 10.0
 """Changes over the noise that the stretch would show: of the rise before it if the punch goes on at half its speed (a
 smooth top of the same width would show 10), and of the relaxation behind it."""
+SMOOTH_TOP = 19.5
+"""Fall of a parabola behind a stretch about its top, as far again, over the height of its middle above its ends."""
 
 
 STIFFENING, HELD = 5.0, 0.02
@@ -57,11 +59,14 @@ def find_clip(time: NDArray, x: NDArray, force: NDArray) -> Clip | None:
     if stop - first < LEAST:
         return None
     tilt = float(np.polyfit(time[inside] - time[first], force[inside], 1)[0]) * float(time[stop - 1] - time[first])
-    middle, third = force[inside], (stop - first) // 3
-    ends = np.r_[middle[:third], middle[-third:]]
-    if abs(tilt) > FLAT * noise or float(middle[third:-third].mean() - ends.mean()) > ROUND * noise:
+    third = (stop - first) // 3
+    middle, ends = force[first + third : stop - third], np.r_[force[first : first + third], force[stop - third : stop]]
+    rounded = float(middle.mean() - ends.mean())
+    if abs(tilt) > FLAT * noise or rounded > ROUND * noise:
         return None
-    if not (_goes_on(time, x, force, first, stop, noise) or _relaxes_later(time, x, force, first, stop, noise)):
+    rounded += 2.0 * noise * float(np.sqrt(1.0 / len(middle) + 1.0 / len(ends)))
+    fall = max(FALL * noise, SMOOTH_TOP * rounded)
+    if not (_goes_on(time, x, force, first, stop, noise) or _relaxes_later(time, x, force, first, stop, fall)):
         return None
     return Clip(first, stop, float(time[first]), float(time[stop - 1]), float(np.median(force[inside])))
 
@@ -87,7 +92,7 @@ def _goes_on(time: NDArray, x: NDArray, force: NDArray, first: int, stop: int, n
     return bool(rise / way * moved > RISE * noise)
 
 
-def _relaxes_later(time: NDArray, x: NDArray, force: NDArray, first: int, stop: int, noise: float) -> bool:
+def _relaxes_later(time: NDArray, x: NDArray, force: NDArray, first: int, stop: int, fall: float) -> bool:
     """Whether the force falls behind the stretch, at the same depth, as it ought to within it."""
     lasts = float(time[stop - 1] - time[first])
     after = min(int(np.searchsorted(time, time[stop - 1] + lasts)), len(time) - 1)
@@ -95,5 +100,5 @@ def _relaxes_later(time: NDArray, x: NDArray, force: NDArray, first: int, stop: 
     behind = force[max(after - 2, stop) : after + 1]
     inside = float(np.median(force[first:stop]))
     # where the punch still rings, the force follows it
-    least = FALL * noise + STIFFENING * share * inside
+    least = fall + STIFFENING * share * inside
     return bool(share < HELD and len(behind) and inside - float(np.median(behind)) > least)

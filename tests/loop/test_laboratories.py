@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.accuracy import laboratories
+from benchmarks.accuracy.laboratory_figures import USABLE
 from benchmarks.accuracy.laboratory_pad import press
 from benchmarks.accuracy.laboratory_press import Person, maxwell, motion
 
@@ -62,3 +63,14 @@ def test_the_law_of_a_crown_is_near_that_of_the_package(yeoh):
     ).to_dict()
     force = np.array(other["force_N"])
     assert np.interp(depth, *own) == pytest.approx(force, rel=0.02)
+
+
+@pytest.mark.slow
+def test_one_laboratory_goes_the_whole_way(tmp_path):
+    """nothing undeclared: people, puck, pad and loop by the command line, without an error or a question"""
+    row = laboratories.run(6200, 0, tmp_path)
+    assert "stopped" not in row and "asked" not in row and row["broken"] == [] and not row["put"]
+    assert row["puck"]["low"] <= row["puck"]["true_kPa"] <= row["puck"]["high"]
+    assert (row["light_after_puck"] in USABLE) == row["truth"]["usable"] == (row["compare"] in USABLE)
+    assert row["loop"]["verdict"] == "none" and row["loop"]["inside"] and row["loop"]["held"]
+    assert row["next_error"] <= row["next_error_before"] + 0.02

@@ -19,6 +19,7 @@ from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.model.forward_model import Active, BaseParameters
 from dummydesign.loop.model.material import UNDECLARED
 from dummydesign.loop.selection.cross_validation import jackknife
+from dummydesign.measurement.campaign import PadSpec
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.resin import load_resin
 from tests.support.refusal import raises_code
@@ -162,3 +163,23 @@ def test_units_of_an_effect_are_those_of_its_parameters(monkeypatch):
     monkeypatch.setattr("dummydesign.loop.calibration.pad_spreads", lambda found: found.sizes.law)
     known = posterior_of(fit)
     assert known.spread(known.names[-1]) == pytest.approx(2.0 * abs(step)) and len(known.names) == 6
+
+
+def test_a_calibration_is_carried_to_pads_of_another_ratio_along_the_law_of_the_resin(tmp_path):
+    """a calibration that found the resin's own numbers at 15.5 finds them at 15.8, as a design with it does"""
+    resin, known = load_resin("polyurethane-nagoya"), made(level=0.0, young=0.005)
+    arms = resin.prony(15.5)
+    base = BaseParameters(resin.young_MPa(15.5), tuple(a.tau_s for a in arms), tuple(a.beta for a in arms))
+    plain = replace(known.after, base=base, active=())
+    known = replace(known, base=plain, after=plain, pad={**known.pad, "resin": resin.name, "ratio": 15.5})
+    pads = PadSpec(None, resin.name, 15.8, "slab", 100.0, 100.0, None, "bonded")
+    carried, wanted = known.at_ratio_of(pads), resin.prony(15.8)
+    for model in (carried.base, carried.after):
+        assert model.base.young_MPa == pytest.approx(resin.young_MPa(15.8), rel=0.01)
+        assert model.base.beta == pytest.approx([arm.beta for arm in wanted], rel=0.01)
+    assert carried.after.base.young_MPa > 1.05 * base.young_MPa
+    own = replace(known, posterior=None)
+    made_of = with_calibration(resin, str(write_calibration(own, tmp_path / "calibration.json"))).resin
+    assert own.at_ratio_of(pads).after.base.young_MPa == pytest.approx(made_of.young_MPa(15.8), rel=0.002)
+    for same in (replace(pads, ratio=15.5), replace(pads, resin=None), replace(pads, ratio=None)):
+        assert known.at_ratio_of(same) is known

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.inference.binning import cut, distinct, mean_around, repeatable_hold_edges
+from dummydesign.inference.binning import Range, cut, distinct, mean_around, repeatable_hold_edges
 from dummydesign.inference.noise import white_noise
 from dummydesign.measurement.ramp_detection import Ramp, ramp_of, ringing_times
 from dummydesign.measurement.sensor import Lowpass
@@ -48,6 +48,8 @@ class ReducedPress:
     displacement_mm: NDArray
     acceleration_mm_s2: NDArray
     filtered: NDArray
+    smooth_s: Range
+    """Where a curve is smooth between its nodes, which lie far apart there: the settled hold."""
     operator: NDArray
     white_N: float
 
@@ -59,7 +61,8 @@ def reduce_press(trace: Trace, lowpass: Lowpass | None) -> ReducedPress:
     binning = cut(trace.time_s, edges, labels < 0)
     nodes, x = _nodes(trace, ramp)
     filtered = np.eye(len(nodes)) if lowpass is None else lowpass.apply(nodes, np.eye(len(nodes))).T
-    operator = binning.average(trace.time_s, nodes) @ filtered
+    smooth = max(ramp.stop_time_s + NEAR_S, ramp.settled_s), ramp.hold_end_s
+    operator = binning.average(trace.time_s, nodes, smooth) @ filtered
     acceleration = np.interp(nodes, trace.time_s, _acceleration(trace.time_s, trace.displacement_mm))
     return ReducedPress(
         ramp,
@@ -72,6 +75,7 @@ def reduce_press(trace: Trace, lowpass: Lowpass | None) -> ReducedPress:
         x,
         acceleration,
         filtered,
+        smooth,
         operator,
         _white(trace, ramp),
     )

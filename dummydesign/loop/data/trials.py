@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.inference.binning import interpolation
 from dummydesign.inference.noise import Bins
 from dummydesign.loop.data.reduction import UNLOADING, ReducedPress, has_hold, reduce_press
 from dummydesign.measurement.campaign import Campaign, Trial
@@ -180,7 +181,8 @@ class Presses:
         out = []
         for row, press in enumerate(self.presses):
             values = press.filtered @ node_force_N[row, : len(press.time_s)]
-            out.append(np.interp(self.trials[row].trace.time_s, press.time_s, values))
+            index, weight = interpolation(self.trials[row].trace.time_s, press.time_s, press.smooth_s)
+            out.append((values[index] * weight).sum(axis=1))
         return out
 
 

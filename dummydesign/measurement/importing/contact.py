@@ -193,12 +193,13 @@ def find_contacts(
     sign: float,
     log: ImportLog,
     given_mm: float | None = None,
+    given_by: str = "given by --contact",
 ) -> list[float]:
     """Choose the zero of position of each press: the reading that is given, the file's own, or contact. [mm]"""
     if log.settings.contact == "none" or given_mm is not None:
         zero = 0.0 if given_mm is None else sign * given_mm
         shown = "the file's own zero" if given_mm is None else f"{given_mm:.10g} mm"
-        log.decide("contact", shown, "given by --contact")
+        log.decide("contact", shown, given_by)
         return [zero] * len(contacts)
     first = _reference(contacts)
     reference, depth = contacts[first], depths[first]
@@ -262,6 +263,7 @@ def _zero_by_force(contact: ContactEstimate, depth: float, sign: float, log: Imp
         raise log.question(
             f"contact lies between {_between(contact, sign)}, too wide to take its middle",
             f"--contact N with the reading at contact, as a slow press shows it, or --contact {sign * zero_mm:.3f}",
+            allowed=sorted((sign * low, sign * high)),
         )
     log.decide("contact", f"{sign * zero_mm:.3f} mm", f"the force begins there ({text}), not at the file's own zero")
     if wide > max(UNSURE_MM, UNSURE_SHARE * depth):

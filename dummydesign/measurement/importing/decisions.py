@@ -91,7 +91,7 @@ class ImportLog:
         """Make the error of a file without a table."""
         return NoTableError(f"{self.file}: {message}", code, "table", value)
 
-    def question(self, doubt: str, option: str) -> QuestionError:
-        """Make the question: what is not sure, and what to type."""
+    def question(self, doubt: str, option: str, allowed: object = None) -> QuestionError:
+        """Make the question: what is not sure, what to type, and what the file allows."""
         name = option.split()[0].removeprefix("--")
-        return QuestionError(f"{self.file}: {doubt}; say {option}", "needs_decision", name)
+        return QuestionError(f"{self.file}: {doubt}; say {option}", "needs_decision", name, None, allowed)

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from dummydesign.core.parsing import NUMBER
 from dummydesign.core.serialise import to_plain
 from dummydesign.core.user_library import DEVICE, Entry, entries, find, read_toml, toml_table, user_folder
 from dummydesign.measurement.importing import contact as contact_zero
-from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, Settings
+from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, QuestionError, Settings
 from dummydesign.measurement.importing.decoding import LEFT_OUT
 from dummydesign.measurement.importing.judge import Judgement
 from dummydesign.measurement.importing.position_steps import read_between_changes
@@ -32,6 +33,8 @@ from dummydesign.measurement.ramp_detection import SHALLOWEST_MM, Summary, summa
 from dummydesign.measurement.trace import COLUMNS, SECONDS, Trace, magnitude_fault
 
 Warnings = list[dict[str, Any]]
+SharedZero = tuple[float, str]
+"""The reading at contact that other files show, and which. [mm]"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +54,7 @@ class ImportedPress:
     summary: Summary
     contact_low_mm: float
     contact_high_mm: float
+    zero_mm: float
     begins_s: float
     steady_error_N: float | None
     judged: Judgement
@@ -88,12 +92,12 @@ def _tests_of(path: Path, settings: Settings | None) -> list[tuple[str, str, Imp
     return tests
 
 
-def _import_text(path: Path, sheet: str, text: str, log: ImportLog) -> Imported:
-    """Read one test."""
+def _import_text(path: Path, sheet: str, text: str, log: ImportLog, shared: SharedZero | None = None) -> Imported:
+    """Read one test; ``shared`` is the zero of the files beside it, where its own force shows none."""
     columns = columns_of(text, log)
     first = float(columns.force_N[0])
     tare = first if log.settings.tare == "first" else _read_option("tare", log.settings.tare, "force")
-    zero = _read_option("contact", log.settings.contact, "length")
+    given, by = shared or (_read_option("contact", log.settings.contact, "length"), "given by --contact")
     signs = find_signs(columns.displacement_mm, columns.force_N, tare, log)
     time = columns.time_s
     way, step_mm = read_between_changes(time, columns.displacement_mm, log)
@@ -108,7 +112,7 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog) -> Imported:
         log.decide("cycles", f"{len(found) - len(spans)} joined", "they begin pressed; the hold is that of the last")
     tares = contact_zero.find_tares(contacts, rest, signs.force, log, tare)
     depths = [float(x[s.start : s.stop].max()) - c.position_mm for s, c in zip(spans, contacts)]
-    zeros = contact_zero.find_contacts(contacts, depths, float(x[spans[0].start]), signs.displacement, log, zero)
+    zeros = contact_zero.find_contacts(contacts, depths, float(x[spans[0].start]), signs.displacement, log, given, by)
     presses = []
     for number, (span, contact, at, level) in enumerate(zip(spans, contacts, zeros, tares), 1):
         part = slice(span.start, span.stop)
@@ -122,9 +126,9 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog) -> Imported:
             raise log.question(f"press {number}: {fault.message}", option)
         warn = partial(log.warn, name=name)
         judged = check_press(t, way, force, contact, summary, warn)
-        interval = contact.low_mm - at - step_mm, contact.high_mm - at + step_mm
+        ends = contact.low_mm - at - step_mm, contact.high_mm - at + step_mm, signs.displacement * at
         error = _steady_error(summary, contact.baseline.held_error_N, warn)
-        presses.append(ImportedPress(number, t, way, force, summary, *interval, float(time[span.start]), error, judged))
+        presses.append(ImportedPress(number, t, way, force, summary, *ends, float(time[span.start]), error, judged))
     return Imported(path, tuple(presses), tuple(log.decisions), tuple(log.warnings), columns, sheet)
 
 
@@ -271,26 +275,33 @@ def import_files(paths: Sequence[str | Path], settings: Settings | None = None) 
     The first error or question of a file is raised, with the names of other files that have one too, and how many can
     be read without these. Nothing is left out silently.
     """
-    imported: list[Imported] = []
     warnings: Warnings = []
-    problems: list[tuple[InputError, Path, str]] = []
+    read: dict[tuple[Path, str], Imported | InputError] = {}
     listed = files_of(paths)
     for path, in_folder in listed:
         try:
-            tests = _tests_of(path, settings)
-            for sheet, text, log in tests:
-                try:
-                    imported.append(_import_text(path, sheet, text, log))
-                except InputError as problem:
-                    if len(tests) == 1:
-                        raise
-                    problems.append((problem, path, sheet))
+            read |= {(path, test[0]): _read_test(path, *test) for test in _tests_of(path, settings)}
         except InputError as problem:
-            if in_folder and isinstance(problem, NoTableError):
-                message = f"{path.name} is left out: it holds no table of numbers"
-                warnings.append({"code": "skipped", "message": message})
-            else:
-                problems.append((problem, path, ""))
+            read[path, ""] = problem
+        if in_folder and isinstance(read.get((path, "")), NoTableError):
+            del read[path, ""]
+            message = f"{path.name} is left out: it holds no table of numbers"
+            warnings.append({"code": "skipped", "message": message})
+    asked = {at: one for at, one in read.items() if isinstance(one, QuestionError) and one.quantity == "contact"}
+    zeros = {at: zero for at, one in asked.items() if (zero := _shared_zero(at[0], one, [*read.values()]))}
+    again = [(path, test) for path in {path for path, _ in zeros} for test in _tests_of(path, settings)]
+    read |= {
+        (path, test[0]): _read_test(path, *test, zeros[path, test[0]])
+        for path, test in again
+        if (path, test[0]) in zeros
+    }
+    if zeros:
+        names = ", ".join(dict.fromkeys(path.name for path, _ in zeros))
+        message = f"{names}: too fast to show contact; the zero is that of slower presses (see the decisions). If the "
+        message += "surface moved between them, say --contact"
+        warnings.append({"code": "contact_of_slower_presses", "message": message})
+    imported = [one for one in read.values() if isinstance(one, Imported)]
+    problems = [(one, path, sheet) for (path, sheet), one in read.items() if isinstance(one, InputError)]
     if problems:
         first = problems[0][0]
         if len(listed) > 1:
@@ -303,6 +314,35 @@ def import_files(paths: Sequence[str | Path], settings: Settings | None = None) 
     presses = [(one, press) for one in imported for press in one.presses]
     traces = [Trace(f"{one.name} press {p.number}", p.time_s, p.displacement_mm, p.force_N) for one, p in presses]
     return imported, [*warnings, *copies_among(traces)]
+
+
+def _read_test(path: Path, sheet: str, text: str, log: ImportLog, shared: SharedZero | None = None) -> Any:
+    """Read one test, or return what stands against it."""
+    try:
+        return _import_text(path, sheet, text, log, shared)
+    except InputError as problem:
+        return problem
+
+
+def _shared_zero(path: Path, doubt: QuestionError, read: Iterable[object]) -> SharedZero | None:
+    """The zero of slow presses, from the files named most like this one, if they agree and its force allows it."""
+    imported = [one for one in read if isinstance(one, Imported)]
+    alike = [len([*takewhile(lambda pair: pair[0] == pair[1], zip(str(one.source), str(path)))]) for one in imported]
+    slow = [
+        (one.name, press.zero_mm, wide)
+        for one, same in zip(imported, alike)
+        for press in one.presses
+        # the force may be late by a filter that is not declared
+        for late in [press.summary.velocity_mm_s * contact_zero.FILTER_DELAY_S]
+        for wide in [0.5 * (press.contact_high_mm - press.contact_low_mm + late)]
+        if same == max(alike) and wide <= contact_zero.SURE_MM
+    ]
+    if not slow:
+        return None
+    files, zeros, wides = (np.array(column) for column in zip(*slow))
+    zero, (low, high) = float(np.average(zeros, weights=wides**-2.0)), np.array(doubt.allowed)
+    agree = low <= zero <= high and np.all(abs(zeros - zero) <= wides + contact_zero.SMALL_MM)
+    return (round(zero, 3), f"as seen in {', '.join(dict.fromkeys(files.tolist()))}") if agree else None
 
 
 def _other_files(problems: Sequence[tuple[InputError, Path, str]], read: Set[Path]) -> str:
@@ -440,18 +480,19 @@ def _read_profile(path: Path) -> Settings:
     for key, value in data.items():
         if key not in vars(_NO_SETTINGS):
             raise unknown_name("key", key, vars(_NO_SETTINGS), "unknown_key", "profile").within(path.name)
-        if key in ("columns", "units"):
-            valid, form = isinstance(value, dict) and not set(value) - set(ROLES), f"texts for {', '.join(ROLES)}"
-        elif key == "skip":
-            valid, form = type(value) is int and value >= 0, "a whole number from 0"
-        elif key == "flip":
-            valid = isinstance(value, list) and not set(map(str, value)) - {"displacement", "force"}
-            form = "a list of 'displacement' and 'force', which may be empty"
-        elif key in ("rate", "delay"):
-            valid = type(value) in (int, float) and (value > 0 or key == "delay")
-            form = "a number above 0, in Hz" if key == "rate" else "a number, in s"
-        else:
-            valid, form = isinstance(value, str), "a text in quotes"
+        number = type(value) in (int, float) and (value > 0 or key == "delay")
+        roles = isinstance(value, dict) and not set(value) - set(ROLES), f"texts for {', '.join(ROLES)}"
+        valid, form = {
+            "columns": roles,
+            "units": roles,
+            "skip": (type(value) is int and value >= 0, "a whole number from 0"),
+            "flip": (
+                isinstance(value, list) and not set(map(str, value)) - {"displacement", "force"},
+                "a list of 'displacement' and 'force', which may be empty",
+            ),
+            "rate": (number, "a number above 0, in Hz"),
+            "delay": (number, "a number, in s"),
+        }.get(key, (isinstance(value, str), "a text in quotes"))
         if not valid:
             code = "out_of_range" if key == "skip" else "malformed"
             raise InputError(f"{path.name}: {key} = {value!r} must be {form}", code, key, value)

@@ -102,7 +102,7 @@ def reduce_trace(trace: Trace) -> ReducedTrace:
         binning.samples,
         binning.mean(force),
         motion,
-        binning.average(time, nodes, settled_s),
+        binning.average(time, nodes, (settled_s, np.inf)),
         binning.inside,
     )
 

@@ -263,9 +263,9 @@ def test_a_pad_a_little_outside_the_table_is_at_its_end_and_one_farther_out_is_n
 
 
 def test_numbers_of_a_calibration_are_read_with_their_share_either_way():
-    one = calibrated._around(40.0, 0.1, "x")
+    one = calibrated.fitted_around(40.0, 0.1, "x")
     assert (one.value, one.low, one.high) == pytest.approx((40.0, 40.0 * np.exp(-0.1), 40.0 * np.exp(0.1)))
-    assert calibrated._around(40.0, 0.0, "x").low == 40.0
+    assert calibrated.fitted_around(40.0, 0.0, "x").low == 40.0
 
 
 def test_a_shape_that_is_named_but_unknown_is_refused():

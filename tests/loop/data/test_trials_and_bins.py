@@ -230,13 +230,16 @@ def test_the_values_of_a_law_are_remembered_and_are_those_of_the_law():
 
 def test_signals_are_binned_and_sampled_alike_by_one_operator():
     presses = pucks.planned()
-    force = np.sin(presses.time_s)
+    force = 20.0 * np.exp(-np.clip(presses.time_s - presses.stop_s[:, None], 0.0, None) / 0.15)
     both = presses.operator @ np.stack([force, 2.0 * force], axis=-1)
     np.testing.assert_allclose(both[..., 1], 2.0 * presses.measure(force))
     for row, (values, trial_) in enumerate(zip(presses.at_samples(force), presses.trials)):
-        count = len(presses.presses[row].time_s)
-        wanted = np.interp(trial_.trace.time_s, presses.time_s[row, :count], force[row, :count])
-        np.testing.assert_allclose(values, wanted)
+        # what relaxes within the hold is followed between far nodes: linear ones are 45 mN off
+        wanted = 20.0 * np.exp(-np.clip(trial_.trace.time_s - presses.stop_s[row], 0.0, None) / 0.15)
+        np.testing.assert_allclose(values, wanted, atol=8e-3)
+        one, time = presses.presses[row], trial_.trace.time_s
+        means = [wanted[(time >= a) & (time < b)].mean() for a, b in zip(one.start_s, one.end_s)]
+        np.testing.assert_allclose(presses.measure(force)[row, : len(means)], means, atol=8e-3)
     assert presses.unloads.all() and not presses.elastic_only
     assert presses.pads == (("", 8.0), ("", 12.0)) and presses.young_factor is None
     np.testing.assert_array_equal(presses.pad, (presses.thickness_mm > 10.0).astype(int))

@@ -140,10 +140,10 @@ def test_the_files_lead_to_every_question(tmp_path, monkeypatch):
     }
     usual = ImportLog.question
 
-    def question(log, doubt, option):
+    def question(log, doubt, option, allowed=None):
         frame = inspect.currentframe().f_back
         asked.add((Path(frame.f_code.co_filename).name, frame.f_lineno))
-        return usual(log, doubt, option)
+        return usual(log, doubt, option, allowed)
 
     monkeypatch.setattr(ImportLog, "question", question)
     for text, given in FILES.values():

@@ -83,6 +83,39 @@ def test_a_fast_press_in_unknown_coordinates_is_asked_about_and_a_slow_one_besid
     assert found == pytest.approx([200.0, 200.0], abs=0.05)
 
 
+def saved(folder, name, place, seed=6, velocity=10.0):
+    """A press of a machine whose zero is elsewhere, counted along the press or against it."""
+    record = recording(seed, velocity_mm_s=velocity, filtered=False)
+    columns = record.time_s, record.displacement_mm + place, record.force_N
+    path = folder / name
+    np.savetxt(path, np.column_stack(columns), "%.6f", ",", header="time_s,position_mm,force_N", comments="")
+    return path
+
+
+def test_fast_files_take_the_zero_of_the_slow_ones_of_their_name(tmp_path):
+    """subjects at 200 and 220 mm, each pressed at 10 and 250 mm/s: every trace begins at its own surface"""
+    for who, place in (("ann", 200.0), ("ben", 220.0)):
+        for velocity in (10.0, 250.0):
+            saved(tmp_path, f"{who}_v{velocity:03.0f}.csv", place, velocity=velocity)
+    imported, warnings = import_files([tmp_path])
+    zeros = {one.source.name: one.presses[0].zero_mm for one in imported}
+    assert [*zeros] == ["ann_v010.csv", "ann_v250.csv", "ben_v010.csv", "ben_v250.csv"]
+    assert [*zeros.values()] == pytest.approx([200.0, 200.0, 220.0, 220.0], abs=0.05)
+    assert [one["code"] for one in warnings].count("contact_of_slower_presses") == 1
+    decided = [one.value for one in imported[3].decisions if one.what == "contact"]
+    (typed,), _ = import_files([imported[3].source], Settings(contact=decided[0].removesuffix(" mm")))
+    assert typed.presses[0].displacement_mm == pytest.approx(imported[3].presses[0].displacement_mm, abs=1e-9)
+
+
+@pytest.mark.parametrize("others", [(201.0, 200.0), (203.5,)])
+def test_slow_files_that_contradict_each_other_or_the_force_do_not_give_a_zero(tmp_path, others):
+    saved(tmp_path, "a_fast.csv", 200.0, velocity=250.0)
+    for number, place in enumerate(others):
+        saved(tmp_path, f"a_slow{number}.csv", place)
+    with raises_code("needs_decision", "contact"):
+        import_files([tmp_path])
+
+
 def test_a_dent_that_is_left_is_told_and_does_not_move_the_surface():
     contacts, depths, first, _ = contacts_of(seed=6)
     later, more, _, _ = contacts_of(seed=6, place=0.4)

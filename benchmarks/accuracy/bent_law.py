@@ -101,7 +101,9 @@ def figures(rows: list[dict[str, Any]]) -> str:
     none = sum(row["verdict"] == "none" for row in quiet)
     off = [abs(row["young"][0] / row["young"][3] - 1.0) for row in quiet]
     within, inside = sum(one <= row["stated"] for one, row in zip(off, quiet)), sum(row["inside"] for row in quiet)
-    lines = [f"nothing undeclared: none {none} of {len(quiet)}; modulus within the law's error {within}, interval {inside}"]
+    lines = [
+        f"nothing undeclared: none {none} of {len(quiet)}; modulus within the law's error {within}, interval {inside}"
+    ]
     for name in NAMED:
         own = [row for row in put if row["put"] == name]
         first = [row for row in own if row["names"][:1] == [name]]

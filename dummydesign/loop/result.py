@@ -14,14 +14,13 @@ from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.next_measurement import NextMeasurement
 from dummydesign.loop.pad_scatter import pad_scatter
-from dummydesign.loop.selection.as_designed import AsDesigned
 from dummydesign.loop.selection.cross_validation import AssessedModel, effect_intervals, lack_of_fit
 from dummydesign.loop.selection.doubt_words import Doubt
 from dummydesign.loop.selection.explanations import Among, Explanation, residual_N
 from dummydesign.loop.selection.nonparametric_effect import NonparametricEffect
 from dummydesign.loop.selection.residuals import ResidualDiagnostics
 from dummydesign.loop.selection.search import Selection
-from dummydesign.loop.selection.verdict import AcceptedEffect, Remainder, gain_threshold
+from dummydesign.loop.selection.verdict import AcceptedEffect, AsDesigned, Remainder, gain_threshold
 from dummydesign.measurement.campaign import Campaign
 
 

@@ -105,7 +105,13 @@ def leave_out(fit: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
     changes = {}
     for cell in np.unique(cells):
         out = cells == cell
-        if out.all():
+        if out.all():  # of a single pad only the error of its law can be left out
+            others = np.nonzero(free)[0] < problem.fixed
+            change = np.zeros(len(fit.vector))
+            change[problem.fixed :] = -fit.vector[problem.fixed :]
+            pull = full[np.ix_(others, ~others)] @ change[free][~others]
+            change[np.flatnonzero(free)[others]] = -np.linalg.solve(full[np.ix_(others, others)], pull)
+            changes[int(cell)] = change
             continue
         rest = full - normal[out].sum(axis=0)[np.ix_(free, free)]
         try:

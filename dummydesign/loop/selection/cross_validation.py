@@ -211,8 +211,8 @@ def lack_of_fit(fit: CampaignFit) -> LackOfFit:
 
 @dataclass(frozen=True)
 class AssessedModel:
-    """A model with its errors (``by_pad`` with all trials on one pad left out at a time, and with them its law error)
-    and its lack of fit."""
+    """A model with its errors (``by_pad`` with all trials on one pad left out at a time, and with them its law error;
+    of a single pad that error alone) and its lack of fit."""
 
     fit: CampaignFit
     errors: Errors
@@ -226,7 +226,7 @@ class AssessedModel:
             "error": {
                 "train_rmse_N": self.errors.train_N,
                 "heldout_rmse_N": self.errors.heldout_N,
-                "heldout_pad_rmse_N": self.by_pad.heldout_N,
+                "heldout_pad_rmse_N": self.by_pad.heldout_N if len(self.fit.problem.presses.pads) > 1 else None,
                 "noise_floor_N": self.fit.sizes.floor_N,
                 "lack_of_fit_p": self.lack.p,
                 "lack_of_fit_ratio": self.lack.ratio,

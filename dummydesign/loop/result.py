@@ -222,9 +222,7 @@ def answer_of(result: LoopResult) -> list[str]:
         else "The long-term modulus is not determined by this campaign."
     )
     unknown = [name for name, one in parameters.items() if not one["determined"] and name != "young_kPa"]
-    if result.presses.elastic_only:  # its arms are not fitted
-        unknown = []
-    if unknown:
+    if unknown and not result.presses.elastic_only:  # there arms are not fitted
         lines.append(f"Not determined by this campaign: {', '.join(unknown)}.")
     if joined is not None and joined.used:
         lines.append("The prior agrees with this campaign: modulus, relaxation and their intervals come from both.")

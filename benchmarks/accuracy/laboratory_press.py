@@ -13,7 +13,7 @@ from scipy.interpolate import PchipInterpolator
 from benchmarks.accuracy.laboratory_pad import Curve
 
 FORCES_N, SPEEDS_MM_S, HOLD_S, BRAKE_MM_S2 = (5.0, 10.0, 15.0), (10.0, 250.0), 10.0, 30_000.0
-NOISE_N, SLOW_N, DEEPEST = 0.02, 0.01, 0.59
+NOISE_N, SLOW_N, DEEPEST, LEAD_MM = 0.02, 0.01, 0.59, 0.5
 WEIGHED_G, ISOCYANATE_G, ZERO_MM = 0.1, 20.0, 12.0
 """Largest error of a weight, isocyanate in a mix, and where a machine's file has the contact."""
 
@@ -32,11 +32,13 @@ def maxwell(t: NDArray, elastic: NDArray, arms: Any, weight: NDArray | float = 1
 
 
 def motion(speed: float, depth: float, hold_s: float = HOLD_S, unload: bool = False) -> tuple[NDArray, NDArray]:
-    """Ramp from contact, braking at 30 m/s2 (from contact on where it is too shallow), hold, way back at 10 mm/s."""
+    """Ramp from before contact, braking at 30 m/s2 (from contact on where it is too shallow), hold, back at 10 mm/s."""
     speed = min(speed, float(np.sqrt(2.0 * BRAKE_MM_S2 * depth)))
     brake = speed / BRAKE_MM_S2
     stop = depth / speed + 0.5 * brake
-    t = np.concatenate([np.linspace(0.0, stop, 401), stop + np.geomspace(stop / 400.0, hold_s, 260)])
+    # a pad that is higher than was thought is touched before
+    lead = np.linspace(-LEAD_MM / speed, 0.0, 21)[:-1]
+    t = np.concatenate([lead, np.linspace(0.0, stop, 401), stop + np.geomspace(stop / 400.0, hold_s, 260)])
     x = np.where(t < stop - brake, speed * t, depth - 0.5 * BRAKE_MM_S2 * np.clip(stop - t, 0.0, None) ** 2)
     if unload:
         back = np.linspace(0.0, (depth + 1.0) / 10.0, 301)[1:]
@@ -174,9 +176,9 @@ def record(path: Path, t: NDArray, x: NDArray, force: NDArray, rng: np.random.Ge
 
     A machine's own file has a tare, its sign and its zero.
     """
-    speed = x[1] / t[1]
+    speed = x[0] / t[0]
     lead = 1.5 / speed
-    stop = float(t[400]) + 0.3
+    stop = float(t[np.argmax(x >= x.max() - 1e-9)]) + 0.3
     even = np.arange(-lead - 0.15, stop, 1e-3)
     even = np.concatenate([even, np.arange(even[-1] + 1e-2, t[-1], 1e-2)])
     x_even = np.where(even < 0.0, np.maximum(speed * even, -1.5), np.interp(even, t, x))

@@ -186,7 +186,7 @@ def _calibration(data: _Entry) -> Calibration:
 
 def _posterior(table: _Entry, after: Model) -> Posterior:
     """Mean and covariance of the corrected model's parameters; the intervals in the file are for its reader."""
-    names, forms = parameter_names(after.base.count, [one.effect for one in after.active]), _forms(after)
+    names, forms = parameter_names(len(after.base.tau_s), [one.effect for one in after.active]), _forms(after)
     held = [name for name in names if name not in forms or name in table["names"].of(list)]
     if table["names"].value != held:
         raise _Fault(f"posterior.names must be {', '.join(names)}")

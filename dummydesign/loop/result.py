@@ -14,14 +14,13 @@ from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.next_measurement import NextMeasurement
 from dummydesign.loop.pad_scatter import pad_scatter
-from dummydesign.loop.selection.as_designed import AsDesigned
 from dummydesign.loop.selection.cross_validation import AssessedModel, effect_intervals, lack_of_fit
 from dummydesign.loop.selection.doubt_words import Doubt
 from dummydesign.loop.selection.explanations import Among, Explanation, residual_N
 from dummydesign.loop.selection.nonparametric_effect import NonparametricEffect
 from dummydesign.loop.selection.residuals import ResidualDiagnostics
 from dummydesign.loop.selection.search import Selection
-from dummydesign.loop.selection.verdict import AcceptedEffect, Remainder, gain_threshold
+from dummydesign.loop.selection.verdict import AcceptedEffect, AsDesigned, Remainder, gain_threshold
 from dummydesign.measurement.campaign import Campaign
 
 
@@ -223,9 +222,7 @@ def answer_of(result: LoopResult) -> list[str]:
         else "The long-term modulus is not determined by this campaign."
     )
     unknown = [name for name, one in parameters.items() if not one["determined"] and name != "young_kPa"]
-    if result.presses.elastic_only:  # its arms are not fitted
-        unknown = []
-    if unknown:
+    if unknown and not result.presses.elastic_only:  # there arms are not fitted
         lines.append(f"Not determined by this campaign: {', '.join(unknown)}.")
     if joined is not None and joined.used:
         lines.append("The prior agrees with this campaign: modulus, relaxation and their intervals come from both.")

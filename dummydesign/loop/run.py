@@ -28,7 +28,6 @@ from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.pad_scatter import known_pads
 from dummydesign.loop.prior import check_prior, join, with_prior_effects
 from dummydesign.loop.result import EffectModel, LoopResult, PooledFit, listed, named
-from dummydesign.loop.selection.as_designed import AsDesigned, as_designed
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.doubts import doubt_warnings, doubts_of, without_doubted
 from dummydesign.loop.selection.explanations import explain, one_shape
@@ -36,7 +35,15 @@ from dummydesign.loop.selection.holdout_test import left_out_errors, predicts_wo
 from dummydesign.loop.selection.nonparametric_effect import can_be_learned, learn, learned_alone, learned_first
 from dummydesign.loop.selection.residuals import ResidualDiagnostics, diagnose
 from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, names_of, rank, search, without
-from dummydesign.loop.selection.verdict import GAIN_FLOOR, AcceptedEffect, at_bound, needed, remainder
+from dummydesign.loop.selection.verdict import (
+    GAIN_FLOOR,
+    AcceptedEffect,
+    AsDesigned,
+    as_designed,
+    at_bound,
+    needed,
+    remainder,
+)
 from dummydesign.measurement.campaign import Campaign
 
 HOLDS_WITHIN = 2.0

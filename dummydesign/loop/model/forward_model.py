@@ -41,11 +41,6 @@ class BaseParameters:
     tau_s: tuple[float, ...]
     beta: tuple[float, ...]
 
-    @property
-    def count(self) -> int:
-        """Number of arms."""
-        return len(self.tau_s)
-
     @classmethod
     def from_logs(cls, logs: NDArray) -> BaseParameters:
         """Build from the logarithms in the order of :func:`base_names` (modulus in MPa)."""
@@ -59,7 +54,7 @@ class BaseParameters:
     def to_dict(self) -> dict[str, Any]:
         """Return named values, modulus in kPa."""
         _, *arms = np.exp(self.to_logs()).tolist()
-        return dict(zip(base_names(self.count), (1e3 * self.young_MPa, *arms)))
+        return dict(zip(base_names(len(self.tau_s)), (1e3 * self.young_MPa, *arms)))
 
 
 def relax(time_s: NDArray, elastic_N: NDArray, arms: Sequence[Arm]) -> NDArray:

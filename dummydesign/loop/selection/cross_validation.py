@@ -105,7 +105,13 @@ def leave_out(fit: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
     changes = {}
     for cell in np.unique(cells):
         out = cells == cell
-        if out.all():
+        if out.all():  # of a single pad only the error of its law can be left out
+            others = np.nonzero(free)[0] < problem.fixed
+            change = np.zeros(len(fit.vector))
+            change[problem.fixed :] = -fit.vector[problem.fixed :]
+            pull = full[np.ix_(others, ~others)] @ change[free][~others]
+            change[np.flatnonzero(free)[others]] = -np.linalg.solve(full[np.ix_(others, others)], pull)
+            changes[int(cell)] = change
             continue
         rest = full - normal[out].sum(axis=0)[np.ix_(free, free)]
         try:
@@ -212,8 +218,8 @@ def lack_of_fit(fit: CampaignFit) -> LackOfFit:
 
 @dataclass(frozen=True)
 class AssessedModel:
-    """A model with its errors (``by_pad`` with all trials on one pad left out at a time, and with them its law error)
-    and its lack of fit."""
+    """A model with its errors (``by_pad`` with all trials on one pad left out at a time, and with them its law error;
+    of a single pad that error alone) and its lack of fit."""
 
     fit: CampaignFit
     errors: Errors
@@ -232,7 +238,7 @@ class AssessedModel:
             "error": {
                 "train_rmse_N": self.errors.train_N,
                 "heldout_rmse_N": self.errors.heldout_N,
-                "heldout_pad_rmse_N": self.by_pad.heldout_N,
+                "heldout_pad_rmse_N": self.by_pad.heldout_N if len(self.fit.problem.presses.pads) > 1 else None,
                 "noise_floor_N": self.fit.sizes.floor_N,
                 "lack_of_fit_p": self.lack.p,
                 "lack_of_fit_ratio": self.lack.ratio,

@@ -76,18 +76,22 @@ def _named(trial: Trial) -> str:
     return f"the {shape}{trial.thickness_mm:g} mm pad"
 
 
+def _of_press(kind: str, presses: Presses, row: int, z: float, looks: str, **keys: object) -> Doubt:
+    """A press that looks otherwise than its row says."""
+    file = presses.trials[row].file
+    return Doubt(kind, (file,), z, f"{file} {looks}", _lines([file], **keys), (row,))
+
+
 def other_pad(presses: Presses, row: int, best: PadReading, z: float) -> Doubt:
     """A press that looks like one of another pad."""
-    trial = presses.trials[row]
-    text = f"{trial.file} looks like {_named(best.pad)}, not {trial.thickness_mm:g} mm"
-    return Doubt("pad", (trial.file,), z, text, _lines([trial.file], pad_of=best.pad.file), (row,))
+    looks = f"looks like {_named(best.pad)}, not {presses.thickness_mm[row]:g} mm"
+    return _of_press("pad", presses, row, z, looks, pad_of=best.pad.file)
 
 
 def mistyped(presses: Presses, row: int, mm: float, z: float) -> Doubt:
     """A press whose thickness looks mistyped."""
-    trial = presses.trials[row]
-    text = f"{trial.file} looks like a pad of about {mm:.2g} mm, not {trial.thickness_mm:g} mm"
-    return Doubt("thickness", (trial.file,), z, text, _lines([trial.file], thickness_mm=float(f"{mm:.3g}")), (row,))
+    looks = f"looks like a pad of about {mm:.2g} mm, not {presses.thickness_mm[row]:g} mm"
+    return _of_press("thickness", presses, row, z, looks, thickness_mm=float(f"{mm:.3g}"))
 
 
 def whole_pad(presses: Presses, rows: NDArray, mm: float | None, z: float) -> Doubt:
@@ -101,11 +105,10 @@ def whole_pad(presses: Presses, rows: NDArray, mm: float | None, z: float) -> Do
 
 def other_speed(presses: Presses, row: int, ln_speed: float, z: float) -> Doubt:
     """A press of another speed than its row says."""
-    trial = presses.trials[row]
-    speed = float(f"{trial.velocity_mm_s * np.exp(ln_speed):.3g}")
-    text = f"{trial.file} was pressed at {speed:g} mm/s, not {trial.velocity_mm_s:g} mm/s"
-    lines = _lines([trial.file], velocity_mm_s=speed)
-    return Doubt("speed", (trial.file,), z, text, lines, (row,))
+    declared = presses.trials[row].velocity_mm_s
+    speed = float(f"{declared * np.exp(ln_speed):.3g}")
+    looks = f"was pressed at {speed:g} mm/s, not {declared:g} mm/s"
+    return _of_press("speed", presses, row, z, looks, velocity_mm_s=speed)
 
 
 def _of_group(kind: str, presses: Presses, group: OddGroup, looks: str, **keys: object) -> Doubt:

@@ -31,8 +31,8 @@ class LeftOut:
 def left_out_errors(base: AssessedModel, corrected: AssessedModel) -> tuple[LeftOut, ...]:
     """Errors of both models on other conditions, and on deeper and faster presses than those that they are fitted to.
 
-    Where these are worse together, errors on whole pads left out come last. Kinds that a campaign does not have are
-    missing.
+    Where these are worse together, errors on whole pads left out come last, or on a single pad without its law error.
+    Kinds that a campaign does not have are missing.
     """
     models = base.fit, corrected.fit
     rows = []
@@ -48,6 +48,9 @@ def left_out_errors(base: AssessedModel, corrected: AssessedModel) -> tuple[Left
     if predicts_worse(tuple(rows)) and len(np.unique(pad)) > 1:
         # what acts as one factor per pad shows on pads that were left out with their law error
         rows.append(LeftOut(PADS, *(_error_N(one, [pad == number for number in np.unique(pad)]) for one in models)))
+    elif predicts_worse(tuple(rows)) and not any(one.held for one in corrected.fit.problem.effects):
+        # a base that predicts by a law far from the stated one is no better; a learned curve would imitate any law
+        rows.append(LeftOut(PADS, *(float(one.by_pad.heldout_N or np.nan) for one in (base, corrected))))
     return tuple(rows)
 
 

@@ -11,7 +11,7 @@ from dummydesign.loop.fitting.fit import fit_base, start_vector
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.forward_model import BaseParameters, base_names
 from dummydesign.loop.model.material import BasePrior
-from dummydesign.loop.selection.as_designed import as_designed
+from dummydesign.loop.selection.verdict import as_designed
 from tests.support import puck_presses as pucks
 from tests.support.puck_presses import clean_fit
 

@@ -10,7 +10,7 @@ import pytest
 from dummydesign.loop import run
 from dummydesign.loop.calibration import calibration_of
 from dummydesign.loop.run import close_loop
-from dummydesign.loop.selection import nonparametric_effect
+from dummydesign.loop.selection import holdout_test, nonparametric_effect
 from dummydesign.loop.selection.holdout_test import LeftOut, deepest, fastest, left_out_errors, predicts_worse
 from dummydesign.loop.selection.nonparametric_effect import learn, predicted_without, refitted_squares
 from dummydesign.measurement.campaign_file import read_campaign
@@ -46,6 +46,25 @@ def test_an_effect_that_predicts_other_pads_better_stays():
     worse = LeftOut("deeper presses", 0.2, 0.3)
     assert not predicts_worse((worse, LeftOut("other pads", 0.8, 0.2)))
     assert predicts_worse((worse, LeftOut("other pads", 0.2, 0.8)))
+
+
+@pytest.mark.parametrize(
+    ("by_stated_law", "held", "kept"),
+    [((0.9, 0.2), False, True), ((0.2, 0.9), False, False), ((0.9, 0.2), True, False)],
+)
+def test_on_a_single_pad_a_named_effect_stays_that_needs_no_law_far_from_the_stated(
+    by_stated_law, held, kept, monkeypatch
+):
+    """The deep presses alone speak for the base: by what law, says the pad without its law error."""
+    models = []
+    for error in by_stated_law:
+        fit = fit_of(pad=np.zeros(6, int), depth_mm=np.r_[1.0, 1.0, 1.1, 2.0, 2.0, 2.1], velocity_mm_s=np.full(6, 9.0))
+        fit.problem.effects = (SimpleNamespace(held=held),)
+        errors = SimpleNamespace(heldout_N=None)
+        models.append(SimpleNamespace(fit=fit, errors=errors, by_pad=SimpleNamespace(heldout_N=error)))
+    shown = {id(models[0].fit): 0.1, id(models[1].fit): 0.2}
+    monkeypatch.setattr(holdout_test, "_error_N", lambda fit, parts: shown[id(fit)])
+    assert predicts_worse(left_out_errors(*models)) is not kept
 
 
 def test_without_a_kind_nothing_is_compared():

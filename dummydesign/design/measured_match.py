@@ -23,7 +23,6 @@ from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.targets import DRAWN, press_subjects
 from dummydesign.design.scoring.verdict import Ranges, Readings
 from dummydesign.measurement.motion import work_mJ
-from dummydesign.tissue.model.posterior import drawn_tissues
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, force_range, force_ranges
 
 if TYPE_CHECKING:
@@ -70,7 +69,7 @@ def budget_of_traces(
 
 def _spread_of_ends(comparison: Comparison, tissue: Tissue, ranges: Ranges) -> EndSpread | None:
     """How uncertain the subjects' ranges are in the presses that were made, the first of each condition."""
-    drawn = drawn_tissues(tissue, DRAWN)
+    drawn = tissue.drawn(DRAWN)
     if not drawn:
         return None
     first = [pressed[0] for _, pressed in comparison.conditions]

@@ -26,7 +26,7 @@ from dummydesign.geometry.punch import read_punch
 from dummydesign.measurement.motion import work_mJ, work_to_deepest_mJ
 from dummydesign.tissue.comparison import ComparedPress, Comparison, PressTest, compare_traces, hold_of, missing_of
 from dummydesign.tissue.fitting.reduction import ReducedTrace
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
 
 if TYPE_CHECKING:
     from dummydesign.design.assessment.budget import Budget

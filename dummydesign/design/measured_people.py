@@ -18,7 +18,6 @@ from dummydesign.design.scoring.people import (
 )
 from dummydesign.design.scoring.targets import DRAWN
 from dummydesign.tissue.model.people_share import Population
-from dummydesign.tissue.model.posterior import posterior_tissues
 from dummydesign.tissue.model.ranges import force_ranges
 
 if TYPE_CHECKING:
@@ -45,7 +44,7 @@ def shares_of_traces(comparison: Comparison, tissue: Tissue, lowpass: Lowpass | 
     if reason is not None:
         return PeopleShares(count, (), inferred, reason)
     noise = comparison.noise_N
-    posterior = posterior_tissues(tissue, DRAWN)
+    posterior = tissue.posterior(DRAWN)
     moved = [] if posterior else moved_tissues(tissue)
     kinds = [kind for kind, _ in moved]
     groups = [one.parameter_sets for one in (tissue, *posterior, *(one for _, one in moved))]

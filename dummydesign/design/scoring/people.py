@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import HALF_WIDTH, Quantity
 from dummydesign.core.serialise import Serialised
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
 from dummydesign.tissue.model.people_share import (
     CONFIDENCE,
     LARGE_FACTOR,
@@ -22,7 +22,7 @@ from dummydesign.tissue.model.people_share import (
     share_of_aim,
     tolerance_factor,
 )
-from dummydesign.tissue.model.posterior import DRAWN, FARTHEST, posterior_tissues
+from dummydesign.tissue.model.posterior import DRAWN, FARTHEST
 from dummydesign.tissue.model.subject import Subject, flatten, nest
 
 if TYPE_CHECKING:
@@ -97,8 +97,8 @@ def people_of(targets: Targets) -> PeopleReadings | None:
         lambda one: one.subject_energies_mJ(),
         lambda one: 1.0 / one.subject_depths_mm(grid),
     )
-    if posterior_tissues(targets.tissue, 1):
-        groups = targets.drawn or targets.of_tissues(posterior_tissues(targets.tissue, DRAWN), "average")
+    if targets.tissue.posterior(1):
+        groups = targets.drawn or targets.of_tissues(targets.tissue.posterior(DRAWN), "average")
         peak, energy, stiffness = (Population.of_groups([view(one) for one in groups]) for view in views)
         return PeopleReadings(peak, energy, stiffness, stated)
     moved = moved_tissues(targets.tissue)

@@ -15,14 +15,13 @@ from dummydesign.design.protocol import NAGOYA_PROTOCOL, Protocol
 from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.settings import VerdictLimits, Weights, verdict_limits, weights_of
 from dummydesign.measurement.motion import work_mJ
-from dummydesign.tissue.model.laws import law_named
-from dummydesign.tissue.model.maxwell_law import SETTLED_S
+from dummydesign.tissue.model.maxwell_law import SETTLED_S, law_named
 from dummydesign.tissue.model.people_share import is_share, is_strict
-from dummydesign.tissue.model.posterior import DRAWN, drawn_tissues
+from dummydesign.tissue.model.posterior import DRAWN
 
 if TYPE_CHECKING:
     from dummydesign.design.scoring.people import PeopleReadings
-    from dummydesign.tissue.model.parameters import Parameters
+    from dummydesign.tissue.model.maxwell_law import Parameters
     from dummydesign.tissue.model.ranges import ForceRange
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -94,7 +93,7 @@ class Targets:
         """
         if self.aim.lower().startswith("subject:") or is_share(self.aim):
             return ()
-        return self.of_tissues(drawn_tissues(self.tissue, DRAWN), self.aim)
+        return self.of_tissues(self.tissue.drawn(DRAWN), self.aim)
 
     def of_tissues(self, tissues: Sequence[Tissue], aim: str) -> tuple[Targets, ...]:
         """Targets of other tissues of the same law in the same test."""
@@ -225,7 +224,7 @@ def make_each(
 
 def press_subjects(bands: Sequence[ForceRange], law: str, sampling: Sampling) -> tuple[NDArray, NDArray, NDArray]:
     """Times, displacements and forces (subjects, n) of the subjects of force ranges of one speed in ramp and hold."""
-    from dummydesign.tissue.model.laws.ideal_ramp import ramps_of
+    from dummydesign.tissue.model.laws import ramps_of
 
     motion = sampling.motion(bands[0].velocity_mm_s, np.concatenate([band.depth_mm for band in bands]))
     curves = [(band.time_s, curve) for band in bands for curve in band.curves_N]

@@ -57,7 +57,7 @@ class SteadyDrive(RobotDrive):
 
     def on_curves(self, press: Press, people: Sequence[Any]) -> PersonResponse:
         """The presses that were made, between their forces."""
-        from dummydesign.tissue.model.laws.curves import CURVES
+        from dummydesign.tissue.model.laws import CURVES
 
         hold, braking = press_of(press)
         steady = float(np.mean(np.asarray(press.steady_N)))

@@ -18,7 +18,7 @@ from dummydesign.person.drives.position import Position
 from dummydesign.person.drives.steady import SAME_SPEED, SteadyDrive, own_late_mean, path_of
 from dummydesign.person.people import People
 from dummydesign.person.press import SHORTEST_HOLD_S, Press
-from dummydesign.tissue.model.laws.spring import SPRING
+from dummydesign.tissue.model.laws import SPRING
 from tests.support.refusal import raises_code
 
 K = np.array([2.0, 5.0, 20.0])

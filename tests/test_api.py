@@ -16,7 +16,7 @@ import dummydesign
 from dummydesign.api.campaigns import check_campaign, plan_campaign
 from dummydesign.cli.entry import parser_of, run
 from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.core.options import options_of
+from dummydesign.core.parsing import options_of
 from dummydesign.design.request import Request
 from dummydesign.measurement.campaign_file import SetUp
 from dummydesign.measurement.campaign_plan import PlanSettings

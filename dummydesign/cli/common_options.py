@@ -12,7 +12,7 @@ def add_options(parser: argparse._ActionsContainer, table: type, names: Iterable
     """Declare some options of a table, in this order."""
     from dataclasses import MISSING
 
-    from dummydesign.core.options import options_of
+    from dummydesign.core.parsing import options_of
 
     known = options_of(table)
     for name in names:

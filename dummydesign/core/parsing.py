@@ -1,11 +1,13 @@
-"""Numbers, ranges and lists as they are typed, with units; checks of single numbers; columns in inches."""
+"""Numbers, ranges and lists as typed, with units; checks of single numbers; fields that are options of a command."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+import shlex
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, TypeVar
 
 from dummydesign.core.errors import InputError, out_of_range, quantity_name
 
@@ -265,3 +267,57 @@ def columns_in(names: tuple[str, ...], header: list[str]) -> tuple[list[int | No
         places.append(header.index(twin) if twin in header else None)
         sizes.append(size)
     return places, sizes
+
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Option:
+    """How a field is typed and read; ``argument`` is its name in the Python call, ``between`` parts several numbers."""
+
+    flag: str
+    metavar: str
+    help: str | Callable[[], str]
+    read: Callable[[Any], Any] | None = None
+    argument: str = ""
+    between: str = ","
+
+
+def option(default: Any, flag: str, metavar: str, help: str | Callable[[], str], **more: Any) -> Any:
+    """Declare a field of a table; MISSING is the default of an option that must be given."""
+    return field(default=default, metadata={"option": Option(flag, metavar, help, **more)})
+
+
+def options_of(table: type) -> dict[str, tuple[Any, Option]]:
+    """Return default and option of each field that has one."""
+    return {one.name: (one.default, one.metadata["option"]) for one in fields(table) if "option" in one.metadata}
+
+
+def read_options(table: type[T], given: Mapping[str, Any]) -> T:
+    """Read what was given, texts or values by the names of the arguments, into a table; what is not given is default.
+
+    A field without an option is taken as it is.
+    """
+    options, values = options_of(table), dict[str, Any]()
+    for one in fields(table):  # type: ignore[arg-type]
+        spec = options[one.name][1] if one.name in options else None
+        name = (spec and spec.argument) or one.name
+        if name in given:
+            read = None if spec is None or given[name] is None else spec.read
+            values[one.name] = given[name] if read is None else read(given[name])
+    return table(**values)
+
+
+def command_words(table: type, values: Mapping[str, Any], names: Iterable[str]) -> str:
+    """Return the options that differ from their defaults as they are typed, each after a blank."""
+    known, words = options_of(table), ""
+    for name in names:
+        default, spec = known[name]
+        value = tuple(values[name]) if isinstance(values[name], list) else values[name]
+        if value is None or value == default:
+            continue
+        if isinstance(value, tuple):
+            value = spec.between.join(f"{number:g}" for number in value)
+        words += f" --{spec.flag} " + (f"{value:g}" if isinstance(value, float) else shlex.quote(str(value)))
+    return words

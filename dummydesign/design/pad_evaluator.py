@@ -12,7 +12,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.assessment.pad_castings import PadCastings, limits_that_bind, verdict_of_design
 from dummydesign.design.scoring.castings import COUNT, RESIN, Castings, Pours, Tolerances
-from dummydesign.design.scoring.finite_strain import finite_strain_of
+from dummydesign.design.scoring.crowns import finite_strain_of
 from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, Sampling, SlabCurves, make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import Targets, make_targets

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.core import parsing
 from dummydesign.core.errors import InputError
-from dummydesign.core.options import option, read_options
-from dummydesign.core.parsing import parse_limits, read_number, read_numbers, read_size
+from dummydesign.core.parsing import option, parse_limits, read_number, read_numbers, read_options, read_size
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, PUNCH
 
 if TYPE_CHECKING:

@@ -6,6 +6,8 @@ from dataclasses import replace
 from math import isfinite, pi, sqrt
 from typing import TYPE_CHECKING
 
+from numpy.typing import NDArray
+
 from dummydesign.core.errors import InputError, out_of_range, quantity_name
 from dummydesign.design.request import Request
 from dummydesign.design.search.shape_family import designable_kinds
@@ -21,8 +23,6 @@ from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.tables.square import punch_law
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from dummydesign.tissue.model.tissue import Tissue
 
 

@@ -9,8 +9,16 @@ from functools import partial
 import pytest
 
 from dummydesign.cli.common_options import add_options
-from dummydesign.core.options import command_words, option, read_options
-from dummydesign.core.parsing import HOLD, VELOCITY, parse_limits, read_number, read_numbers
+from dummydesign.core.parsing import (
+    HOLD,
+    VELOCITY,
+    command_words,
+    option,
+    parse_limits,
+    read_number,
+    read_numbers,
+    read_options,
+)
 from dummydesign.design.request import Request
 from tests.support.refusal import raises_code
 

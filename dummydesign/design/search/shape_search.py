@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, accepts, unknown_name
 from dummydesign.core.quantity import HALF_WIDTH
-from dummydesign.design.scoring.crowns import crown_scatter
-from dummydesign.design.scoring.finite_strain import DEVIATES, finite_strain_of
+from dummydesign.design.scoring.crowns import DEVIATES, crown_scatter, finite_strain_of
 from dummydesign.design.scoring.outlook import LEAST, Match, Outlook, Scatter, outlook_of, smoothed
 from dummydesign.design.scoring.press_simulation import DEPTH_SHARE, PadBatch, SlabCurves, make_curves
 from dummydesign.design.scoring.windows import MARGIN, REACH, Batches, unlike, windows_of

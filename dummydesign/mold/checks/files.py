@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from dummydesign.mold.cad.build import Part, Parts
+from dummydesign.mold.cad.parts import Part, Parts
 from dummydesign.mold.cad.solids import rough_bounds
 from dummydesign.mold.checks.check import Check, above, below, equal, genera, skipped
 from dummydesign.mold.files.step import canonical_step, read_step, time_stamp

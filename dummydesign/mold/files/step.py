@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from dummydesign.mold.cad.build import Part
 from dummydesign.mold.cad.kernel import cq, occ
+from dummydesign.mold.cad.parts import Part
 from dummydesign.mold.cad.solids import rough_bounds
 
 _STATEMENT = re.compile(r"#(\d+)\s*=\s*((?:[^;']++|'(?:[^']|'')*')*);")

@@ -13,7 +13,7 @@ from dummydesign.core.quantity import HALF_WIDTH, Quantity
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.resin import Point, PuckPoint
 from dummydesign.resin.puck_test.contradictions import check_slips, odd_press, pairs_of, warnings_of
-from dummydesign.resin.update.modulus import rebuild
+from dummydesign.resin.update import rebuild
 
 
 def puck(ratio, young_kPa, sha256="a", spread=0.04, alpha=None):

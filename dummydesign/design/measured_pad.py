@@ -1,4 +1,4 @@
-"""The verdict on a pad that was cast and pressed, its curves, its uncertainty budget, and the people below its peaks."""
+"""The verdict on a pad that was cast and pressed, its curves and uncertainty budget, and people below its peaks."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """Update a resin by measured points (modulus, Bayes) and arms (relaxation), and keep it as a resin of the user.
 
-Relaxation: the base's arms are carried to the puck's ratio, with what is not known of its law (draws). Then, arm by arm:
+Relaxation: the base's arms are carried to the puck's ratio, with what is not known of its law (draws). Then, arm by
+arm:
 
 - a measured arm takes the place of the base's nearest one within a factor of three in time where that is a guess
   (assumed or inferred): a guess has no weight beside a measurement. Where the base's is measured too, the posterior

@@ -56,7 +56,7 @@ def tabulated(thickness_mm: NDArray, request: Request, punch: Punch) -> NDArray:
 
 def own_slab_law(request: Request, punch: Punch, thickness_mm: NDArray) -> ForceLaw:
     """Force law of the slabs of a request: the table of its base under its punch, or what is solved over it."""
-    from dummydesign.pad.tables.filleted import slab_table
+    from dummydesign.pad.tables.slab import slab_table
 
     base = request.base if request.base in BASES else "bonded"
     pad, edge = pad_of_request(request, punch), request.edge_radius_mm

@@ -5,7 +5,7 @@ import numpy as np
 import dummydesign
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.trace import Trace
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
 
 rng = np.random.default_rng(4)
 traces = []

@@ -27,7 +27,7 @@ from dummydesign.measurement.motion import Motion
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.fitting.fit import fit_traces
 from dummydesign.tissue.fitting.reduction import reduce_trace
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
 from studies.marked_page import MarkedPage
 
 REPOSITORY = Path(__file__).resolve().parents[1]

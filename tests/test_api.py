@@ -20,7 +20,7 @@ from dummydesign.design.request import Request
 from dummydesign.measurement.campaign_file import SetUp
 from dummydesign.measurement.campaign_plan import PlanSettings
 from dummydesign.measurement.motion import ramp_and_hold
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
 from tests.support.refusal import raises_code
 
 ROOT = Path(__file__).parent.parent

@@ -28,7 +28,7 @@ from dummydesign.person.drives import read_drive
 from dummydesign.person.drives.drive import FOUR
 from dummydesign.person.on_person import on_person
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.model.parameters import speed_key
+from dummydesign.tissue.model.maxwell_law import speed_key
 from dummydesign.tissue.model.subject import Subject, nest
 from dummydesign.tissue.model.tissue import Tissue
 from tests.support.robot_presses import (

@@ -15,7 +15,7 @@ from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.fitting.reduction import ReducedTrace, reduce_trace
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
 
 NOISE_N, DRAWS, SEED = 0.02, 40, 3
 BRAKING_MM_S2 = (30_000.0, 3000.0, 1000.0, 300.0)

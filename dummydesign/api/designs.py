@@ -179,6 +179,7 @@ def _child(output: Output | None, cad: bool) -> AbstractContextManager[CadChild 
 @one_blas_thread()
 def _answer(request: Request, folder: Path | None, replace: bool, progress: Callable[[str], None]) -> Answer:
     """Resolve, design, and write what there is a folder for."""
+    from dummydesign.design.next_steps import whole_answer
     from dummydesign.design.problem import read_problem
     from dummydesign.design.suggest import design
 
@@ -193,7 +194,7 @@ def _answer(request: Request, folder: Path | None, replace: bool, progress: Call
     with answer_folder(folder, asked, replace) as output, _child(output, request.cad) as child:
         suggestion = design(wanted, progress)
         if output is None:
-            return Answer(suggestion, suggestion.to_dict(inputs))
+            return Answer(suggestion, whole_answer(suggestion, inputs))
         cad = request.cad and suggestion.verdict.acceptable
         inputs = {**inputs, "cad": cad, "out": str(output.folder)}
         progress("mould and report" if cad else "report")
@@ -209,7 +210,7 @@ def _answer(request: Request, folder: Path | None, replace: bool, progress: Call
         mould, missing = _mould(suggestion, output) if cad else (None, None)
         if not drawn:
             draw()
-        result = _written(suggestion, suggestion.to_dict(inputs, mould), output, drawn[0])
+        result = _written(suggestion, whole_answer(suggestion, inputs, mould), output, drawn[0])
         best = result["recommendation"]
         output.extra["summary"] = {name: best[name] for name in ("shape", "thickness_mm", "ratio", "resin")} | {
             "tissue": inputs["tissue"],

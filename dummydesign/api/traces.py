@@ -200,9 +200,14 @@ def compare(
         For names or files that cannot be used.
     """
     from dummydesign.core.serialise import to_plain
-    from dummydesign.design.measured_match import budget_of_traces, curves_of_traces
-    from dummydesign.design.measured_pad import read_test, readings_of_traces, verdict_of_traces
-    from dummydesign.design.measured_people import shares_of_traces
+    from dummydesign.design.measured_pad import (
+        budget_of_traces,
+        curves_of_traces,
+        read_test,
+        readings_of_traces,
+        shares_of_traces,
+        verdict_of_traces,
+    )
     from dummydesign.measurement.pad_record import read_record
     from dummydesign.measurement.sensor import parse_lowpass
     from dummydesign.tissue.comparison import compare_traces
@@ -500,8 +505,8 @@ def on_person(
     from dummydesign.measurement.sensor import parse_lowpass
     from dummydesign.person.drives import read_drive
     from dummydesign.person.limits import read_limits
+    from dummydesign.person.on_person import budget_of_people
     from dummydesign.person.on_person import on_person as work_out
-    from dummydesign.person.people_budget import budget_of_people
     from dummydesign.tissue.model.tissue_file import load_tissue
 
     moved, rate_hz = read_drive(drive), read_allowed(rate, RATE, *RATES_HZ)

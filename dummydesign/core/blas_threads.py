@@ -1,7 +1,8 @@
-"""One BLAS thread in this process and in processes of our own."""
+"""One BLAS thread in this process and in processes of our own, and the processors that these may use."""
 
 from __future__ import annotations
 
+import math
 import os
 import threading
 from collections.abc import Iterator
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from threadpoolctl import LibController
+
 
 ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
@@ -89,3 +91,29 @@ def _libraries() -> tuple[list[LibController], list[LibController]]:
     libraries = ThreadpoolController().select(user_api="blas").lib_controllers
     own = [library for library in libraries if getattr(library, "threading_layer", None) == "openmp"]
     return [library for library in libraries if library not in own], own
+
+
+HUNG_S = 3600.0
+"""A child that neither works nor ends is given up after this time by the clock. [s]"""
+
+
+def limit_processor_time(seconds: float) -> None:
+    """Have the system end this process once it has used so much processor time; systems that cannot do nothing."""
+    try:
+        import resource
+    except ImportError:
+        return
+    soft = max(1, math.ceil(seconds))
+    _, hard = resource.getrlimit(resource.RLIMIT_CPU)
+    if hard != resource.RLIM_INFINITY:
+        soft = min(soft, hard)
+    resource.setrlimit(resource.RLIMIT_CPU, (soft, hard))
+    # no image of the memory on disk for it
+    resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
+
+
+def ran_out(status: int) -> bool:
+    """Whether a child with this exit status was ended by :func:`limit_processor_time`."""
+    import signal
+
+    return hasattr(signal, "SIGXCPU") and status == -signal.SIGXCPU

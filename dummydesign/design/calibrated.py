@@ -80,7 +80,7 @@ def with_calibration(
     from dummydesign.loop.calibration_file import read_calibration
     from dummydesign.loop.corrected_law import CorrectedLaw, Correction
     from dummydesign.loop.fitting.fit import NORMAL_95
-    from dummydesign.resin.update.modulus import update_resin
+    from dummydesign.resin.update import update_resin
 
     calibration = read_calibration(path)
     ratio, pressed = _ratio(calibration, path), calibration.pad.get("resin")

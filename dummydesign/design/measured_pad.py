@@ -1,9 +1,9 @@
-"""The verdict on a pad that was cast and pressed: its traces against the tissue's subjects."""
+"""The verdict on a pad that was cast and pressed, its curves and uncertainty budget, and people below its peaks."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,11 +13,23 @@ from dummydesign.core.errors import DummydesignError
 from dummydesign.core.levels import LEVELS
 from dummydesign.core.parsing import DECELERATION, EDGE, FORCE, HOLD, VELOCITY, positive, read_number, read_numbers
 from dummydesign.core.serialise import to_plain
-from dummydesign.design.measured_match import budget_of_traces
+from dummydesign.design.assessment.budget import TRACE, Budget, EndSpread, budget_of_pad, spread_of_ends, usable_limits
+from dummydesign.design.assessment.curves import CurveMatch, PressCurve, match_of_presses
 from dummydesign.design.request import face_of
 from dummydesign.design.scoring.castings import COUNT
 from dummydesign.design.scoring.press_simulation import Sampling
-from dummydesign.design.scoring.targets import energies_of
+from dummydesign.design.scoring.settings import verdict_limits
+from dummydesign.design.scoring.targets import (
+    DRAWN,
+    PeopleShares,
+    ShareBelow,
+    energies_of,
+    is_inferred,
+    moved_tissues,
+    press_subjects,
+    reason_of,
+    with_errors,
+)
 from dummydesign.design.scoring.verdict import Ranges, Readings, Verdict, verdict
 from dummydesign.design.test_conditions import check_edge, check_numbers, tissue_warnings
 from dummydesign.geometry.dimensions import PUNCH
@@ -26,11 +38,13 @@ from dummydesign.geometry.punch import read_punch
 from dummydesign.measurement.motion import work_mJ, work_to_deepest_mJ
 from dummydesign.tissue.comparison import ComparedPress, Comparison, PressTest, compare_traces, hold_of, missing_of
 from dummydesign.tissue.fitting.reduction import ReducedTrace
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
+from dummydesign.tissue.model.people_share import Population
+from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, force_range, force_ranges
 
 if TYPE_CHECKING:
-    from dummydesign.design.assessment.budget import Budget
     from dummydesign.measurement.campaign import Campaign
+    from dummydesign.measurement.sensor import Lowpass
     from dummydesign.tissue.model.tissue import Tissue
 
 
@@ -274,3 +288,113 @@ def verdicts_of_campaign(campaign: Campaign, tissue: Tissue) -> tuple[PadVerdict
     return tuple(
         sorted(verdicts, key=lambda pad: -1 if pad.verdict is None else LEVELS.index(pad.verdict.level), reverse=True)
     )
+
+
+def curves_of_traces(comparison: Comparison, tissue: Tissue, lowpass: Lowpass | None = None) -> CurveMatch:
+    """Compare measured presses with the subjects' ranges and the tissue's average, each in its own test."""
+    aim = tissue.target("average")
+    noise = comparison.noise_N
+    conditions = []
+    for (speed, pressed), row in zip(comparison.conditions, _shares(comparison)):
+        curves = []
+        for (trace, band, braking), share in zip(pressed, row):
+            time, force = trace.since_contact
+            own = force_range((aim,), trace.steady_force_N, speed, trace.hold_s, braking, lowpass)
+            near = max(STEADY_TOLERANCE * trace.steady_force_N, 3.0 * noise)
+            curves.append(
+                PressCurve(trace.steady_force_N, speed, time, force, trace.ramp.rise_time_s, band, own, share, near)
+            )
+        conditions.append(curves)
+    return match_of_presses(conditions)
+
+
+def _shares(comparison: Comparison) -> list[list[float]]:
+    """Shares of the time inside, press by press of each condition."""
+    every = iter(float(row["inside_fraction"]) for row in comparison.result["by_trace"])
+    return [[next(every) for _ in pressed] for _, pressed in comparison.conditions]
+
+
+def budget_of_traces(
+    comparison: Comparison, tissue: Tissue, ranges: Ranges, readings: Readings, spread: Readings
+) -> Budget | None:
+    """Make the budget of a pressed pad: its trace (noise, repeats, zero of depth) and the subjects.
+
+    Resin, making and force law are no parts: the pad itself was measured. Ranges and readings are those of
+    :func:`~dummydesign.design.measured_pad.readings_of_traces`.
+    """
+    limits, ends = usable_limits(verdict_limits(), ranges.strict), _spread_of_ends(comparison, tissue, ranges)
+    return budget_of_pad(ranges, readings, limits, {TRACE: spread}, spread, ends)
+
+
+def _spread_of_ends(comparison: Comparison, tissue: Tissue, ranges: Ranges) -> EndSpread | None:
+    """How uncertain the subjects' ranges are in the presses that were made, the first of each condition."""
+    drawn = tissue.drawn(DRAWN)
+    if not drawn:
+        return None
+    first = [pressed[0] for _, pressed in comparison.conditions]
+    by_press = [_outer(press, speed, drawn, tissue.law) for press, (speed, _) in zip(first, comparison.conditions)]
+    peaks, energies = (np.stack(columns, axis=-1) for columns in zip(*by_press))
+    several = []
+    for peak, energy, one in zip(peaks, energies, drawn):
+        stiff, soft = one.steady_depth_range(ranges.steady_N)
+        several.append(
+            replace(
+                ranges,
+                peak_low_N=peak[0],
+                peak_high_N=peak[1],
+                energy_low_mJ=energy[0],
+                energy_high_mJ=energy[1],
+                stiff_mm=stiff,
+                soft_mm=soft,
+            )
+        )
+    return spread_of_ends(several)
+
+
+def _outer(press: ComparedPress, speed_mm_s: float, drawn: Sequence[Tissue], law: str) -> tuple[NDArray, NDArray]:
+    """Outermost peaks and energies of drawn tissues in one press, each of shape (tissues, 2)."""
+    trace, braking = press.trace, press.braking_mm_s2
+    groups = [one.parameter_sets for one in drawn]
+    bands = force_ranges(groups, trace.steady_force_N, speed_mm_s, trace.hold_s, braking)
+    _, displacement, force = press_subjects(bands, law, Sampling(hold_s=trace.hold_s, deceleration_mm_s2=braking))
+    parts = np.split(work_mJ(displacement, force), np.cumsum([len(band.stop_s) for band in bands])[:-1])
+    peaks = np.array([(band.peak_low_N, band.peak_high_N) for band in bands])
+    return peaks, np.array([(part.min(), part.max()) for part in parts])
+
+
+def shares_of_traces(comparison: Comparison, tissue: Tissue, lowpass: Lowpass | None = None) -> PeopleShares:
+    """Return the share of people below the peaks of a pad, each press at its own force, speed, hold and braking.
+
+    Repeats of a press are averaged.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Of the pad's traces with the tissue.
+    tissue : Tissue
+        The one of the comparison.
+    lowpass : Lowpass, optional
+        Filter that the traces went through.
+    """
+    count, inferred, reason = len(tissue.subjects), is_inferred(tissue), reason_of(tissue)
+    if reason is not None:
+        return PeopleShares(count, (), inferred, reason)
+    noise = comparison.noise_N
+    posterior = tissue.posterior(DRAWN)
+    moved = [] if posterior else moved_tissues(tissue)
+    kinds = [kind for kind, _ in moved]
+    groups = [one.parameter_sets for one in (tissue, *posterior, *(one for _, one in moved))]
+    rows = []
+    for speed, pressed in comparison.conditions:
+        forces, pads, subjects = list[float](), list[float](), list[NDArray]()
+        for trace, _, braking in pressed:
+            bands = force_ranges(groups, trace.steady_force_N, speed, trace.hold_s, braking, lowpass)
+            forces.append(trace.steady_force_N)
+            pads.append(peak_of(trace, noise))
+            subjects.append(np.log([band.curves_N.max(axis=-1) for band in bands]))
+        peak, peaks = float(np.mean(pads)), np.exp(np.mean(subjects, axis=0))
+        people = Population.of_groups(peaks[1:]) if posterior else with_errors(peaks[0], list(peaks[1:]), kinds)
+        low, high = (float(end) for end in people.interval_below(peak))
+        exact = float(Population.of(peaks[0]).expected_below(peak))
+        rows.append(ShareBelow(float(np.mean(forces)), speed, float(people.expected_below(peak)), (low, high), exact))
+    return PeopleShares(count, tuple(rows), inferred)

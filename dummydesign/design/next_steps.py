@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.options import command_words
-from dummydesign.core.serialise import Serialised
+from dummydesign.core.serialise import Serialised, to_plain
+from dummydesign.design.problem import recipe_of_pour
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.verdict import OUT_OF_REACH, OUTCOMES, PEAK, deviations, ranges_of
 from dummydesign.design.test_conditions import beyond_people
-from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
-from dummydesign.mold.moulded_pads import mould_command
 from dummydesign.mold.pour.plan import WITNESS_MM
 
 if TYPE_CHECKING:
@@ -76,6 +75,27 @@ class PadPath(Serialised):
     text: str
 
 
+def whole_answer(answer: Suggestion, inputs: dict[str, Any], mould: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Return the answer with the question and what to do next; with a mould, the recipe is that of its volumes."""
+    ahead = {"next": to_plain(next_steps(answer, inputs)), "paths": to_plain(paths_of(answer))}
+    whole = {"inputs": inputs, **answer.to_dict(), **ahead, "files": {}}
+    if mould is None:
+        return whole
+    known = whole["sources"]
+    return {
+        **whole,
+        "recommendation": {
+            **whole["recommendation"],
+            "recipe": recipe_of_pour(mould["pour"]),
+            "batch": mould["batch"],
+        },
+        "warnings": [*whole["warnings"], *mould["warnings"]],
+        "sources": [*known, *(text for text in mould["sources"] if text not in known)],
+        "files": mould["files"],
+        "mold": {key: value for key, value in mould.items() if key not in ("files", "warnings", "sources")},
+    }
+
+
 def next_steps(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     """Steps from an answer on."""
     if answer.verdict.level == "not_representative":
@@ -98,7 +118,7 @@ def _puck_helps(answer: Suggestion) -> bool:
 def _pad(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     """Cast the pad, press it by a campaign and compare it with the subjects."""
     made, best = _mould(answer), answer.best
-    sheet = [] if _written(inputs) else [Step("make its mould and pour sheet", mould_of_pad(answer))]
+    sheet = [] if _written(inputs) else [Step("make its mould and pour sheet", answer.mould_command)]
     hours = None if made.printing_h is None else made.printing_h + _curing_h(answer)
     given = {**inputs, "resin": str(inputs["resin"]), "condition": _typed_condition(inputs)}
     shape = "" if best.shape.plain else f" --shape {shlex.quote(str(best.shape))}"
@@ -119,14 +139,6 @@ def _pad(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
             f"dummydesign compare {CAMPAIGN}/*.csv --tissue {shlex.quote(given['tissue'])}{words}",
         ),
     ]
-
-
-def mould_of_pad(answer: Suggestion) -> str:
-    """The command that makes the mould of the recommended pad."""
-    best, request = answer.best, answer.request
-    outline = None if request.pad_mm == (PAD_LENGTH_MM, PAD_WIDTH_MM) else request.pad_mm
-    preset = "" if request.preset == "open" else request.preset
-    return mould_command(best.thickness_mm, best.ratio, str(answer.shape), request.resin, outline, preset)
 
 
 def _written(inputs: Mapping[str, Any]) -> Any:

@@ -12,15 +12,15 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.assessment.pad_castings import PadCastings, limits_that_bind, verdict_of_design
 from dummydesign.design.scoring.castings import COUNT, RESIN, Castings, Pours, Tolerances
-from dummydesign.design.scoring.finite_strain import finite_strain_of
+from dummydesign.design.scoring.crowns import finite_strain_of
 from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, Sampling, SlabCurves, make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import Targets, make_targets
 from dummydesign.design.scoring.verdict import Verdict, deviations, good_share, ranges_of, shares_of, verdict
 from dummydesign.design.scoring.windows import readings_along
 from dummydesign.design.search.shape_family import Family, FamilyLaw, load_family
-from dummydesign.design.search.shape_search import ShapedDesign, candidate_of, outlook_for, search_shapes
-from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, make_slabs, with_parameters
+from dummydesign.design.search.shape_search import ShapedDesign, fitted_candidates, outlook_for, search_shapes
+from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, make_slabs
 from dummydesign.design.test_conditions import beyond_people, refused_kinds, why_solved
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
@@ -152,7 +152,7 @@ def cast_pad(problem: Problem, design: ShapedDesign) -> PadCastings:
     """Draw the castings of a design at the ratio to pour, as many as make its level certain."""
     castings, limits = problem.castings, problem.targets.limits
     outlook = outlook_for(design.cast, design.shape, design.thickness_mm, design.match, problem, castings.n)
-    (candidate,) = with_parameters([candidate_of(design.cast, design.thickness_mm, outlook.ratio, problem)], problem)
+    (candidate,) = fitted_candidates([(design.cast, design.thickness_mm, outlook.ratio)], problem)
     tolerances = problem.tolerances(design.shape, design.thickness_mm, outlook.ratio)
     strain = finite_strain_of(candidate.alone, design.shape, problem.base, problem.targets, problem.radius_mm)
     cast = PadCastings(castings, design.cast, candidate, problem, tolerances, outlook, strain)

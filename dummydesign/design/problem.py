@@ -17,7 +17,7 @@ from dummydesign.design.scoring.castings import Castings, Tolerances
 from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.settings import PadMaking, crown_making, pad_making, puck_error, settings_files
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.search.shape_family import under_square, with_elastic_law
+from dummydesign.design.search.shape_family import Family, under_square, with_elastic_law
 from dummydesign.design.search.shape_search import kinds_of
 from dummydesign.design.search.slabs import Correct, SearchSpace, thickness_steps
 from dummydesign.design.test_conditions import check_calibrated, check_test, own_slab_law, standard_press, tabulated
@@ -91,7 +91,7 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
     targets = make_targets(tissue, request.aim, sampling, request.protocol)
     glued = punch.square and request.face == "bonded"
     calibrated: Calibrated | None = None
-    correct: Correct | None = under_square if glued else None
+    corrections: list[Correct] = [under_square] if glued else []
     if request.calibration is not None:
         from dummydesign.design.calibrated import CalibratedFamily, with_calibration
 
@@ -99,8 +99,7 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
             check_calibrated(request, punch, thickness)
         calibrated = with_calibration(resin, request.calibration, request.punch, punch.square, request.edge_radius_mm)
         resin, law = calibrated.resin, cast(ForceLaw, calibrated.law)
-        inner, correction = correct, calibrated.law.correction
-        correct = cast(Correct, lambda one: CalibratedFamily(one if inner is None else inner(one), correction))
+        corrections.append(cast(Correct, partial(CalibratedFamily, correction=calibrated.law.correction)))
     if law is None:
         law = own_slab_law(request, punch, thickness)
     if calibrated is None and (alpha := resin.ogden_alpha) is not None:
@@ -108,8 +107,7 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
             standard_press(replace(request, punch=PUNCH, pad_mm=(PAD_LENGTH_MM, PAD_WIDTH_MM))) and not punch.profile_mm
         )
         law = ScaledLaw(law, partial(elastic_factor, alpha=alpha, shape="slab" if glued else "other"))
-        inner, exponent = correct, alpha
-        correct = cast(Correct, lambda one: with_elastic_law(one if inner is None else inner(one), exponent))
+        corrections.append(partial(with_elastic_law, alpha=alpha))
     preset = read_preset(request.preset)
     making = pad_making()
     made = partial(_tolerances, request, preset, resin, making)
@@ -126,7 +124,7 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
         sampling=sampling,
         pad_mm=request.pad_mm,
         base=request.base,
-        correct=correct,
+        correct=partial(_corrected, corrections) if corrections else None,
         edge_radius_mm=request.edge_radius_mm,
         least_film_mm=_least_film_mm(request, preset, resin, float(thickness[-1]), ratios),
         request=request,
@@ -138,6 +136,13 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
         calibrated=calibrated,
         wide_mm=None if kept is None else tabulated(steps, request, punch),
     )
+
+
+def _corrected(corrections: list[Correct], family: Family) -> Family:
+    """A family of shapes under the punch, the calibration and the elastic law of a request."""
+    for correct in corrections:
+        family = correct(family)
+    return family
 
 
 def _with_mould(request: Request) -> tuple[Request, MouldSpec]:

@@ -21,8 +21,8 @@ from dummydesign.design.pad_evaluator import judged
 from dummydesign.design.problem import Problem, read_problem
 from dummydesign.design.protocol import NAGOYA_PROTOCOL
 from dummydesign.design.request import Request
-from dummydesign.design.scoring.people import people_warnings
 from dummydesign.design.scoring.press_simulation import make_curves
+from dummydesign.design.scoring.targets import people_warnings
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.search.shape_search import (
     ShapedDesign,

@@ -12,14 +12,14 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.design.assessment.decision import ShapeComparison, low_force
 from dummydesign.design.assessment.pad_castings import PadCastings, PourYield, Shares
-from dummydesign.design.next_steps import mould_of_pad, next_steps, paths_of
-from dummydesign.design.problem import recipe_and_batch, recipe_of_pour
+from dummydesign.design.problem import recipe_and_batch
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import GROUPS
-from dummydesign.design.scoring.people import shares_below
-from dummydesign.design.scoring.targets import Targets
+from dummydesign.design.scoring.targets import Targets, shares_below
 from dummydesign.design.scoring.verdict import TOLERANCE, Verdict
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.mold.moulded_pads import mould_command
 
 if TYPE_CHECKING:
     from dummydesign.design.assessment.budget import Budget
@@ -114,22 +114,23 @@ class Suggestion:
         """Shape of the recommended pad."""
         return self.best.shape
 
-    def to_dict(
-        self,
-        inputs: dict[str, Any] | None = None,
-        mould: dict[str, Any] | None = None,
-    ) -> dict[str, Any]:
-        """Return the answer in the form of the ``suggest`` contract.
+    @property
+    def mould_command(self) -> str:
+        """The command that makes the mould of the recommended pad."""
+        best, request = self.best, self.request
+        outline = None if request.pad_mm == (PAD_LENGTH_MM, PAD_WIDTH_MM) else request.pad_mm
+        preset = "" if request.preset == "open" else request.preset
+        return mould_command(best.thickness_mm, best.ratio, str(self.shape), request.resin, outline, preset)
 
-        With inputs it is the whole answer. The recipe is that of the mould's volumes where it was made.
-        """
+    def to_dict(self) -> dict[str, Any]:
+        """Return the answer in the form of the ``suggest`` contract, without the question, what is next and files."""
         made_by = self.law.provenance.get("command", "")
         force_law = [f"response table of {self.shape.name} pads, made by {made_by}"] if made_by else []
         sources = [*self.tissue.sources, *self.resin.references, *force_law]
         castings, verdict, shares = self.castings.castings, self.verdict.to_dict(), self.shares.to_dict()
         drawn = {"n": castings.n, "seed": castings.seed, "groups": list(GROUPS)}
         recommendation = design_dict(self.best, self.problem)
-        answer: dict[str, Any] = {
+        return {
             "verdict": verdict,
             "batch_measured": self.resin.measured,
             "window_kPa": shares.pop("window_kPa"),
@@ -154,21 +155,6 @@ class Suggestion:
             "rests_on": self.rests_on,
             "warnings": list(self.warnings),
             "sources": sources,
-        }
-        if inputs is None:
-            return answer
-        ahead = {"next": to_plain(next_steps(self, inputs)), "paths": to_plain(paths_of(self))}
-        whole = {"inputs": inputs, **answer, **ahead, "files": {}}
-        if mould is None:
-            return whole
-        excluded = ("files", "warnings", "sources")
-        return {
-            **whole,
-            "recommendation": {**recommendation, "recipe": recipe_of_pour(mould["pour"]), "batch": mould["batch"]},
-            "warnings": [*whole["warnings"], *mould["warnings"]],
-            "sources": [*sources, *(text for text in mould["sources"] if text not in sources)],
-            "files": mould["files"],
-            "mold": {key: value for key, value in mould.items() if key not in excluded},
         }
 
 
@@ -272,7 +258,7 @@ def make_mould(answer: Suggestion, folder: Path) -> dict[str, Any]:
         spec = replace(spec, pour=replace(spec.pour, usable_kPa=answer.shares.window_kPa or ()))
         return client.make_mold(spec, folder).to_dict() | {"sources": list(spec.sources)}
     except NoAnswerError as problem:
-        message = f"{problem}; the recipe stands, the mould is missing: then run '{mould_of_pad(answer)}'"
+        message = f"{problem}; the recipe stands, the mould is missing: then run '{answer.mould_command}'"
         raise NoAnswerError(problem.code, message, quantity=problem.quantity) from None
 
 

@@ -6,6 +6,8 @@ from dataclasses import replace
 from math import isfinite, pi, sqrt
 from typing import TYPE_CHECKING
 
+from numpy.typing import NDArray
+
 from dummydesign.core.errors import InputError, out_of_range, quantity_name
 from dummydesign.design.request import Request
 from dummydesign.design.search.shape_family import designable_kinds
@@ -21,8 +23,6 @@ from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.tables.square import punch_law
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from dummydesign.tissue.model.tissue import Tissue
 
 
@@ -56,7 +56,7 @@ def tabulated(thickness_mm: NDArray, request: Request, punch: Punch) -> NDArray:
 
 def own_slab_law(request: Request, punch: Punch, thickness_mm: NDArray) -> ForceLaw:
     """Force law of the slabs of a request: the table of its base under its punch, or what is solved over it."""
-    from dummydesign.pad.tables.filleted import slab_table
+    from dummydesign.pad.tables.slab import slab_table
 
     base = request.base if request.base in BASES else "bonded"
     pad, edge = pad_of_request(request, punch), request.edge_radius_mm

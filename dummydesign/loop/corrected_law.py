@@ -14,8 +14,7 @@ from dummydesign.loop.effects.learned import Learned
 from dummydesign.loop.model.effect import SETUP, UnitForce
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.pad.force_law import BaseForceLaw, ForceLaw
-from dummydesign.pad.tables.filleted import slab_table
-from dummydesign.pad.tables.slab import load_compressibility, load_table
+from dummydesign.pad.tables.slab import load_compressibility, load_table, slab_table
 from dummydesign.pad.tables.square import square_law
 
 BULK = "bulk_that_gives"

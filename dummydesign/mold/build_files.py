@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.progress import write_progress
-from dummydesign.mold.cad.build import Parts, build
+from dummydesign.mold.cad.build import build
+from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.cad.process_copy import beside
 from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import files as check_files

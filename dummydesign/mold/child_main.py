@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from dummydesign.core.cpu_limit import limit_processor_time
+from dummydesign.core.blas_threads import limit_processor_time
 from dummydesign.core.progress import leave
 from dummydesign.mold.cad.kernel import cad_problem, load_trimesh
 

@@ -15,8 +15,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dummydesign.core.blas_threads import surroundings
-from dummydesign.core.cpu_limit import HUNG_S, ran_out
+from dummydesign.core.blas_threads import HUNG_S, ran_out, surroundings
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import output_folder, writing
 from dummydesign.core.manifest import COMMAND_LINE

@@ -185,7 +185,7 @@ def _plain_law(pad: Pad) -> bool:
 
 def _by_table(pad: Pad) -> ForceCurve:
     from dummydesign.pad.tables.elastic_law import elastic_factor, mean_drop_mm
-    from dummydesign.pad.tables.filleted import slab_table
+    from dummydesign.pad.tables.slab import slab_table
 
     alpha = _exponent(pad)
     material = "neo-hookean" if alpha is not None else type(pad.shape).__name__.lower()

@@ -19,7 +19,7 @@ from dummydesign.pad.force_law import ForceCurve
 from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.pad.pad_under_punch import Pad, Puck
 from dummydesign.pad.predict import MotionPrediction, curve_to, motion_on_curve
-from dummydesign.person.integrate import TOLERANCE, Body, PersonResponse, run_robot
+from dummydesign.person.integrate import TOLERANCE, PersonResponse, PressedBody, run_robot
 from dummydesign.person.ringing import RobotArm
 
 LONGEST_S, AFTER_STOP = 60.0, 1.0
@@ -33,7 +33,7 @@ ROUNDS, SAME = 4, 1e-3
 
 
 def stop_mass(
-    body: Body, mass_kg: float, velocity_mm_s: NDArray, keep: bool = True, tolerance: float = TOLERANCE
+    body: PressedBody, mass_kg: float, velocity_mm_s: NDArray, keep: bool = True, tolerance: float = TOLERANCE
 ) -> PersonResponse:
     """Stop a free mass, M x'' = -F from the speed at contact on; with curves, as long again for the rebound.
 

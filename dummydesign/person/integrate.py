@@ -67,7 +67,7 @@ class PersonResponse:
         return {name: getattr(self, name) for name in FOUR}
 
 
-class Body(Protocol):
+class PressedBody(Protocol):
     """What :func:`run_robot` presses: persons, or a pad; p of them at once, each with ``arms`` inner states.
 
     The methods are those of :class:`~dummydesign.person.people.People`.
@@ -176,7 +176,7 @@ def _depth_for(people: People, x: NDArray, q: NDArray, step: float, goal: NDArra
 
 
 def run_robot(
-    body: Body,
+    body: PressedBody,
     arm: RobotArm,
     given: Input,
     end_s: float,
@@ -205,7 +205,7 @@ def run_robot(
 
     Parameters
     ----------
-    body : Body
+    body : PressedBody
     arm : Arm
         K, M and the damping of the robot alone, D; a stiffness of 0 and no input is a free mass.
     given : callable
@@ -304,7 +304,7 @@ def run_robot(
 
 
 def _solve(
-    body: Body,
+    body: PressedBody,
     x: NDArray,
     q: NDArray,
     step: float,

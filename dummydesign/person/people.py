@@ -11,10 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.measurement.motion import Motion
-from dummydesign.tissue.model.laws import law_named
-from dummydesign.tissue.model.maxwell_law import MaxwellLaw, stack
-from dummydesign.tissue.model.parameters import Parameters
-from dummydesign.tissue.model.posterior import FARTHEST, drawn_tissues
+from dummydesign.tissue.model.maxwell_law import MaxwellLaw, Parameters, law_named, stack
+from dummydesign.tissue.model.posterior import FARTHEST
 from dummydesign.tissue.model.tissue import flatten, subject_parameters
 
 if TYPE_CHECKING:
@@ -147,7 +145,7 @@ def draw_another(tissue: Tissue, velocity_mm_s: float, count: int, rng: np.rando
     subjects = len(people)
     if subjects < 2:
         return draw_subject(tissue, 0, velocity_mm_s, count, rng)
-    groups = drawn_tissues(tissue, GROUPS) if _inferred(tissue) else ()
+    groups = tissue.drawn(GROUPS) if _inferred(tissue) else ()
     if groups:
         persons = [one for group in groups for one in group.parameter_sets]
         return People.of([persons[at] for at in rng.integers(len(persons), size=count)], velocity_mm_s)

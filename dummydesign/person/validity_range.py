@@ -128,7 +128,7 @@ def _forces(tissue: Tissue) -> tuple[float, float]:
 
 def limits_of_subjects(tissue: Tissue) -> tuple[NDArray, NDArray]:
     """Deepest press and strongest peak of each subject, shapes (subjects,). [mm, N]"""
-    from dummydesign.tissue.model.laws import law_named
+    from dummydesign.tissue.model.maxwell_law import law_named
 
     law, subjects = law_named(tissue.law), tissue.parameter_sets
     speeds = tissue.velocities_mm_s or (10.0,)

@@ -14,7 +14,7 @@ from dummydesign.report.plot import Plot, Series, press_plot
 from dummydesign.tissue.fitting.fit import TissueFit, subject_from_fit
 from dummydesign.tissue.fitting.problem import fitted_force, residual_plot, residual_table
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
 from dummydesign.tissue.model.tissue import Tissue
 from dummydesign.tissue.model.tissue_file import tissue_toml
 

@@ -13,7 +13,7 @@ _PLACES = {
     "read_resin": "model.resin_file",
     "Resin": "model.resin",
     "Component": "model.resin",
-    "update_resin": "update.modulus",
+    "update_resin": "update",
 }
 
 

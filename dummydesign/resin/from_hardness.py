@@ -12,7 +12,7 @@ from dummydesign.resin.model.hardness import SHORE_00, SHORE_A, hardness_law
 from dummydesign.resin.model.modulus_laws import LAWS
 from dummydesign.resin.model.resin import Liquid, Resin, ResinArm
 from dummydesign.resin.model.resin_file import DEFAULT, KIND, load_resin, save_resin
-from dummydesign.resin.update.modulus import without_points
+from dummydesign.resin.update import without_points
 
 RELAXES_LITTLE = "ecoflex-00-30"
 """Of the built-in resins the one that relaxes least; the polyurethane relaxes most."""

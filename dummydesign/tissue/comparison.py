@@ -18,7 +18,7 @@ from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.fitting.fit import Progress, TissueFit, fit_traces
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, reduce_trace, rounded_velocity
-from dummydesign.tissue.model.laws import DEFAULT, law_named
+from dummydesign.tissue.model.maxwell_law import DEFAULT, law_named
 from dummydesign.tissue.model.measured_curves import FORCE_FACTOR, SPEED_FACTOR, group_near, log_steady_curve
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange
 from dummydesign.tissue.model.tissue import Tissue

@@ -16,7 +16,7 @@ from dummydesign.geometry.interface import BASES
 from dummydesign.measurement.trace import Trace
 
 if TYPE_CHECKING:
-    from dummydesign.tissue.model.parameters import Parameters
+    from dummydesign.tissue.model.maxwell_law import Parameters
     from dummydesign.tissue.model.ranges import ForceRange
     from dummydesign.tissue.model.tissue import Tissue
 

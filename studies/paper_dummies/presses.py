@@ -40,7 +40,7 @@ from studies.paper_dummies.dummies import (
 from studies.thickness import stiffening, unit_slab
 
 if TYPE_CHECKING:
-    from dummydesign.tissue.model.parameters import Parameters
+    from dummydesign.tissue.model.maxwell_law import Parameters
     from dummydesign.tissue.model.tissue import Tissue
 
 
@@ -155,7 +155,7 @@ def fit_presses(presses: dict[tuple[float, float], PressFigures], law: str) -> t
     """
     from dummydesign.tissue.fitting.problem import TissueProblem, trace_residuals
     from dummydesign.tissue.fitting.reduction import reduce_trace, speed_groups
-    from dummydesign.tissue.model.parameters import Parameters
+    from dummydesign.tissue.model.maxwell_law import Parameters
 
     groups = speed_groups([reduce_trace(press.trace) for press in presses.values()])
     problem = TissueProblem(law, [group for _, group in groups], None)

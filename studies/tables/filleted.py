@@ -20,7 +20,7 @@ from dummydesign.geometry.dimensions import EXTENT_OVER_RADIUS, MAX_DEPTH_OVER_T
 from dummydesign.pad.axisymmetric.case import LATTICE
 from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
 from dummydesign.pad.pad_under_punch import Pad
-from dummydesign.pad.tables.filleted import FILLETS, between_fillets
+from dummydesign.pad.tables.slab import FILLETS, between_fillets
 from studies.tables.common import Build, write_table
 from studies.tables.slab import RATIO_RANGE, nodes
 

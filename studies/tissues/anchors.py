@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.measurement.motion import ramp_and_hold
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
 from dummydesign.tissue.model.posterior import LAW, SPEEDS_MM_S, STEADY_N
 from studies.tissues.statements import Statement
 

@@ -8,7 +8,7 @@ import pytest
 
 from dummydesign.core import user_library as json_table
 from dummydesign.pad import predict as separability
-from dummydesign.pad.tables import elastic_law, filleted, puck, shape, slab, square
+from dummydesign.pad.tables import elastic_law, puck, shape, slab, square
 from dummydesign.pad.tables import slab as compressibility
 from tests.support.refusal import raises_code
 
@@ -18,7 +18,7 @@ READERS = {
     "square-crowned.json": (square.load_crown, "studies.tables.square_crown"),
     "crowned-bonded.json": (lambda: shape.load_shape_table("crowned"), "studies.tables.shapes crowned"),
     "elastic-law.json": (elastic_law.load_elastic_table, elastic_law.COMMAND),
-    "filleted-bonded.json": (lambda: filleted.load_filleted("bonded", 0.1), "studies.tables.filleted"),
+    "filleted-bonded.json": (lambda: slab.load_filleted("bonded", 0.1), "studies.tables.filleted"),
     "puck-50x30.json": (puck.load_puck_table, puck.COMMAND),
     "puck-shapes.json": (puck.load_shapes, f"{puck.COMMAND} --shapes"),
     "quick-error.json": (separability.load_quick_error, separability.COMMAND),
@@ -28,7 +28,7 @@ CACHED = (
     slab.load_table,
     square.load_square,
     square.load_crown,
-    filleted.load_filleted,
+    slab.load_filleted,
     shape.load_shape_table,
     puck.load_puck_table,
     puck.load_shapes,

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from dummydesign.core.cpu_limit import ran_out
+from dummydesign.core.blas_threads import ran_out
 
 resource = pytest.importorskip("resource")
 
@@ -14,7 +14,7 @@ resource = pytest.importorskip("resource")
 def limits(asked: float, hard: int | None = None) -> list[int]:
     lower = f"resource.setrlimit(resource.RLIMIT_CPU, ({hard}, {hard})); " if hard else ""
     code = (
-        f"import resource; from dummydesign.core.cpu_limit import limit_processor_time; {lower}"
+        f"import resource; from dummydesign.core.blas_threads import limit_processor_time; {lower}"
         f"limit_processor_time({asked}); "
         "print(*resource.getrlimit(resource.RLIMIT_CPU), resource.getrlimit(resource.RLIMIT_CORE)[0])"
     )

@@ -15,8 +15,7 @@ from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import write_calibration
 from dummydesign.loop.fitting.fit import NORMAL_95
 from dummydesign.loop.model.forward_model import BaseParameters
-from dummydesign.pad.tables.filleted import load_filleted
-from dummydesign.pad.tables.slab import load_table
+from dummydesign.pad.tables.slab import load_filleted, load_table
 from tests.support.made_calibration import calibration as made_calibration
 from tests.support.refusal import raises_code
 

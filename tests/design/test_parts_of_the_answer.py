@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.core.options import command_words
+from dummydesign.core.parsing import command_words
 from dummydesign.design import measured_pad, suggest, suggestion
 from dummydesign.design.assessment import warnings
 from dummydesign.design.assessment.pad_castings import limits_that_bind
@@ -479,6 +479,7 @@ def test_a_mould_that_fails_leaves_the_recipe_and_says_what_to_type(monkeypatch)
     problem = SimpleNamespace(mould=lambda best: Mould(Poured()))
     best, shares = SimpleNamespace(thickness_mm=9.0, ratio=15.5), SimpleNamespace(window_kPa=(20.0, 60.0))
     answer = SimpleNamespace(best=best, request=request, problem=problem, shape="slab", shares=shares)
+    answer.mould_command = suggestion.Suggestion.mould_command.fget(answer)
     with pytest.raises(NoAnswerError) as caught:
         suggestion.make_mould(answer, None)
     assert made == [Mould(Poured((20.0, 60.0)))], "the sheet's limit is the answer's window"

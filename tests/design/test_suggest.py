@@ -111,7 +111,7 @@ def test_speeds_and_law_come_from_the_tissue(tmp_path, layer_law):
 @pytest.mark.slow
 def test_contradictory_points_reach_the_answer(tmp_path, layer_law):
     from dummydesign.resin.model.resin import Point
-    from dummydesign.resin.update.modulus import update_resin
+    from dummydesign.resin.update import update_resin
 
     resin = update_resin(load_resin(), [Point(15.0, number(50.0)), Point(16.0, number(35.0))], "mine")
     path = str(save_resin(resin, tmp_path / "mine.toml"))
@@ -123,7 +123,7 @@ def test_contradictory_points_reach_the_answer(tmp_path, layer_law):
 @pytest.mark.slow
 def test_measured_points_narrow_the_ratio_that_is_recommended(tmp_path, layer_law):
     from dummydesign.resin.model.resin import Point
-    from dummydesign.resin.update.modulus import update_resin
+    from dummydesign.resin.update import update_resin
 
     resin = update_resin(load_resin(), [Point(15.0, number(26.0)), Point(16.0, number(65.0))], "mine")
     path = str(save_resin(resin, tmp_path / "mine.toml"))

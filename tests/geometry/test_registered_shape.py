@@ -199,7 +199,8 @@ def test_its_mould_is_specified_weighed_and_described():
 
 
 def test_its_solid_has_the_closed_form_and_the_heights_of_the_model():
-    from dummydesign.mold.cad.build import Parts, pad_solid
+    from dummydesign.mold.cad.build import pad_solid
+    from dummydesign.mold.cad.parts import Parts
 
     spec = _spec()
     plan = layout(spec)

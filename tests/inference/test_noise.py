@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.linalg import block_diag, null_space
 
-from dummydesign.inference.binning import hold_edges
 from dummydesign.inference.noise import (
     Bins,
     Noise,
+    hold_edges,
     likeliest,
     noise_floor,
     restricted_likelihood,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dummydesign.inference.binning import HOLD_GROWTH, cut, hold_edges, mean_around, repeatable_hold_edges
+from dummydesign.inference.noise import HOLD_GROWTH, cut, hold_edges, mean_around, repeatable_hold_edges
 from tests.inference.users import DEPTH_MM, SPEED_MM_S, USERS, motion, reduced
 
 STOP_S = 0.1 + DEPTH_MM / SPEED_MM_S

@@ -14,8 +14,7 @@ from dummydesign.loop.calibration_file import write_calibration
 from dummydesign.loop.corrected_law import CorrectedLaw, Correction
 from dummydesign.loop.effects.registry import EFFECTS, effect_named
 from dummydesign.loop.model.forward_model import Active, BaseParameters
-from dummydesign.pad.tables.filleted import slab_table
-from dummydesign.pad.tables.slab import load_table
+from dummydesign.pad.tables.slab import load_table, slab_table
 from dummydesign.pad.tables.square import punch_law
 from tests.support.refusal import raises_code
 

@@ -90,7 +90,7 @@ def test_crash_of_the_kernel_is_told_with_the_parameters_and_harms_nothing(monke
 
 
 LIMITED = (
-    "import json, sys; from dummydesign.core.cpu_limit import limit_processor_time; sys.stdin.read(); "
+    "import json, sys; from dummydesign.core.blas_threads import limit_processor_time; sys.stdin.read(); "
     "limit_processor_time(json.load(open(sys.argv[1]))['processor_s']);"
 )
 

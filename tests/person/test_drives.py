@@ -12,7 +12,7 @@ from dummydesign.person.people import People
 from dummydesign.person.press import read_press
 from dummydesign.person.ringing import RobotArm
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.model.laws.spring import SPRING
+from dummydesign.tissue.model.laws import SPRING
 from tests.support.robot_presses import (
     Run,
     by_mass,

@@ -9,8 +9,8 @@ import pytest
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.trace import Trace
 from dummydesign.person import integrate
-from dummydesign.person.drive_diagnostics import signs_of
 from dummydesign.person.drives import read_drive
+from dummydesign.person.drives.drive import signs_of
 from dummydesign.person.limits import ContactLoad, against_guarded_limits, decide, read_limits
 from dummydesign.person.on_person import on_person
 from dummydesign.person.people import draw_another, log_parameters

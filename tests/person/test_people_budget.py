@@ -9,7 +9,7 @@ import pytest
 
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.person.limits import LimitRow
-from dummydesign.person.people_budget import budget_of_people, middle_and_spread
+from dummydesign.person.on_person import budget_of_people, middle_and_spread
 
 
 def interval(middle, spread):

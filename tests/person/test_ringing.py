@@ -11,7 +11,7 @@ from dummydesign.person.people import People
 from dummydesign.person.press import read_press
 from dummydesign.person.ringing import RobotArm, quiet_noise, real_bends, slow_mean
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.model.laws.spring import SPRING
+from dummydesign.tissue.model.laws import SPRING
 from tests.support.robot_presses import Run, by_robot, command, gel_pad, sampled, skin_of
 
 TISSUE = load_tissue("forefinger")

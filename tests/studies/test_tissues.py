@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dummydesign.measurement.motion import ramp_and_hold
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
 from dummydesign.tissue.model.posterior import read_draws
 from dummydesign.tissue.model.tissue_file import load_tissue
 from studies.tissues.anchors import judge, propose

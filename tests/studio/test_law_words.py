@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.model.parameters import arm_names, parameter_words
+from dummydesign.tissue.model.maxwell_law import arm_names, parameter_words
 
 
 def test_the_law_is_told_in_words_and_the_slow_arm_is_the_one_that_relaxes_last():

@@ -12,7 +12,7 @@ from dummydesign.design.pad_evaluator import law_of_shape, one_pad
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import Castings, Tolerances
-from dummydesign.design.scoring.finite_strain import finite_strain_of
+from dummydesign.design.scoring.crowns import finite_strain_of
 from dummydesign.design.scoring.outlook import Outlook
 from dummydesign.design.scoring.press_simulation import PadBatch
 from dummydesign.design.scoring.score import evaluate

@@ -3,7 +3,7 @@
 import numpy as np
 
 from dummydesign.core.quantity import Quantity
-from dummydesign.tissue.model.parameters import Parameters
+from dummydesign.tissue.model.maxwell_law import Parameters
 from dummydesign.tissue.model.tissue import Subject, Tissue
 from tests.support.exact_law import ExactLaw
 

@@ -118,7 +118,7 @@ def _show(options: argparse.Namespace) -> dict[str, Any]:
 def _add(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.core.user_library import hidden_by
     from dummydesign.resin.describe import explain
-    from dummydesign.resin.update.modulus import add_resin
+    from dummydesign.resin.update import add_resin
 
     resin, path = add_resin(options.file, options.replace)
     explained = explain(resin)

@@ -35,9 +35,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     if not answer.outcome.verdict.acceptable:
         text = "no acceptable pad: the verdict on the best one found is red"
         if options.cad:
-            from dummydesign.design.next_steps import mould_of_pad
-
-            text += f"; no mould was made of it, which '{mould_of_pad(answer.outcome)}' makes"
+            text += f"; no mould was made of it, which '{answer.outcome.mould_command}' makes"
         raise NoAnswerError("no_acceptable_pad", text, result, "verdict")
     return result
 

@@ -84,7 +84,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _list() -> dict[str, Any]:
-    from dummydesign.tissue.model.laws import law_named
+    from dummydesign.tissue.model.maxwell_law import law_named
     from dummydesign.tissue.model.tissue_file import readable_tissues
 
     tissues, problems = readable_tissues()

@@ -13,8 +13,8 @@ from dummydesign.core.levels import LEVELS, level_name
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.design.protocol import NAGOYA_PROTOCOL
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.search.shape_search import ShapedDesign, candidate_of, none_usable
-from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, with_parameters
+from dummydesign.design.search.shape_search import ShapedDesign, fitted_candidates, none_usable
+from dummydesign.design.search.slabs import DesignCandidate, SearchSpace
 from dummydesign.geometry.pad_shape import PadShape
 
 # Forces of the tissue over which the misfit is taken in the paper's test, even in the logarithm. [N]
@@ -148,9 +148,9 @@ def compare_kinds(
 ) -> list[ShapeComparison]:
     """Rows of the best design of each kind, and the reasons of kinds without one."""
     limits, strict = space.targets.limits, space.targets.strict
-    pads = [candidate_of(one.cast, one.thickness_mm, one.outlook.ratio, space) for one in designs]
+    pads = [(one.cast, one.thickness_mm, one.outlook.ratio) for one in designs]
     rows = []
-    for design, best in zip(designs, with_parameters(pads, space)):
+    for design, best in zip(designs, fitted_candidates(pads, space)):
         young = 1e3 * float(np.asarray(space.resin.young_MPa(best.ratio)))
         level = LEVELS[design.outlook.level(limits, strict)]
         rows.append(

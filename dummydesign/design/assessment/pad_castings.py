@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.scoring.castings import FORCE_LAW, MODULUS, RELAXATION, RESIN, Castings, Pours, Tolerances
-from dummydesign.design.scoring.crowns import crowned_curves
-from dummydesign.design.scoring.finite_strain import FiniteStrain
+from dummydesign.design.scoring.crowns import FiniteStrain, crowned_curves
 from dummydesign.design.scoring.outlook import Outlook
 from dummydesign.design.scoring.press_simulation import PadBatch, SlabCurves, make_curves, steady_depth
 from dummydesign.design.scoring.targets import Targets

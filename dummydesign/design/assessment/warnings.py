@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.geometry.dimensions import THICKNESS_MM
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

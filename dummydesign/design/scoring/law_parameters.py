@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from dummydesign.design.scoring.press_simulation import PadBatch, Sampling, SimulatedPress, press_to_depth
 from dummydesign.design.scoring.score import halving, steady_gamma1
 from dummydesign.design.scoring.targets import NARROWEST, Targets
-from dummydesign.tissue.model.laws import law_named
-from dummydesign.tissue.model.parameters import Parameters
+from dummydesign.tissue.model.maxwell_law import Parameters, law_named
 
 STEPS, TOLERANCE, DIFFERENCE = 40, 1e-4, 1e-5
 _FIT_SAMPLING = (16, 8, 24)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.scoring.finite_strain import EXACT, FiniteStrain
+from dummydesign.design.scoring.crowns import EXACT, FiniteStrain
 from dummydesign.design.scoring.press_simulation import PadBatch, SlabCurves, rest_after_hold
 from dummydesign.design.scoring.score import press_all
 from dummydesign.design.scoring.verdict import Deviations, Ranges, Readings, deviations, ranges_of

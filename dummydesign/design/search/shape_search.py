@@ -8,7 +8,7 @@ the best of them by many.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import cast
@@ -18,13 +18,12 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, accepts, unknown_name
 from dummydesign.core.quantity import HALF_WIDTH
-from dummydesign.design.scoring.crowns import crown_scatter
-from dummydesign.design.scoring.finite_strain import DEVIATES, finite_strain_of
+from dummydesign.design.scoring.crowns import DEVIATES, crown_scatter, finite_strain_of
 from dummydesign.design.scoring.outlook import LEAST, Match, Outlook, Scatter, outlook_of, smoothed
 from dummydesign.design.scoring.press_simulation import DEPTH_SHARE, PadBatch, SlabCurves, make_curves
 from dummydesign.design.scoring.windows import MARGIN, REACH, Batches, unlike, windows_of
 from dummydesign.design.search.shape_family import Designs, Family, FamilyLaw, designable_kinds, load_family
-from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, exact_candidates, make_slabs
+from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, exact_candidates, make_slabs, with_parameters
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.slab import Slab
@@ -467,3 +466,8 @@ def candidate_of(law: ForceLaw, thickness_mm: float, ratio: float, space: Search
     curves = make_curves(law, np.array([thickness_mm]), space.radius_mm, space.targets.limits.gel_compression)
     slabs: PadBatch = make_slabs(curves, np.array([0]), space.resin, np.array([ratio]))
     return exact_candidates(slabs, np.array([ratio]), space)[0]
+
+
+def fitted_candidates(pads: Iterable[tuple[ForceLaw, float, float]], space: SearchSpace) -> tuple[DesignCandidate, ...]:
+    """Pads of given laws, thicknesses and ratios, each pressed alone and with the tissue's law fitted."""
+    return with_parameters([candidate_of(*one, space) for one in pads], space)

@@ -287,7 +287,7 @@ def work(task: Task, law: ForceLaw | None = None) -> list[dict[str, Any]]:
 def force_law(task: Task, thickness_mm: NDArray) -> ForceLaw:
     """The force law of the task's fidelity, punch, condition and base."""
     if task.fidelity == "table":
-        from dummydesign.pad.tables.filleted import slab_table
+        from dummydesign.pad.tables.slab import slab_table
 
         table = slab_table(task.base, task.edge_radius_mm, task.radius_mm)
         return punch_law(table, task.punch, task.base, bool(task.edge_radius_mm))

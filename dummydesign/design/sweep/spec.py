@@ -150,7 +150,7 @@ def _check_edges(study: Study, edges: list[float], shaped: list[str]) -> None:
         message = f"edge radius in mm = {edge:g} is not solved in space; leave out --fidelity 3d"
         raise InputError(message, "unsupported", "edge_radius_mm", edge)
     if study.fidelity == "table":
-        from dummydesign.pad.tables.filleted import slab_table
+        from dummydesign.pad.tables.slab import slab_table
 
         for one, (punch, _), base in itertools.product(edges, study.punches, study.bases):
             slab_table(base, one, equal_area_radius_mm(punch))

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.inference.binning import Range, cut, distinct, mean_around, repeatable_hold_edges
-from dummydesign.inference.noise import white_noise
+from dummydesign.inference.noise import Range, cut, distinct, mean_around, repeatable_hold_edges, white_noise
 from dummydesign.measurement.ramp_detection import Ramp, ramp_of, ringing_times
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.inference.binning import interpolation
-from dummydesign.inference.noise import Bins
+from dummydesign.inference.noise import Bins, interpolation
 from dummydesign.loop.data.reduction import UNLOADING, ReducedPress, has_hold, reduce_press
 from dummydesign.measurement.campaign import Campaign, Trial
 from dummydesign.measurement.clipping import find_clip

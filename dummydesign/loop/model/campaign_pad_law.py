@@ -20,8 +20,7 @@ from dummydesign.pad.first_touch import touch_of
 from dummydesign.pad.force_law import ForceCurve
 from dummydesign.pad.force_source import curve_without_solve, solve_points, solved_curve
 from dummydesign.pad.pad_under_punch import Pad, Puck
-from dummydesign.pad.tables.filleted import FILLETS, POWER
-from dummydesign.pad.tables.slab import load_compressibility, load_table
+from dummydesign.pad.tables.slab import FILLETS, POWER, load_compressibility, load_table
 
 POINTS, DENSE = 24, 600  # depths that are solved, and at which the curve is kept
 STARTS_AT = 0.01

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from dummydesign.mold.cad.kernel import cq
+from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.cad.solids import cylinders, drafted_prism, rough_bounds, single_solid
 from dummydesign.mold.model.layout import (
     BACKER_PLAY_MM,
@@ -19,9 +20,6 @@ from dummydesign.mold.model.layout import (
     sheet_outline,
 )
 from dummydesign.mold.model.spec import MouldSpec
-
-if TYPE_CHECKING:
-    from dummydesign.mold.cad.build import Parts
 
 VOLUME_EPS_MM3 = 1e-3
 

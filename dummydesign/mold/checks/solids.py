@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from dummydesign.geometry.dimensions import RIM_FREE_MM
-from dummydesign.mold.cad.build import CORE_MM, Parts
 from dummydesign.mold.cad.casting_box import to_casting
 from dummydesign.mold.cad.kernel import cq
 from dummydesign.mold.cad.label import label_bars
+from dummydesign.mold.cad.parts import CORE_MM, Parts
 from dummydesign.mold.cad.solids import drafted_prism, heights_over, rough_bounds
 from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import release

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
-from dummydesign.mold.cad.build import Parts
 from dummydesign.mold.cad.kernel import cq, occ
+from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.cad.solids import edges_of, height_range
 from dummydesign.mold.files.drawing_layout import LETTER, Measure, Title, View, arrange, crown_detail, profile_words
 from dummydesign.mold.files.drawing_sheet import Drawing

@@ -20,7 +20,7 @@ from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import CUP_FACTOR, WITNESS_MM, Batch, Mix, PourPlan, batch_of, pours_of
 from dummydesign.mold.pour.printing import demould_steps, height_words, mould_steps, print_words, tip_words
 from dummydesign.mold.pour.steps import BLANK, cup_words, demould_first, plug_finish, pour_steps, shape_mark
-from dummydesign.resin.model.ratio_meaning import ratio_words
+from dummydesign.resin.model.modulus_laws import ratio_words
 
 PADS_A_TABLE = 4
 

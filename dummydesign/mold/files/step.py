@@ -1,8 +1,7 @@
-"""Write and read STEP AP242, the same text for the same model."""
+"""Write and read STEP AP242, the same text for the same model in every run."""
 
 from __future__ import annotations
 
-import hashlib
 import os
 import re
 import tempfile
@@ -12,41 +11,31 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from dummydesign.mold.cad.build import Part
 from dummydesign.mold.cad.kernel import cq, occ
+from dummydesign.mold.cad.parts import Part
 from dummydesign.mold.cad.solids import rough_bounds
 
 _STATEMENT = re.compile(r"#(\d+)\s*=\s*((?:[^;']++|'(?:[^']|'')*')*);")
-_STRING_OR_SPACE = re.compile(r"('(?:[^']|'')*')|\s+")
-_STRING_OR_REFERENCE = re.compile(r"('(?:[^']|'')*')|#(\d+)")
 _REFERENCE = re.compile(r"#(\d+)")
-_PIECE = re.compile(r"(?:'(?:[^']|'')*'|[^,'])*,?")
-_OCCURRENCE = re.compile(r"NEXT_ASSEMBLY_USAGE_OCCURRENCE\('[^']*',('(?:[^']|'')*')")
+_STYLES = "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION"
+_OCCURRENCE = re.compile(r"(NEXT_ASSEMBLY_USAGE_OCCURRENCE\()'[^']*',\s*('(?:[^']|'')*')")
+# The kernel's writer gives the unit of densities the exponents 3 and 2.
+_DENSITY = re.compile(
+    r"(DERIVED_UNIT_ELEMENT\(#\d+,)3\.(\);\s*#\d+ = \( MASS_UNIT\(\)[^;]*;\s*#\d+ = DERIVED_UNIT_ELEMENT\(#\d+,)2\."
+)
 _BEYOND_ASCII = re.compile(r"[^\x00-\x7f]+")
-_LINE = 78
 
 
 ORGANISATION = "dummydesign"
 
 
 def canonical_step(text: str, name: str, description: str) -> str:
-    """Return the same model with a fixed header, in an order and a numbering that depend on content alone."""
-    text = _in_ascii(text)
+    """Return the kernel's text with a fixed header and the same text for the same model in every run."""
     start, schema = text.find("DATA;"), re.search(r"FILE_SCHEMA\s*\(\s*\(\s*('[^']*')", text)
     if start < 0 or schema is None:
         raise ValueError("not a STEP file: no DATA section or no FILE_SCHEMA")
-    entities = {int(number): _without_spaces(body) for number, body in _STATEMENT.findall(text, start)}
-    _repair_density_unit(entities)
-    for number, body in entities.items():
-        if body.startswith("NEXT_ASSEMBLY_USAGE_OCCURRENCE"):
-            entities[number] = _OCCURRENCE.sub(r"NEXT_ASSEMBLY_USAGE_OCCURRENCE(\1,\1", body)
-    parts = {number: _split(body) for number, body in entities.items()}
-    digests = _digests(parts)
-    for number, body in entities.items():
-        if body.startswith("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION"):
-            parts[number] = _split(_sorted_items(body, digests))
-    renumbered = {old: f"#{new}" for new, old in enumerate(_depth_first(parts, digests), 1)}
-    lines = [_wrapped(f"{new}={_joined(parts[old], renumbered)};") for old, new in renumbered.items()]
+    data = _sorted_styles(_in_ascii(text[start:]))
+    data = _DENSITY.sub(r"\g<1>1.\g<2>-3.", _OCCURRENCE.sub(r"\1\2,\2", data))
     name, description, who = _quoted(name), _quoted(description), _quoted(ORGANISATION)
     head = [
         "ISO-10303-21;",
@@ -55,96 +44,33 @@ def canonical_step(text: str, name: str, description: str) -> str:
         f"FILE_NAME({name},{_quoted(time_stamp())},({who}),({who}),{who},{who},'');",
         f"FILE_SCHEMA(({schema.group(1)}));",
         "ENDSEC;",
-        "DATA;",
     ]
-    return "\n".join([*head, *lines, "ENDSEC;", "END-ISO-10303-21;", ""])
+    return "\n".join([*head, data])
 
 
-def _is_plain(body: str) -> bool:
-    """Whether all strings of an entity are empty, as most are: nothing in it has to be left alone."""
-    return "'" not in body.replace("''", "")
+def _sorted_styles(data: str) -> str:
+    """Write the colours of the parts in the order of the parts; the kernel writes them by addresses in memory."""
+    begin = data.rfind("\n", 0, data.find(_STYLES)) + 1
+    if not begin:
+        return data
+    hits = {int(hit[1]): hit for hit in _STATEMENT.finditer(data, begin)}
+    first, order = min(hits), dict[int, int]()
 
+    def number(old: int) -> None:
+        if old in hits and old not in order:
+            order[old] = first + len(order)
+            for child in _REFERENCE.findall(hits[old][2]):
+                number(int(child))
 
-def _without_spaces(body: str) -> str:
-    if _is_plain(body):
-        return "".join(body.split())
-    return _STRING_OR_SPACE.sub(lambda hit: hit.group(1) or "", body)
-
-
-def _split(body: str) -> tuple[list[str], list[int]]:
-    """What stands before, between and after the references of an entity, and the numbers they refer to."""
-    if _is_plain(body):
-        pieces = _REFERENCE.split(body)
-        return pieces[::2], [int(number) for number in pieces[1::2]]
-    texts, refers, start = [], [], 0
-    for hit in _STRING_OR_REFERENCE.finditer(body):
-        if hit.group(2):
-            texts.append(body[start : hit.start()])
-            refers.append(int(hit.group(2)))
-            start = hit.end()
-    return [*texts, body[start:]], refers
-
-
-def _joined(parts: tuple[list[str], list[int]], names: dict[int, str]) -> str:
-    """An entity with a name for each number that it refers to."""
-    texts, refers = parts
-    if not refers:
-        return texts[0]
-    return texts[0] + "".join([names[number] + text for number, text in zip(refers, texts[1:])])
-
-
-def _digests(parts: dict[int, tuple[list[str], list[int]]]) -> dict[int, str]:
-    """Content hash of every entity, children first."""
-    digests: dict[int, str] = {}
-    for first in parts:
-        stack = [first]
-        while stack:
-            number = stack[-1]
-            if number in digests:
-                stack.pop()
-                continue
-            if number not in parts:
-                raise ValueError(f"entity #{number} is referred to but not in the file")
-            missing = [child for child in parts[number][1] if child not in digests]
-            if missing:
-                stack.extend(missing)
-                continue
-            digests[number] = hashlib.blake2b(_joined(parts[number], digests).encode(), digest_size=12).hexdigest()
-            stack.pop()
-    return digests
-
-
-def _sorted_items(body: str, digests: dict[int, str]) -> str:
-    """Sort the list of styled items, whose order means nothing, by hash."""
-
-    def ordered(hit: re.Match[str]) -> str:
-        return f"'',({','.join(sorted(hit.group(1).split(','), key=lambda item: digests[int(item[1:])]))})"
-
-    return re.sub(r"'.*?',\(([^)]*)\)", ordered, body, count=1)
-
-
-def _depth_first(parts: dict[int, tuple[list[str], list[int]]], digests: dict[int, str]) -> list[int]:
-    """Order of entities, each before what it refers to, from the roots sorted by type and hash."""
-    children = {child for _, references in parts.values() for child in references}
-    roots = [number for number in parts if number not in children]
-    stack = sorted(roots, key=lambda n: (parts[n][0][0].split("(")[0], digests[n]), reverse=True)
-    seen: dict[int, None] = {}
-    while stack:
-        number = stack.pop()
-        if number not in seen:
-            seen[number] = None
-            stack.extend(reversed(parts[number][1]))
-    return list(seen)
-
-
-def _repair_density_unit(entities: dict[int, str]) -> None:
-    """Write densities in g cm^-3: the kernel's writer gives its unit the exponents 3 and 2."""
-    masses = {number for number, body in entities.items() if "MASS_UNIT()" in body}
-    for body in [body for body in entities.values() if body.startswith("DERIVED_UNIT(")]:
-        units = {n: int(_REFERENCE.findall(entities[n])[0]) for n in map(int, _REFERENCE.findall(body))}
-        if len(units) == 2 and masses & set(units.values()):
-            for n, unit in units.items():
-                entities[n] = f"DERIVED_UNIT_ELEMENT(#{unit},{'1.' if unit in masses else '-3.'})"
+    heads = [old for old, hit in hits.items() if hit[2].startswith(_STYLES)]
+    for old in sorted(heads, key=lambda old: int(_REFERENCE.findall(hits[old][2])[-1])):
+        number(old)
+    if max(order) != first + len(order) - 1:
+        raise ValueError("the colours of the parts are not written one after the other")
+    lines = [
+        f"#{order[old]} = {_REFERENCE.sub(lambda m: f'#{order.get(int(m[1]), m[1])}', hits[old][2])};" for old in order
+    ]
+    return data[:begin] + "\n".join(lines) + data[hits[max(order)].end() :]
 
 
 def _quoted(text: str) -> str:
@@ -160,19 +86,6 @@ def _hexadecimal(hit: re.Match[str]) -> str:
     letters = hit.group()
     bytes_each, code = (4, "utf-32-be") if max(letters) > "\uffff" else (2, "utf-16-be")
     return rf"\X{bytes_each}\{letters.encode(code).hex().upper()}\X0" + "\\"
-
-
-def _wrapped(statement: str) -> str:
-    """Break a long statement after commas outside strings."""
-    if len(statement) <= _LINE:
-        return statement
-    lines, row = [], ""
-    for piece in filter(None, _PIECE.findall(statement)):
-        if row and len(row) + len(piece) > _LINE:
-            lines.append(row)
-            row = ""
-        row += piece
-    return "\n".join([*lines, row])
 
 
 @dataclass(frozen=True)

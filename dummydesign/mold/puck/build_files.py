@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.progress import write_progress
-from dummydesign.mold.cad.build import COLOURS, Part, PartMaterial
 from dummydesign.mold.cad.kernel import cq
+from dummydesign.mold.cad.parts import COLOURS, Part, PartMaterial
 from dummydesign.mold.cad.solids import single_solid
 from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import files as check_files

@@ -44,7 +44,7 @@ from dummydesign.pad.force_law import NO_COST, PadCurve
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.pad_under_punch import SLAB, Pad
 from dummydesign.pad.solve.continuation import ForcePath, add_costs, cost, follow
-from dummydesign.pad.tables.filleted import POWER, slab_table
+from dummydesign.pad.tables.slab import POWER, slab_table
 
 Array = np.ndarray
 

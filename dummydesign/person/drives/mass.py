@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.person.drive_diagnostics import TraceSigns
-from dummydesign.person.drives.drive import FASTER, MASS, MASSES, RobotDrive
+from dummydesign.person.drives.drive import FASTER, MASS, MASSES, RobotDrive, TraceSigns
 from dummydesign.person.free_mass import stop_mass
 from dummydesign.person.integrate import TOLERANCE, PersonResponse
 from dummydesign.person.people import People

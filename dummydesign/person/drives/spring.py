@@ -5,8 +5,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.person.drive_diagnostics import TraceSigns
-from dummydesign.person.drives.drive import DAMPING, DAMPINGS, FASTER, MASS, MASSES, STIFFNESS, STIFFNESSES, RobotDrive
+from dummydesign.person.drives.drive import (
+    DAMPING,
+    DAMPINGS,
+    FASTER,
+    MASS,
+    MASSES,
+    STIFFNESS,
+    STIFFNESSES,
+    RobotDrive,
+    TraceSigns,
+)
 from dummydesign.person.integrate import RINGS, TOLERANCE, Input, PersonResponse, run_robot
 from dummydesign.person.people import People
 from dummydesign.person.press import Press

@@ -17,8 +17,7 @@ from dummydesign.core.quantity import Quantity
 from dummydesign.core.toml_schema import REQUIRED, TomlTable, read_table
 from dummydesign.core.user_library import Entry, data_folder, find, read_toml, toml_table, user_folder
 from dummydesign.measurement.trace import Trace
-from dummydesign.resin.model.modulus_laws import LAWS, ModulusLaw
-from dummydesign.resin.model.ratio_meaning import CHEMISTRIES, guessed_chemistry, read_ratio_meaning
+from dummydesign.resin.model.modulus_laws import CHEMISTRIES, LAWS, ModulusLaw, guessed_chemistry, read_ratio_meaning
 from dummydesign.resin.model.resin import MIXED, WRITTEN, Liquid, Point, PuckPoint, Resin, ResinArm
 
 KIND = "materials/resins"

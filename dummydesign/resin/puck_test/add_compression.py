@@ -32,8 +32,7 @@ from dummydesign.resin.puck_test.contradictions import (
 from dummydesign.resin.puck_test.loading_fit import LoadingCurve, PuckFit, fit_pucks, reduce_press
 from dummydesign.resin.puck_test.plates import Plates, read_plates
 from dummydesign.resin.puck_test.relaxation_fit import PuckRelaxation, fit_relaxation
-from dummydesign.resin.update.modulus import known_puck, rebuild
-from dummydesign.resin.update.relaxation import ArmUpdate
+from dummydesign.resin.update import ArmUpdate, known_puck, rebuild
 
 FIRST_SHARE, LAST_SHARE = 0.03, 0.5
 """Compressions that are used, in heights: past the toe, and short of where the side lies on the plates."""
@@ -83,7 +82,7 @@ def add_compression(
     together. The modulus is that of the press, slow against relaxation: press slowly, or what has not relaxed
     counts as stiffness. With one or more holds in every curve the relaxation is fitted too, see
     :mod:`dummydesign.resin.puck_test.relaxation_fit`: the modulus is then the long-term one, and the arms go into
-    the resin by the rule of :mod:`dummydesign.resin.update.relaxation`. Several curves of one puck are fitted together.
+    the resin by the rule of :mod:`dummydesign.resin.update`. Several curves of one puck are fitted together.
 
     ``friction`` declares the plates: ``lubricated`` (a prior), ``bonded`` or a coefficient (exact); without it any
     friction counts. Modulus and friction are medians over their intervals. A declaration that the curves contradict

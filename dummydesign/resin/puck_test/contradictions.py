@@ -16,7 +16,7 @@ from dummydesign.measurement.plausible import UNITS
 from dummydesign.resin.model.resin import SURPRISE, Point, PuckPoint, Resin, log_spread
 from dummydesign.resin.puck_test.loading_fit import TABLE_ERROR, PuckFit
 from dummydesign.resin.puck_test.plates import ALPHA_RANGE
-from dummydesign.resin.update.modulus import spread_between, without_points
+from dummydesign.resin.update import spread_between, without_points
 
 VOLUME_SPREAD = 0.02
 """Standard deviation of ln volume by diameter and height: 0.2 mm of either and the meniscus, assumed."""

@@ -24,9 +24,8 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.inference import noise as inference
-from dummydesign.inference.binning import cut, distinct, hold_edges, mean_around
 from dummydesign.inference.least_squares import solve_by_differences
-from dummydesign.inference.noise import white_noise
+from dummydesign.inference.noise import cut, distinct, hold_edges, mean_around, white_noise
 from dummydesign.measurement.ramp_detection import Hold
 from dummydesign.pad.tables.puck import PuckTable, uniaxial
 from dummydesign.resin.model.resin import PUCK_SCATTER

@@ -150,7 +150,7 @@ def _moduli(puck: Path, answer: Mapping[str, Any]) -> tuple[list[list[object]], 
     """Rows of the resin's modulus at the puck's ratio without and with this puck; or what is wrong."""
     from dummydesign.measurement.trace import read_trace
     from dummydesign.resin.model.resin_file import load_resin, recording_sha256
-    from dummydesign.resin.update.modulus import known_puck, without_puck
+    from dummydesign.resin.update import known_puck, without_puck
 
     rows: list[list[object]] = [["this puck alone", *(answer["young_kPa"][key] for key in ("value", "low", "high"))]]
     try:

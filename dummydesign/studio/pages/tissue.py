@@ -21,7 +21,7 @@ from dummydesign.studio.markup import Markup, joined
 from dummydesign.studio.state import State, absolute, page_link
 from dummydesign.studio.trash import choose_for_project
 from dummydesign.studio.widgets import html, open_page
-from dummydesign.tissue.model.parameters import arm_names, parameter_words
+from dummydesign.tissue.model.maxwell_law import arm_names, parameter_words
 
 CHOOSE = "choose one"
 OWN = ("presses", "name", "touched", "people", "group")

@@ -26,8 +26,8 @@ from dummydesign.tissue.adding.observations import (
 )
 from dummydesign.tissue.fitting.problem import fitted_force
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, reduce_trace
-from dummydesign.tissue.model.laws import DEFAULT, fitted_law
-from dummydesign.tissue.model.laws.curves import CURVES
+from dummydesign.tissue.model.laws import CURVES
+from dummydesign.tissue.model.maxwell_law import DEFAULT, fitted_law
 from dummydesign.tissue.model.measured_curves import DEPTH_MM, FIRST_HOLD_S, SHARES, HeldPress, MeasuredPerson
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE
 from dummydesign.tissue.model.tissue import Tissue, share_a_speed

@@ -19,7 +19,7 @@ from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue.adding.from_traces import tissue_folder
 from dummydesign.tissue.adding.observations import SteadyPoints, read_points
 from dummydesign.tissue.model import posterior
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
 from dummydesign.tissue.model.tissue import Tissue
 from dummydesign.tissue.model.tissue_file import KIND, read_tissue, tissue_toml
 

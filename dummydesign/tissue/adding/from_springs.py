@@ -11,8 +11,8 @@ from dummydesign.core.parsing import QuantitySpec, read_number
 from dummydesign.core.quantity import KINDS, Quantity
 from dummydesign.tissue.adding.from_traces import reserve, tissue_folder
 from dummydesign.tissue.adding.observations import read_rows
-from dummydesign.tissue.model.laws.spring import SPRING
-from dummydesign.tissue.model.parameters import Parameters
+from dummydesign.tissue.model.laws import SPRING
+from dummydesign.tissue.model.maxwell_law import Parameters
 from dummydesign.tissue.model.tissue import Subject, Tissue
 from dummydesign.tissue.model.tissue_file import tissue_toml
 

@@ -30,8 +30,7 @@ from dummydesign.tissue.fitting.problem import (
     trace_residuals,
 )
 from dummydesign.tissue.fitting.reduction import reduce_trace, rounded_velocity, speed_groups
-from dummydesign.tissue.model.laws import fitted_law, law_named
-from dummydesign.tissue.model.parameters import speed_key
+from dummydesign.tissue.model.maxwell_law import fitted_law, law_named, speed_key
 from dummydesign.tissue.model.subject import PRESSED, Subject
 
 MOST_STEPS = 12

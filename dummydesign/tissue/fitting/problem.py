@@ -23,7 +23,7 @@ from dummydesign.inference.noise import (
 )
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, speed_groups
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
 
 PER_DECADE = 10
 SLOWEST_PER_S, FASTEST_PER_S = 1e-3, 3e4

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.inference.binning import cut, distinct, hold_edges, mean_around
+from dummydesign.inference.noise import cut, distinct, hold_edges, mean_around
 from dummydesign.measurement.clipping import find_clip
 from dummydesign.measurement.motion import Motion
 from dummydesign.measurement.ramp_detection import Ramp, ramp_of, ringing_times, steady_force

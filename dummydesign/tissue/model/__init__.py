@@ -1,1 +1,5 @@
-"""The five-element law, its parameters, bands and ranges, and tissue files."""
+"""Tissue laws, their parameters, bands and ranges, and tissue files."""
+
+from dummydesign.tissue.model import laws
+
+__all__ = ["laws"]

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.tissue.model.parameters import Parameters
+from dummydesign.tissue.model.maxwell_law import Parameters
 from dummydesign.tissue.model.people_share import Population, is_share, share_of_aim
 
 if TYPE_CHECKING:

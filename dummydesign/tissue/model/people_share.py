@@ -22,9 +22,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.measurement.motion import DECELERATION_MM_S2
+from dummydesign.tissue.model.maxwell_law import SETTLED_S, Parameters, law_named, stack
+from dummydesign.tissue.model.posterior import STEADY_N
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+
 
 SAFE_SIDE = "safe-side"
 """Aim at the safe side of all subjects."""
@@ -212,3 +216,78 @@ def _quantiles(value: Callable[..., NDArray], groups: Sequence[NDArray], shares:
         known = np.isfinite(values).all()
         rows.append(np.quantile(values, shares, method="hazen") if known else np.full(len(shares), np.nan))
     return np.array(rows).T.reshape(len(shares), *shape)
+
+
+STEPS = 24
+"""Halvings of the interval of the arms' factor."""
+LOG_FACTOR = -7.0, 7.0
+"""Smallest and largest ln of the factor on the arms."""
+
+
+def share_parameters(
+    groups: Sequence[Sequence[Parameters]],
+    subjects: Sequence[Parameters],
+    velocities_mm_s: tuple[float, ...],
+    share: float,
+) -> Parameters:
+    """Return one set of parameters at the bound of a share of people.
+
+    gamma1 is the bound of the subjects' gamma1. The arms have the geometric means of the subjects' gamma_i / gamma1
+    and of their times at 10 N, the strengths times the one factor with which the peaks at 10 N reach the bound of the
+    subjects' peaks at the slowest and the fastest speed.
+
+    Parameters
+    ----------
+    groups : sequence of sequences of Parameters
+        Groups of people that the data allow, at least one.
+    subjects : sequence of Parameters
+        Two or more, of one law.
+    velocities_mm_s : tuple of float
+        Speeds at which all have dampers.
+    share : float
+        Of people, between 0 and 1.
+
+    Raises
+    ------
+    InputError
+        For one subject.
+    """
+    name = subjects[0].law
+    law = law_named(name)
+    gamma1 = float(Population.of_groups([[one.gamma1_N_per_mm3 for one in group] for group in groups]).bound(share))
+    if not velocities_mm_s:
+        return Parameters(name, gamma1, (), ())
+    depth_mm = float(law.root(STEADY_N / gamma1))
+    arms = {speed: _middle_arms(subjects, speed) for speed in velocities_mm_s}
+
+    def at(log_factor: float) -> Parameters:
+        strengths = gamma1 * np.exp(log_factor) * next(iter(arms.values()))[0]
+        dampers = tuple(
+            (speed, tuple((times * strengths * depth_mm**2).tolist())) for speed, (_, times) in arms.items()
+        )
+        return Parameters(name, gamma1, tuple(strengths.tolist()), dampers)
+
+    speeds = (velocities_mm_s[0], velocities_mm_s[-1])
+    everyone = [one for group in groups for one in group]
+    shape = len(groups), len(groups[0])
+    wanted = [float(Population.of_groups(_peaks(everyone, speed).reshape(shape)).bound(share)) for speed in speeds]
+    low, high = LOG_FACTOR
+    for _ in range(STEPS):
+        middle = 0.5 * (low + high)
+        enough = all(_peaks([at(middle)], speed)[0] >= peak for speed, peak in zip(speeds, wanted))
+        low, high = (low, middle) if enough else (middle, high)
+    return at(high)
+
+
+def _middle_arms(subjects: Sequence[Parameters], velocity_mm_s: float) -> tuple[NDArray, NDArray]:
+    """Geometric means over the subjects of gamma_i / gamma1, and of the arms' times at 10 N. [s]"""
+    gamma1, gamma, damper = stack(subjects, velocity_mm_s)
+    area = law_named(subjects[0].law).root(STEADY_N / gamma1)[:, None] ** 2
+    return tuple(np.exp(np.log(one).mean(axis=0)) for one in (gamma / gamma1[:, None], damper / (gamma * area)))
+
+
+def _peaks(subjects: Sequence[Parameters], velocity_mm_s: float) -> NDArray:
+    """Peaks of presses to 10 N at the end of a settled hold, shape (subjects,). [N]"""
+    press = law_named(subjects[0].law).press
+    _, force, _ = press(subjects, STEADY_N, velocity_mm_s, SETTLED_S, DECELERATION_MM_S2)
+    return np.asarray(force.max(axis=-1))

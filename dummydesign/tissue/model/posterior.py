@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +12,10 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import csv_text
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.user_library import find
-from dummydesign.tissue.model.laws import law_named
-from dummydesign.tissue.model.parameters import speed_key
+from dummydesign.tissue.model.maxwell_law import speed_key
 from dummydesign.tissue.model.subject import KIND, Subject, flatten, nest
 
-if TYPE_CHECKING:
-    from dummydesign.tissue.model.tissue import Tissue
-
+Subjects = tuple[Subject, ...]
 DRAWN = 49
 """Tissues that are drawn for what is not known of one."""
 
@@ -137,35 +132,21 @@ SEED, FARTHEST = 47, float(np.log(10.0))
 """No parameter is drawn farther than a factor of ten from the middle of the subjects."""
 
 
-def drawn_tissues(tissue: Tissue, count: int) -> tuple[Tissue, ...]:
-    """Tissues that the data of one allow; none where one subject, or a standard's spring, says nothing of others."""
-    if len(tissue.subjects) < 2 or not law_named(tissue.law).fitted:
-        return ()
-    rng = np.random.default_rng(SEED)
-    return posterior_tissues(tissue, count) or tuple(_of_subjects(tissue, rng) for _ in range(count))
-
-
-def posterior_tissues(tissue: Tissue, count: int) -> tuple[Tissue, ...]:
-    """Return draws stored with an inferred tissue, by their weights; none where a person was measured."""
-    if not law_named(tissue.law).fitted:
-        return ()
-    inferred = all(subject.numbers["gamma1_N_per_mm3"].kind == "inferred" for subject in tissue.subjects)
-    if tissue.origin == "file" or not inferred:
-        return ()
-    path = draws_path(find(KIND, "tissue", tissue.name).path)
+def posterior_subjects(name: str, subjects: Subjects, count: int) -> list[Subjects]:
+    """Groups from the draws stored with a tissue, by their weights; none where it has none."""
+    path = draws_path(find(KIND, "tissue", name).path)
     if not path.is_file():
-        return ()
+        return []
     draws, weight = read_draws(path)
     order = _in_strata(np.log(draws[..., 0]), weight, max(round(np.sqrt(count)), 1))
     # evenly over the weights, so that few draws stand for all
     index = np.searchsorted(np.cumsum(weight[order] / weight.sum()), (np.arange(count) + 0.5) / count)
     kinds = [("inferred", "drawn from the posterior")] * len(COLUMNS)
-    tissues = []
+    groups = []
     for one in draws[order[np.minimum(index, len(draws) - 1)]]:
-        pairs = zip(tissue.subjects, one[np.argsort(one[:, 0])])
-        subjects = tuple(subject_of(subject.name, row, row, row, kinds) for subject, row in pairs)
-        tissues.append(replace(tissue, subjects=subjects))
-    return tuple(tissues)
+        pairs = zip(subjects, one[np.argsort(one[:, 0])])
+        groups.append(tuple(subject_of(subject.name, row, row, row, kinds) for subject, row in pairs))
+    return groups
 
 
 def _in_strata(logs: NDArray, weight: NDArray, strata: int) -> NDArray:
@@ -177,16 +158,21 @@ def _in_strata(logs: NDArray, weight: NDArray, strata: int) -> NDArray:
     return by_mean[np.lexsort((spread, stratum))]
 
 
-def _of_subjects(tissue: Tissue, rng: np.random.Generator) -> Tissue:
-    """The subjects moved and spread as their number allows."""
-    flat = [flatten(subject.numbers) for subject in tissue.subjects]
+def drawn_subjects(subjects: Subjects, count: int) -> list[Subjects]:
+    """Groups of the subjects moved and spread as their number allows."""
+    rng = np.random.default_rng(SEED)
+    return [_drawn_group(subjects, rng) for _ in range(count)]
+
+
+def _drawn_group(subjects: Subjects, rng: np.random.Generator) -> Subjects:
+    flat = [flatten(subject.numbers) for subject in subjects]
     drawn = np.exp(drawn_logs(np.log([[number.value for number in numbers.values()] for numbers in flat]), rng))
     source = "drawn from what the number of subjects leaves open"
-    subjects = []
-    for subject, row in zip(tissue.subjects, drawn):
+    group = []
+    for subject, row in zip(subjects, drawn):
         numbers = {key: Quantity(value, value, value, "inferred", source) for key, value in zip(flat[0], row)}
-        subjects.append(Subject.of(subject.name, subject.parameters.law, nest(numbers)))
-    return replace(tissue, subjects=tuple(subjects))
+        group.append(Subject.of(subject.name, subject.parameters.law, nest(numbers)))
+    return tuple(group)
 
 
 def drawn_logs(values: NDArray, rng: np.random.Generator) -> NDArray:

@@ -10,9 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.measurement.motion import DECELERATION_MM_S2, work_to_deepest_mJ
-from dummydesign.tissue.model.laws import law_named
-from dummydesign.tissue.model.maxwell_law import stack
-from dummydesign.tissue.model.parameters import Parameters
+from dummydesign.tissue.model.maxwell_law import Parameters, law_named, stack
 
 if TYPE_CHECKING:
     from dummydesign.measurement.robot_path import RobotPath

@@ -8,7 +8,7 @@ from typing import Any
 
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.serialise import to_plain
-from dummydesign.tissue.model.parameters import Parameters
+from dummydesign.tissue.model.maxwell_law import Parameters
 
 KIND = "materials/tissues"
 """Folder of tissues, in the package and in a user's."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -10,10 +10,10 @@ from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.serialise import to_plain
 from dummydesign.tissue.model import ranges
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import Parameters, law_named, speed_key
 from dummydesign.tissue.model.measured_curves import MeasuredAim
-from dummydesign.tissue.model.parameters import Parameters, speed_key
-from dummydesign.tissue.model.people_share import share_of_aim
+from dummydesign.tissue.model.people_share import share_of_aim, share_parameters
+from dummydesign.tissue.model.posterior import DRAWN, drawn_subjects, posterior_subjects
 from dummydesign.tissue.model.subject import Subject, flatten, subject_parameters
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ class Tissue:
         """Parameters a dummy should have.
 
         ``average`` is the band's mean, ``safe-side`` the largest of each, ``subject:NAME`` one subject's,
-        ``people:PERCENT`` the bound of a share of people (:mod:`~dummydesign.tissue.model.share_target`). Of measured
+        ``people:PERCENT`` the bound of a share of people (:mod:`~dummydesign.tissue.model.people_share`). Of measured
         curves it is the middle, the strict side or the bound of the curves themselves.
 
         Raises
@@ -152,9 +152,25 @@ class Tissue:
             )
         if self.measured:
             return MeasuredAim(self.parameter_sets, aim)  # type: ignore[arg-type]
-        from dummydesign.tissue.model.share_target import share_parameters
+        groups = [one.parameter_sets for one in self.posterior(DRAWN) or (self,)]
+        return share_parameters(groups, self.parameter_sets, self.velocities_mm_s, share)
 
-        return share_parameters(self, share)
+    def drawn(self, count: int) -> tuple[Tissue, ...]:
+        """Tissues that the data of this one allow; none where one subject, or a standard's spring, says nothing."""
+        if len(self.subjects) < 2 or not law_named(self.law).fitted:
+            return ()
+        return self.posterior(count) or self._with_subjects(drawn_subjects(self.subjects, count))
+
+    def posterior(self, count: int) -> tuple[Tissue, ...]:
+        """Return the draws stored with an inferred tissue, by their weights; none where a person was measured."""
+        if not law_named(self.law).fitted or self.origin == "file":
+            return ()
+        if any(subject.numbers["gamma1_N_per_mm3"].kind != "inferred" for subject in self.subjects):
+            return ()
+        return self._with_subjects(posterior_subjects(self.name, self.subjects, count))
+
+    def _with_subjects(self, groups: Sequence[tuple[Subject, ...]]) -> tuple[Tissue, ...]:
+        return tuple(replace(self, subjects=group) for group in groups)
 
     def steady_depth_range(self, force_N: ArrayLike) -> tuple[NDArray, NDArray]:
         """Depth of the stiffest and of the softest subject over steady force. [mm]"""

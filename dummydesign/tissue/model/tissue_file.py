@@ -12,11 +12,9 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import KINDS, Quantity
 from dummydesign.core.toml_schema import TomlTable, read_table
 from dummydesign.core.user_library import Entry, data_folder, entries, find, toml_line
-from dummydesign.tissue.model.laws import LAWS, law_named
-from dummydesign.tissue.model.laws.curves import CURVES, known_words
-from dummydesign.tissue.model.maxwell_law import arms_of
+from dummydesign.tissue.model.laws import CURVES, known_words
+from dummydesign.tissue.model.maxwell_law import LAWS, arms_of, law_named, speed_key
 from dummydesign.tissue.model.measured_curves import DEPTH_MM, SHARES, HeldPress, MeasuredPerson, common_forces
-from dummydesign.tissue.model.parameters import speed_key
 from dummydesign.tissue.model.subject import KIND, PRESSED, Subject
 from dummydesign.tissue.model.tissue import Tissue, same_shape
 

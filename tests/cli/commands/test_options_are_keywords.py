@@ -65,7 +65,8 @@ def test_a_calibration_none_is_none_and_a_red_pad_is_an_answer_that_is_refused(m
     def made(acceptable):
         verdict = argparse.Namespace(acceptable=acceptable)
         answer = argparse.Namespace(
-            outcome=argparse.Namespace(verdict=verdict), to_dict=lambda: {"verdict": {"level": "not_representative"}}
+            outcome=argparse.Namespace(verdict=verdict, mould_command="dummydesign mold 5"),
+            to_dict=lambda: {"verdict": {"level": "not_representative"}},
         )
 
         def function(calibration, progress):
@@ -74,7 +75,6 @@ def test_a_calibration_none_is_none_and_a_red_pad_is_an_answer_that_is_refused(m
 
         return function
 
-    monkeypatch.setattr("dummydesign.design.next_steps.mould_of_pad", lambda answer: "dummydesign mold 5")
     for cad in (True, False):
         monkeypatch.setattr(designs, "suggest", made(False))
         with raises_code("no_acceptable_pad", "verdict") as caught:

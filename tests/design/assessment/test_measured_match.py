@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from dummydesign.core.serialise import to_plain
-from dummydesign.design import measured_match
-from dummydesign.design.measured_match import budget_of_traces, curves_of_traces
-from dummydesign.design.measured_pad import readings_of_traces
+from dummydesign.design import measured_pad
+from dummydesign.design.measured_pad import budget_of_traces, curves_of_traces, readings_of_traces
 from dummydesign.tissue.comparison import compare_traces
 from tests.tissue.model.test_measured_curves import pad_traces, people  # noqa: F401
 
@@ -39,12 +38,12 @@ def test_outermost_energies_are_those_of_each_drawn_tissue_by_itself(monkeypatch
         SimpleNamespace(stop_s=np.zeros(count), peak_low_N=float(at), peak_high_N=at + 10.0)
         for at, count in enumerate((2, 3, 1))
     ]
-    monkeypatch.setattr(measured_match, "force_ranges", lambda *given: bands)
-    monkeypatch.setattr(measured_match, "press_subjects", lambda *given: (None, np.zeros((6, 2)), np.zeros((6, 2))))
-    monkeypatch.setattr(measured_match, "work_mJ", lambda displacement, force: np.arange(6.0))
+    monkeypatch.setattr(measured_pad, "force_ranges", lambda *given: bands)
+    monkeypatch.setattr(measured_pad, "press_subjects", lambda *given: (None, np.zeros((6, 2)), np.zeros((6, 2))))
+    monkeypatch.setattr(measured_pad, "work_mJ", lambda displacement, force: np.arange(6.0))
     trace = SimpleNamespace(steady_force_N=10.0, hold_s=5.0)
     press = SimpleNamespace(trace=trace, braking_mm_s2=1e4)
     drawn = [SimpleNamespace(parameter_sets=())] * 3
-    peaks, energies = measured_match._outer(press, 10.0, drawn, "ode")
+    peaks, energies = measured_pad._outer(press, 10.0, drawn, "ode")
     assert peaks.tolist() == [[0.0, 10.0], [1.0, 11.0], [2.0, 12.0]]
     assert energies.tolist() == [[0.0, 1.0], [2.0, 4.0], [5.0, 5.0]]

@@ -17,7 +17,7 @@ from dummydesign.design.scoring.castings import (
     Castings,
     Tolerances,
 )
-from dummydesign.design.scoring.finite_strain import EXACT
+from dummydesign.design.scoring.crowns import EXACT
 from dummydesign.design.scoring.press_simulation import PadBatch, steady_depth
 from dummydesign.design.scoring.settings import crown_making
 from dummydesign.design.scoring.verdict import CLASSES, Readings, readings_of

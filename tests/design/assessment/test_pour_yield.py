@@ -6,7 +6,7 @@ import pytest
 from dummydesign.design.assessment.pad_castings import PadCastings, pour_yield
 from dummydesign.design.pad_evaluator import one_pad
 from dummydesign.design.scoring.castings import Castings, Tolerances
-from dummydesign.design.scoring.finite_strain import EXACT
+from dummydesign.design.scoring.crowns import EXACT
 from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search.slabs import SearchSpace

@@ -12,7 +12,7 @@ from dummydesign.design.pad_evaluator import cast_pad, law_of_shape
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, RELAXATION, Castings
-from dummydesign.design.scoring.finite_strain import finite_strain_of
+from dummydesign.design.scoring.crowns import finite_strain_of
 from dummydesign.design.scoring.outlook import Match
 from dummydesign.design.scoring.verdict import CLASSES, classes, deviations, ranges_of
 from dummydesign.design.search.shape_search import candidate_of, outlook_for, search_shapes

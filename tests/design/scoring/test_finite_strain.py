@@ -11,7 +11,7 @@ from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.assessment.budget import budget_of_castings
 from dummydesign.design.pad_evaluator import law_of_shape, one_pad
 from dummydesign.design.scoring.castings import FORCE_LAW, GROUPS, Castings, Tolerances
-from dummydesign.design.scoring.finite_strain import DEVIATES, EXACT, finite_strain_of
+from dummydesign.design.scoring.crowns import DEVIATES, EXACT, finite_strain_of
 from dummydesign.design.scoring.press_simulation import press_to_depth
 from dummydesign.design.scoring.verdict import Readings
 from dummydesign.geometry.shape_registry import read_shape

@@ -9,11 +9,10 @@ import pytest
 
 from dummydesign.cli.entry import run
 from dummydesign.core.quantity import Quantity
-from dummydesign.design.measured_people import shares_of_traces
-from dummydesign.design.scoring.people import people_warnings, shares_below
+from dummydesign.design.measured_pad import shares_of_traces
 from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.settings import weights_of
-from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.scoring.targets import make_targets, people_warnings, shares_below
 from dummydesign.design.scoring.verdict import Readings, deviations, ranges_of, verdict
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.trace import Trace

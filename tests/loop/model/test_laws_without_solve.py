@@ -13,8 +13,7 @@ from dummydesign.pad.force_source import curve_without_solve, elastic_curve
 from dummydesign.pad.material.hyperelastic import Ogden
 from dummydesign.pad.pad_under_punch import Pad, Puck
 from dummydesign.pad.tables import square
-from dummydesign.pad.tables.filleted import FILLETS, load_filleted
-from dummydesign.pad.tables.slab import load_compressibility, load_table
+from dummydesign.pad.tables.slab import FILLETS, load_compressibility, load_filleted, load_table
 from tests.support.known_laws import puck_law, slab_law
 from tests.support.refusal import raises_code
 

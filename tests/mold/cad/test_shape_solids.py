@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from dummydesign.geometry.conic import Conic
-from dummydesign.mold.cad.build import Parts, pad_solid
+from dummydesign.mold.cad.build import pad_solid
+from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.checks import solids as check
 from dummydesign.mold.checks import solids as check_shape
 from dummydesign.mold.model.layout import layout, slab_volume_mm3

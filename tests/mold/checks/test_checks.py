@@ -141,7 +141,7 @@ def test_lid_moved_sideways_fails_interference(lidded_parts):
 
 
 def test_wrong_compensation_is_seen(open_parts):
-    from dummydesign.mold.cad.build import Parts
+    from dummydesign.mold.cad.parts import Parts
 
     wrong = Parts(open_parts.spec, open_parts.plan, open_parts.pad_nominal.scale(1.001))
     wrong.parts, wrong.tools, wrong.hull = open_parts.parts, open_parts.tools, open_parts.hull
@@ -150,7 +150,7 @@ def test_wrong_compensation_is_seen(open_parts):
 
 @pytest.mark.slow
 def test_missing_label_on_the_master_is_seen(open_parts):
-    from dummydesign.mold.cad.build import Parts
+    from dummydesign.mold.cad.parts import Parts
 
     plan, grow = open_parts.plan, open_parts.plan.silicone_scale
     deep = open_parts.spec.body.label_depth_mm
@@ -176,7 +176,7 @@ def test_thin_wall_and_floor_are_seen(open_parts):
 
 @pytest.mark.slow
 def test_features_that_touch_are_seen(lidded_parts):
-    from dummydesign.mold.cad.build import Parts
+    from dummydesign.mold.cad.parts import Parts
 
     made = lidded_parts
     near = Parts(made.spec, made.plan, made.pad_nominal, made.parts, dict(made.tools))

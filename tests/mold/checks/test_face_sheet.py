@@ -82,7 +82,7 @@ def test_sheet_and_list_name_the_size_to_cut():
 
 
 def test_the_section_of_a_sheet_goes_through_the_sheet_of_a_printed_mould_with_two_cavities():
-    from dummydesign.mold.cad.build import Parts
+    from dummydesign.mold.cad.parts import Parts
     from dummydesign.mold.files.part_drawings import section_origin
 
     spec = mould_spec(8.0, 60.0, 50.0, preset="printed", face_sheet_mm=3.0, count=2)

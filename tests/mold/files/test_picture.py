@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.mold.cad.build import COLOURS
+from dummydesign.mold.cad.parts import COLOURS
 from dummydesign.mold.files import picture as view
 from dummydesign.mold.files.pour_sheet import Foot
 

@@ -18,8 +18,7 @@ from dummydesign.mold.puck.plan import puck_plan, warnings_of
 from dummydesign.mold.puck.ring import puck_spec, read_pucks
 from dummydesign.mold.puck.sheet import puck_sheet
 from dummydesign.resin import load_resin
-from dummydesign.resin.model.modulus_laws import LAWS
-from dummydesign.resin.model.ratio_meaning import guessed_chemistry
+from dummydesign.resin.model.modulus_laws import LAWS, guessed_chemistry
 from dummydesign.resin.model.resin_file import save_resin
 from tests.support.mould_checks import failed
 from tests.support.refusal import raises_code

@@ -8,8 +8,7 @@ from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.predict import predict_static
-from dummydesign.pad.tables.filleted import load_filleted, slab_table
-from dummydesign.pad.tables.slab import load_table
+from dummydesign.pad.tables.slab import load_filleted, load_table, slab_table
 from tests.support.refusal import raises_code
 
 RADIUS_MM = 14.0 / np.sqrt(np.pi)

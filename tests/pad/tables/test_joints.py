@@ -12,9 +12,8 @@ import pytest
 
 from dummydesign.core.user_library import table_path
 from dummydesign.pad.tables import puck
-from dummydesign.pad.tables.filleted import FILLETS, load_filleted
 from dummydesign.pad.tables.shape import load_shape_table
-from dummydesign.pad.tables.slab import load_table
+from dummydesign.pad.tables.slab import FILLETS, load_filleted, load_table
 from dummydesign.pad.tables.square import combined_depth, load_square, square_law
 from studies.tables.puck import filled
 from tests.support.steps import largest_steps

@@ -10,7 +10,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from dummydesign.core.user_library import data_folder
-from dummydesign.pad.tables import filleted, puck, slab
+from dummydesign.pad.tables import puck, slab
 from dummydesign.pad.tables.crowned import crown_inputs
 from dummydesign.pad.tables.puck import PuckTable, friction_of, grip, interpolate, uniaxial
 from dummydesign.pad.tables.response_surface import Response, fade, matern, quadratic
@@ -256,12 +256,12 @@ def test_values_at_a_fillet_lie_between_its_neighbours_where_both_are_known():
     at = np.array([0.0, 0.1, 0.3, 0.7])
     rows = 1.0 + 2.0 * at[:, None] + np.zeros((4, 3))
     rows[2, 1], rows[0, 2] = np.nan, np.nan
-    found = filleted._joined(at, rows, 0.2)
+    found = slab._joined(at, rows, 0.2)
     assert found[0] == pytest.approx(1.4) and np.isnan(found[1]) and found[2] == pytest.approx(1.4)
-    assert filleted._joined(at, rows, 0.7)[0] == pytest.approx(2.4)
-    assert filleted._joined(at, rows, 0.05)[0] == pytest.approx(1.1)
+    assert slab._joined(at, rows, 0.7)[0] == pytest.approx(2.4)
+    assert slab._joined(at, rows, 0.05)[0] == pytest.approx(1.1)
     depth = np.array([0.1, 0.2, 0.4])
-    lasts = [filleted._last_known(depth, row) for row in ([1.0, 2.0, 3.0], [1.0, np.nan, 3.0], [np.nan, 1.0, 1.0])]
+    lasts = [slab._last_known(depth, row) for row in ([1.0, 2.0, 3.0], [1.0, np.nan, 3.0], [np.nan, 1.0, 1.0])]
     assert lasts == [0.4, 0.1, 0.0]
 
 
@@ -275,7 +275,7 @@ def fillets():
 def test_at_a_solved_fillet_the_table_is_its_solves_within_the_stated_error(fillets):
     depth, ratios = np.array(fillets["depth"]), np.array(fillets["ratio"])
     k = 2
-    table = filleted.between_fillets(fillets, float(fillets["fillet"][k]))
+    table = slab.between_fillets(fillets, float(fillets["fillet"][k]))
     value, error = (np.array(fillets[name], dtype=float)[:, k] for name in ("value", "error"))
     known = np.isfinite(value)
     found = table.log_stiffness(depth, ratios[:, None])[0]
@@ -290,11 +290,11 @@ def test_at_a_solved_fillet_the_table_is_its_solves_within_the_stated_error(fill
 
 
 def test_a_fillet_below_the_first_node_is_doubted_more_where_few_sharp_solves_are_left(fillets):
-    tables = [filleted.between_fillets(fillets, float(one)) for one in (0.0249, 0.0251)]
+    tables = [slab.between_fillets(fillets, float(one)) for one in (0.0249, 0.0251)]
     shallow, deep = (
         [float(table.relative_error(depth, 1.0, 1.0)) for table in tables] for depth in (0.3, tables[0].depth_range[1])
     )
-    assert shallow[0] == pytest.approx(shallow[1], abs=2e-3) and deep[0] - deep[1] > 0.8 * filleted.FEW
+    assert shallow[0] == pytest.approx(shallow[1], abs=2e-3) and deep[0] - deep[1] > 0.8 * slab.FEW
     sharp = load_table("bonded")
     assert tables[0].depth_limit(1.0) <= float(sharp.depth_limit(1.0)) + 0.051
 

@@ -10,15 +10,12 @@ import pytest
 from dummydesign.measurement.motion import Motion
 from dummydesign.measurement.robot_path import RISE
 from dummydesign.measurement.trace import Trace
-from dummydesign.person.drive_diagnostics import TraceSigns
-from dummydesign.person.drives.drive import MASSES, RobotDrive
-from dummydesign.person.drives.force import Force
+from dummydesign.person.drives.drive import MASSES, RobotDrive, TraceSigns
+from dummydesign.person.drives.followed import SAME_SPEED, Force, Position, SteadyDrive, own_late_mean, path_of
 from dummydesign.person.drives.mass import Mass
-from dummydesign.person.drives.position import Position
-from dummydesign.person.drives.steady import SAME_SPEED, SteadyDrive, own_late_mean, path_of
 from dummydesign.person.people import People
 from dummydesign.person.press import SHORTEST_HOLD_S, Press
-from dummydesign.tissue.model.laws.spring import SPRING
+from dummydesign.tissue.model.laws import SPRING
 from tests.support.refusal import raises_code
 
 K = np.array([2.0, 5.0, 20.0])

@@ -14,7 +14,7 @@ from dummydesign.mold.pour.plan import batch_of, pour_plan
 from dummydesign.mold.pour.record import Measured, weighed_ratio
 from dummydesign.mold.pour.warnings import pour_warnings
 from dummydesign.resin import load_resin
-from dummydesign.resin.model.ratio_meaning import BY_VOLUME, RATIO_BY, RATIO_PER, ratio_words, read_ratio_meaning
+from dummydesign.resin.model.modulus_laws import BY_VOLUME, RATIO_BY, RATIO_PER, ratio_words, read_ratio_meaning
 from dummydesign.resin.model.resin_file import save_resin
 from tests.support.refusal import raises_code
 from tests.support.sheet_text import sheet_text

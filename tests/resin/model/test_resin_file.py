@@ -12,7 +12,7 @@ from dummydesign.core.quantity import Quantity
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.resin import Point
 from dummydesign.resin.model.resin_file import save_resin
-from dummydesign.resin.update.modulus import add_resin, update_resin
+from dummydesign.resin.update import add_resin, update_resin
 from tests.support.refusal import raises_code
 
 BUILT_IN = user_library.data_folder() / "materials" / "resins" / "polyurethane-nagoya.toml"

@@ -23,7 +23,7 @@ from dummydesign.resin.puck_test.contradictions import (
 )
 from dummydesign.resin.puck_test.loading_fit import LoadingCurve, fit_pucks
 from dummydesign.resin.puck_test.plates import read_plates
-from dummydesign.resin.update.modulus import rebuild
+from dummydesign.resin.update import rebuild
 
 
 def puck(ratio, young_kPa, sha256="a", spread=0.04, alpha=None):

@@ -9,7 +9,7 @@ from dummydesign.core.quantity import HALF_WIDTH, Quantity
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.modulus_laws import LAWS
 from dummydesign.resin.model.resin import Point
-from dummydesign.resin.update.modulus import update_resin
+from dummydesign.resin.update import update_resin
 from tests.support.refusal import raises_code
 
 

@@ -9,7 +9,7 @@ from dummydesign.core.quantity import HALF_WIDTH, Quantity
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.resin import ResinArm
 from dummydesign.resin.model.resin_file import save_resin
-from dummydesign.resin.update.relaxation import update_relaxation
+from dummydesign.resin.update import update_relaxation
 
 
 def arm(tau_s, beta, spread=0.05):

@@ -12,7 +12,7 @@ from dummydesign.measurement.motion import Motion, contact_velocity, ramp_and_ho
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.comparison import PressTest, compare_traces, missing_of, presses_of
-from dummydesign.tissue.model.laws.ode import ODE
+from dummydesign.tissue.model.laws import ODE
 from tests.support.refusal import raises_code
 
 

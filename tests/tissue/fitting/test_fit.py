@@ -12,7 +12,7 @@ from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.fitting.fit import fit_traces, subject_from_fit
 from dummydesign.tissue.fitting.problem import TissueProblem
 from dummydesign.tissue.fitting.reduction import between, reduce_trace, speed_groups
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
 from tests.support.refusal import raises_code
 
 SIX = [(v, f) for v in (10.0, 250.0) for f in (5.0, 10.0, 15.0)]

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from dummydesign.measurement.motion import Motion, ramp_and_hold
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
 from tests.support.refusal import raises_code
 
 V, DEPTH = 250.0, 2.0

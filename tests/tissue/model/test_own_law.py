@@ -10,8 +10,7 @@ from dummydesign.cli.entry import run
 from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.model.laws import LAWS
-from dummydesign.tissue.model.maxwell_law import MaxwellLaw, MotionResponse
+from dummydesign.tissue.model.maxwell_law import LAWS, MaxwellLaw, MotionResponse
 from tests.support.refusal import raises_code
 
 DEPTH_MM = 4.0

@@ -8,11 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.tissue.model import share_target
-from dummydesign.tissue.model.laws import law_named
-from dummydesign.tissue.model.parameters import Parameters
-from dummydesign.tissue.model.people_share import Population
-from dummydesign.tissue.model.share_target import share_parameters
+from dummydesign.tissue.model import people_share
+from dummydesign.tissue.model.maxwell_law import Parameters, law_named
+from dummydesign.tissue.model.people_share import Population, share_parameters
 from dummydesign.tissue.model.tissue import Subject, Tissue
 from tests.support.refusal import raises_code
 
@@ -39,16 +37,16 @@ ALIKE = tissue([person(one) for one in STEADY])
 
 @pytest.fixture(autouse=True)
 def _few_halvings(monkeypatch):
-    monkeypatch.setattr(share_target, "STEPS", 14)
+    monkeypatch.setattr(people_share, "STEPS", 14)
 
 
 def peak(one, speed):
-    return float(share_target._peaks([one], speed)[0])
+    return float(people_share._peaks([one], speed)[0])
 
 
 @pytest.mark.parametrize("share", [0.5, 0.95])
 def test_gamma1_is_the_bound_of_the_subjects_and_the_peaks_reach_theirs(share):
-    found = share_parameters(ALIKE, share)
+    found = ALIKE.target(f"people:{100.0 * share:g}")
     assert found.gamma1_N_per_mm3 == pytest.approx(float(Population.of(STEADY).bound(share)))
     peaks = {v: [peak(one, v) for one in ALIKE.parameter_sets] for v in (10.0, 250.0)}
     wanted = {v: float(Population.of(own).bound(share)) for v, own in peaks.items()}
@@ -58,13 +56,13 @@ def test_gamma1_is_the_bound_of_the_subjects_and_the_peaks_reach_theirs(share):
 
 
 def test_a_larger_share_has_a_stiffer_and_stronger_dummy():
-    low, high = (share_parameters(ALIKE, share) for share in (0.5, 0.99))
+    low, high = (ALIKE.target(f"people:{100.0 * share:g}") for share in (0.5, 0.99))
     assert high.gamma1_N_per_mm3 > low.gamma1_N_per_mm3
     assert all(a > b for a, b in zip(high.gamma_N_per_mm3, low.gamma_N_per_mm3))
 
 
 def test_arms_have_the_times_of_the_subjects_at_ten_newtons():
-    found = share_parameters(ALIKE, 0.9)
+    found = ALIKE.target("people:90")
     area = float(law_named("consistent").root(10.0 / found.gamma1_N_per_mm3)) ** 2
     for speed, factor in ((10.0, 1.0), (250.0, 0.5)):
         times = np.array(found.dampers_at(speed)) / (np.array(found.gamma_N_per_mm3) * area)
@@ -72,12 +70,12 @@ def test_arms_have_the_times_of_the_subjects_at_ten_newtons():
 
 
 def test_people_of_springs_alone_have_a_bound_of_their_springs_alone():
-    springs = tissue([Parameters("spring", one, (), ()) for one in (2.0, 3.0, 5.0)])
-    found = share_parameters(springs, 0.9)
+    springs = [Parameters("spring", one, (), ()) for one in (2.0, 3.0, 5.0)]
+    found = share_parameters([springs], springs, (), 0.9)
     assert found.gamma1_N_per_mm3 == pytest.approx(float(Population.of([2.0, 3.0, 5.0]).bound(0.9)))
     assert found.gamma_N_per_mm3 == () and found.law == "spring"
 
 
 def test_one_subject_is_no_population():
     with raises_code("not_enough_data", "subjects"):
-        share_parameters(replace(ALIKE, subjects=ALIKE.subjects[:1]), 0.9)
+        replace(ALIKE, subjects=ALIKE.subjects[:1]).target("people:90")

@@ -9,7 +9,7 @@ import pytest
 from dummydesign.core.user_library import data_folder, read_toml
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.model.parameters import Parameters
+from dummydesign.tissue.model.maxwell_law import Parameters
 from dummydesign.tissue.model.ranges import force_range
 from dummydesign.tissue.model.subject import Subject
 from dummydesign.tissue.model.tissue import same_shape

@@ -13,7 +13,7 @@ from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.adding.from_curves import Misfit, add_curves
 from dummydesign.tissue.adding.from_points import add_points
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
 from tests.support.fung_people import PEOPLE, write_table
 from tests.support.judged_pads import judged
 from tests.support.power_pads import pads

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dummydesign.tissue.model.posterior import drawn_logs, drawn_tissues
+from dummydesign.tissue.model.posterior import drawn_logs
 from dummydesign.tissue.model.tissue_file import load_tissue
 from tests.support.slab_by_formula import make_tissue
 
@@ -45,16 +45,16 @@ def test_parameters_that_go_together_in_the_subjects_go_together_in_the_draws():
 def test_one_subject_and_a_standards_spring_say_nothing_of_others():
     from dummydesign.tissue.adding.from_springs import spring_tissue
 
-    assert drawn_tissues(make_tissue((1.0,)), 4) == ()
-    assert drawn_tissues(spring_tissue("arm", 30.0, 5.0, "a standard", "digitised"), 4) == ()
+    assert make_tissue((1.0,)).drawn(4) == ()
+    assert spring_tissue("arm", 30.0, 5.0, "a standard", "digitised").drawn(4) == ()
 
 
 def test_a_measured_tissue_is_drawn_with_its_names_law_and_speeds_and_the_same_each_time():
     tissue = make_tissue()
-    drawn = drawn_tissues(tissue, 5)
+    drawn = tissue.drawn(5)
     assert [one.name for one in drawn[0].subjects] == [one.name for one in tissue.subjects]
     assert drawn[0].velocities_mm_s == tissue.velocities_mm_s and len({gammas(one)[0] for one in drawn}) == 5
-    np.testing.assert_array_equal(gammas(drawn[3]), gammas(drawn_tissues(tissue, 5)[3]))
+    np.testing.assert_array_equal(gammas(drawn[3]), gammas(tissue.drawn(5)[3]))
 
 
 def test_an_inferred_tissue_is_drawn_from_its_posterior():
@@ -62,7 +62,7 @@ def test_an_inferred_tissue_is_drawn_from_its_posterior():
     from dummydesign.tissue.model.posterior import draws_path, read_draws
 
     tissue = load_tissue("forefinger")
-    drawn = drawn_tissues(tissue, 49)
+    drawn = tissue.drawn(49)
     draws, weight = read_draws(draws_path(find("materials/tissues", "tissue", "forefinger").path))
     logs = np.log(draws[..., 0])
     mean = float(weight @ logs.mean(axis=1) / weight.sum())

@@ -8,7 +8,7 @@ import pytest
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue.adding.from_curves import add_curves
 from dummydesign.tissue.adding.observations import check_curves, read_curves
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import law_named
 from tests.support.refusal import raises_code
 
 GAMMA1 = {"anna": 0.05, "bert": 0.12}

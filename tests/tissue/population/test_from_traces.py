@@ -14,7 +14,7 @@ from dummydesign.tissue import load_tissue
 from dummydesign.tissue.adding import from_traces
 from dummydesign.tissue.adding.from_points import next_measurement
 from dummydesign.tissue.adding.observations import read_points
-from dummydesign.tissue.model.parameters import Parameters
+from dummydesign.tissue.model.maxwell_law import Parameters
 from dummydesign.tissue.model.posterior import draws_path, read_draws, typical_subjects, weighted_quantile
 from dummydesign.tissue.model.tissue import Subject
 from dummydesign.tissue.model.tissue_file import KIND

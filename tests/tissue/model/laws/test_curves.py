@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.measurement.motion import Motion
-from dummydesign.tissue.model.laws.curves import CURVES, known_words
+from dummydesign.tissue.model.laws import CURVES, known_words
 from dummydesign.tissue.model.measured_curves import SHARES, hold_times
 from tests.support.refusal import raises_code
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.measurement.motion import Motion
-from dummydesign.tissue.model.laws.ideal_ramp import CONSISTENT, PUBLISHED, ramps_of
+from dummydesign.tissue.model.laws import CONSISTENT, PUBLISHED, ramps_of
 
 V, DEPTH = 20.0, 2.0
 STOP = DEPTH / V

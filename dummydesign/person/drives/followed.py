@@ -1,4 +1,4 @@
-"""The published protocol: every body is pressed to the depth at which its steady force is the same."""
+"""Drives that give people what the trace shows: the pad's path, its force, or its steady force."""
 
 from __future__ import annotations
 
@@ -11,11 +11,48 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import Motion, work_to_deepest_mJ
 from dummydesign.measurement.robot_path import RobotPath
-from dummydesign.person.drive_diagnostics import TraceSigns
-from dummydesign.person.drives.drive import RobotDrive, not_kept
-from dummydesign.person.integrate import LATE_POINTS, PersonResponse
+from dummydesign.person.drives.drive import RobotDrive, TraceSigns, not_kept
+from dummydesign.person.integrate import LATE_POINTS, PersonResponse, follow_force, late_mean
 from dummydesign.person.people import People
 from dummydesign.person.press import LATE, SHORTEST_HOLD_S, Press
+from dummydesign.person.validity_range import short_number
+
+
+class Position(RobotDrive):
+    """x(t) on people is x(t) on the pad, from contact on."""
+
+    name = form = "position"
+    words = "a stiff arm that presses people to the pad's depth at each time"
+
+    def contradicted(self, signs: TraceSigns) -> str:
+        """Where the path was not kept."""
+        return not_kept(signs)
+
+    def respond(self, press: Press, people: People, keep: bool = True) -> PersonResponse:
+        """Force of the law along the path."""
+        time, force = press.time_s, people.force(press.time_s, press.x_mm)
+        depth, steady = np.broadcast_to(press.x_mm, force.shape), late_mean(time, force, press.late_from_s)
+        energy = work_to_deepest_mJ(np.maximum(depth, 0.0), force)
+        return PersonResponse.of_curves(time, depth, force, steady, energy)
+
+
+class Force(RobotDrive):
+    """F(t) on people is F(t) on the pad; depth follows."""
+
+    name = form = "force"
+    words = "a clamp that controls its force and gives people the pad's force at each time"
+
+    def contradicted(self, signs: TraceSigns) -> str:
+        """Where the path was kept instead, or the pad took the speed."""
+        if signs.looks_like == "position":
+            return f"the force fell by {short_number(signs.relaxed_N or 0.0, 2)} N in the hold while the depth was kept"
+        return not_kept(signs) if signs.looks_like == "mass" else ""
+
+    def respond(self, press: Press, people: People, keep: bool = True) -> PersonResponse:
+        """Solve the law for the depth."""
+        given = people, press.time_s, press.force_N, press.late_from_s
+        return follow_force(*given) if keep else follow_force(*given, substeps=1, tolerance=1e-5)
+
 
 SAME_SPEED = 0.95
 """Share of the speed of the approach from which on the robot counts as not yet braking at contact."""
@@ -57,7 +94,7 @@ class SteadyDrive(RobotDrive):
 
     def on_curves(self, press: Press, people: Sequence[Any]) -> PersonResponse:
         """The presses that were made, between their forces."""
-        from dummydesign.tissue.model.laws.curves import CURVES
+        from dummydesign.tissue.model.laws import CURVES
 
         hold, braking = press_of(press)
         steady = float(np.mean(np.asarray(press.steady_N)))

@@ -1,1 +1,0 @@
-"""Own measurements into a resin: modulus rows and relaxation."""

@@ -33,7 +33,22 @@ class Quantity(Serialised):
 
 
 def fitted_around(value: float, spread: float, source: str) -> Quantity:
-    """A positive fitted quantity whose logarithm has this half width of its 95 % interval."""
+    """A positive fitted quantity with its 95 % interval.
+
+    Parameters
+    ----------
+    value : float
+        Fitted value, in the quantity's unit.
+    spread : float
+        Half width of the interval of its natural logarithm.
+    source : str
+        What it was fitted to.
+
+    Returns
+    -------
+    Quantity
+        ``value``, between ``value / exp(spread)`` and ``value * exp(spread)``.
+    """
     factor = math.exp(min(spread, 99.0))
     return Quantity(value, value / factor, value * factor, "fitted", source)
 

@@ -121,8 +121,8 @@ def replay(campaign: Campaign, calibration: Calibration, progress: Progress = qu
     )
 
 
-SEARCH_ITERATIONS = 300
-"""Iterations of fits after which no further model is begun; usual searches take 30 to 200."""
+SEARCH_ITERATIONS = 1000
+"""Iterations of fits after which no further model is begun; usual searches take 30 to 200, two effects of laws of their own up to 600."""
 
 
 @one_blas_thread()

@@ -18,7 +18,7 @@ OF_CALLS = {"dataclasses", "ast", "hashlib", "json"}
 """Modules of Python that the Python calls load, of whose signatures the options are made."""
 NOT_FOR_HELP = ("tempfile", "difflib", *OF_CALLS)
 """Modules of Python that take as long to load as the rest of a help."""
-FROM_CALLS = "suggest predict whatif import fit mold loop replay compare on-person".split()
+FROM_CALLS = "suggest predict whatif import fit mold campaign loop replay compare on-person".split()
 HEAVY = ("numpy", "scipy", "skfem", "cadquery", "OCP", "pyvista", "vtk", "trimesh", "matplotlib")
 CONTRACT_HEAVY = HEAVY[1:]
 

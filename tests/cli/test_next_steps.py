@@ -16,6 +16,7 @@ from dummydesign.cli.text import WIDTH, labelled, step_lines
 from dummydesign.design import next_steps
 from dummydesign.design.next_steps import _search_again
 from dummydesign.design.request import Request
+from dummydesign.design.suggestion import Suggestion
 from tests.support.typed_lines import TypedLine, complaints
 
 DEFAULTS = {one.name: one.default for one in dataclasses.fields(Request)}
@@ -91,6 +92,7 @@ def test_steps_of_drawn_searches_can_be_typed_and_name_no_file_that_nothing_writ
         answer.request = SimpleNamespace(
             **{**vars(answer.request), "resin": inputs["resin"], "pad_mm": inputs["pad_mm"], "preset": inputs["preset"]}
         )
+        answer.mould_command = Suggestion.mould_command.fget(answer)
         steps = next_steps.next_steps(answer, inputs)
         lines = [TypedLine("NEXT", step.command.removeprefix("dummydesign ")) for step in steps if step.command]
         assert [complaints(line, ("my-batch",)) for line in lines] == [[]] * len(lines)

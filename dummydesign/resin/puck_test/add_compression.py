@@ -209,7 +209,7 @@ RAMP_TIMES = 10.0
 """A term is seen well by a ramp of this many of its times: a tenth of its force is left when the ramp ends."""
 SAMPLES_A_TIME = 20.0
 LOOKED_FOR = ("clipped", "drop_out", "spike", "not_explained")
-"""Faults of a press that are told of pucks as well; stages and loadings without a hold are usual there."""
+"""Faults of a press that a puck's reading warns of as well; stages and loadings without a hold are usual there."""
 SPEEDS = (1.0, 2.0, 5.0, 10.0)
 
 

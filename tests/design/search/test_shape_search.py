@@ -225,7 +225,7 @@ def test_narrow_ratios_of_a_measured_batch_have_an_answer_of_pads_that_can_be_ma
     ends = {"value": factor * young.value, "low": 0.95 * factor * young.value, "high": 1.05 * factor * young.value}
     batch = replace(resin, name="batch", numbers={**numbers, "young_ref_kPa": replace(young, **ends)})
     low = round(float(rng.uniform(15.2, 15.9)), 1)
-    request = Request.read(
+    request = Request(
         tissue=("forefinger", "palm", "thenar")[number % 3],
         resin=str(save_resin(batch, tmp_path / "batch.toml")),
         ratio=(low, low + float(rng.choice([0.0, 0.1]))),

@@ -164,10 +164,9 @@ def test_one_warning_more_is_no_warnings(monkeypatch):
 def test_choices_are_what_lies_in_the_project_and_then_the_library(lab):
     root = lab.root
     (root / "tissue").mkdir(exist_ok=True)
-    for name in ("mine.toml", "mine-manifest.toml"):
-        (root / "tissue" / name).write_text("", encoding="utf-8")
+    (root / "tissue" / "mine.toml").write_text("", encoding="utf-8")
     known = select_options.tissues(root)
-    assert next(iter(known)) == "tissue/mine.toml" and "palm" in known and "tissue/mine-manifest.toml" not in known
+    assert next(iter(known)) == "tissue/mine.toml" and "palm" in known
     assert "polyurethane-nagoya" in select_options.resins()
     assert {"auto", "slab", "crowned"} <= set(select_options.shapes())
     aims = select_options.aims("palm")

@@ -112,5 +112,6 @@ def test_a_position_computed_from_the_force_and_a_zero_at_a_touch_are_told(tmp_p
 def test_a_position_that_moves_with_each_sample_or_hardly_in_steps_is_left_as_it_is():
     record, log = recording(370, **SLOW), ImportLog("a.csv", Settings())
     for x in (record.displacement_mm, np.round(record.displacement_mm / 0.002) * 0.002):
-        assert read_between_changes(record.time_s, x, log) is x
+        read, step_mm = read_between_changes(record.time_s, x, log)
+        assert read is x and step_mm == 0.0
     assert log.decisions == []

@@ -120,8 +120,9 @@ class Request:
 
     @classmethod
     def read(cls, **given: Any) -> Request:
-        """Read texts or values by the names of the arguments of ``suggest``; other names are left aside."""
-        known = {one.name: given["pad" if one.name == "pad_mm" else one.name] for one in fields(cls)}
+        """Read texts or values by the names of the arguments of ``suggest``; the rest is default, other names are left aside."""
+        given = {"pad_mm" if name == "pad" else name: value for name, value in given.items()}
+        known = {one.name: given[one.name] for one in fields(cls) if one.name in given}
         return cls(**{name: READERS[name](x) if name in READERS and x is not None else x for name, x in known.items()})
 
     def to_dict(self) -> dict[str, Any]:

@@ -122,7 +122,7 @@ def replay(campaign: Campaign, calibration: Calibration, progress: Progress = qu
 
 
 SEARCH_ITERATIONS = 1000
-"""Iterations of fits after which no further model is begun; usual searches take 30 to 200, two effects of laws of their own up to 600."""
+"""Iterations of fits after which no further model is begun; usual searches take 30 to 200, two effects up to 600."""
 
 
 @one_blas_thread()

@@ -120,7 +120,7 @@ class Request:
 
     @classmethod
     def read(cls, **given: Any) -> Request:
-        """Read texts or values by the names of the arguments of ``suggest``; the rest is default, other names are left aside."""
+        """Read texts or values by the names of the arguments of ``suggest``, the rest default; no other names count."""
         given = {"pad_mm" if name == "pad" else name: value for name, value in given.items()}
         known = {one.name: given[one.name] for one in fields(cls) if one.name in given}
         return cls(**{name: READERS[name](x) if name in READERS and x is not None else x for name, x in known.items()})

@@ -119,6 +119,8 @@ def ramp_start(time: NDArray, x: NDArray, noise_mm: float) -> tuple[int, float, 
     top = float(x.max())
     low, late = (int(np.argmax(x >= share * top)) for share in (BEGUN, 0.6))
     before = max(low - 1, 0)
+    if late == before:  # pressed from the first sample on
+        return 0, float(time[0]), max(float(x[0]), 0.0)
     speed = (x[late] - x[before]) / max(float(time[late] - time[before]), 1e-9)
     window = max(10.0 * STEP_MM, min(10.0 * noise_mm, 0.2 * top)) / speed
     earlier = np.maximum(np.arange(low) - 1, 0)

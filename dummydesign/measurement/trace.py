@@ -205,7 +205,7 @@ def check_one_press(trace: Trace, advice: str = "") -> None:
         presses = find_presses(trace.name, trace.displacement_mm, force, True)
     except InputError:
         return  # too little force to tell; whoever uses the trace reports it
-    if (count := len(joined_cycles(presses, trace.displacement_mm, 0.0))) > 1:
+    if (count := len(joined_cycles(presses, trace.time_s, trace.displacement_mm, 0.0))) > 1:
         raise InputError(f"{trace.name}: holds {count} presses; a trace is one{advice}", "malformed", "trace", count, 1)
 
 

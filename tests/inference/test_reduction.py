@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dummydesign.inference.noise import HOLD_GROWTH, cut, hold_edges, mean_around, repeatable_hold_edges
+from dummydesign.inference.noise import HOLD_GROWTH, cut, hold_edges, interpolation, mean_around, repeatable_hold_edges
 from tests.inference.users import DEPTH_MM, SPEED_MM_S, USERS, motion, reduced
 
 STOP_S = 0.1 + DEPTH_MM / SPEED_MM_S
@@ -75,6 +75,12 @@ def test_smooth_averages_are_exact_for_a_cubic_between_far_nodes():
     assert smooth[1:] == pytest.approx(binning.mean(cubic)[1:], rel=1e-9)
     linear = binning.average(time, nodes) @ (nodes**3 - 4.0 * nodes**2)
     assert abs(linear[2] - binning.mean(cubic)[2]) > 1.0
+
+
+def test_a_node_beside_the_last_does_not_carry_its_jitter_over_the_interval_before():
+    nodes = np.r_[np.linspace(0.0, 4.0, 11), 4.01]
+    _, weight = interpolation(np.linspace(0.5, 4.0, 501), nodes, (0.0, np.inf))
+    assert np.abs(weight).sum(axis=1).max() < 1.7, "the Lebesgue number of a cubic on four equal intervals is 1.63"
 
 
 def test_edges_of_a_hold_end_with_it_or_are_those_of_every_repeat():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 import time
@@ -207,9 +208,7 @@ def test_the_command_that_is_shown_writes_the_same_files(walked, tmp_path):
     folder = walked["folder"]
     asked = min((folder / ".studio" / "jobs").glob("*-suggest/command.json"))
     words = json.loads(asked.read_text(encoding="utf-8"))["words"]
-    (tmp_path / "tissue").mkdir()
-    for path in (folder / "tissue").iterdir():
-        (tmp_path / "tissue" / path.name).write_bytes(path.read_bytes())
+    shutil.copytree(folder / "tissue", tmp_path / "tissue")
     done = subprocess.run(
         [sys.executable, "-m", "dummydesign", *words],
         cwd=tmp_path,

@@ -299,7 +299,7 @@ def _together(contacts: Sequence[ContactEstimate], first: int) -> ContactEstimat
         for one in contacts
         for half in [0.5 * (one.high_mm - one.low_mm)]
         if abs(one.position_mm - reference.position_mm) <= math.hypot(half, half_width)
-        and one.velocity_mm_s < 2.0 * reference.velocity_mm_s
+        and one.velocity_mm_s <= 2.0 * reference.velocity_mm_s
     ]
     weights = [half**-2 for _, half in agree]
     position = sum(weight * mm for weight, (mm, _) in zip(weights, agree)) / sum(weights)

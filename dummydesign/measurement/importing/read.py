@@ -106,7 +106,7 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog, shared: Shar
     spans = _find_spans(time, x, load, columns.recordings, log)
     _check_magnitudes(time, x, load, spans, columns, log)
     found = {span.start: _find_contact(time, x, load, span, rest, log) for span in spans}
-    spans = joined_cycles(spans, x, found[spans[0].start].position_mm)
+    spans = joined_cycles(spans, time, x, found[spans[0].start].position_mm)
     contacts = [found[span.start] for span in spans]
     if len(spans) < len(found):
         log.decide("cycles", f"{len(found) - len(spans)} joined", "they begin pressed; the hold is that of the last")

@@ -169,12 +169,13 @@ def find_presses(file: str, x: NDArray, load: NDArray, several: bool, time: NDAr
     return [Span(a, b, onset) for a, b, onset in zip(cuts, cuts[1:], onsets)]
 
 
-def joined_cycles(spans: Sequence[Span], x: NDArray, zero_mm: float) -> list[Span]:
+def joined_cycles(spans: Sequence[Span], time: NDArray, x: NDArray, zero_mm: float) -> list[Span]:
     """Join each press that begins pressed to the one before: cycles of one test, of which the last is held."""
     kept = list(spans[:1])
     for span in spans[1:]:
         first = kept[-1]
-        if x[span.start] - zero_mm > BEGUN * (x[first.start : span.stop].max() - zero_mm):
+        goes_on = time[span.start] > time[first.stop - 1]  # not another recording
+        if goes_on and x[span.start] - zero_mm > BEGUN * (x[first.start : span.stop].max() - zero_mm):
             kept[-1] = Span(first.start, span.stop, first.onset)
         else:
             kept.append(span)

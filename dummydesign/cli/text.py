@@ -7,6 +7,7 @@ import re
 import sys
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
+from os.path import relpath
 from pathlib import Path
 from typing import Any
 
@@ -203,10 +204,10 @@ def files_block(result: dict[str, Any], first: Sequence[str] = ("report",)) -> l
     if not files:
         return []
     shown = [role for role in first if role in files] or list(files)[:1]
-    folder = at_home(Path(files[shown[0]]).parent)
-    names = [Path(files[role]).name for role in shown]
+    folder = Path(files[shown[0]]).parent
+    names = [Path(relpath(files[role], folder)).as_posix() for role in shown]
     left = [f"{len(files) - len(shown)} more"] if len(files) > len(shown) else []
-    return [f"{'FILES':<{INDENT}}{folder}/: {', '.join([*names, *left])}"]  # a path is never broken
+    return [f"{'FILES':<{INDENT}}{at_home(folder)}/: {', '.join([*names, *left])}"]  # a path is never broken
 
 
 def at_home(folder: Path) -> str:

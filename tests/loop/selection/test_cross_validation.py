@@ -305,20 +305,23 @@ def errors_of(*squares):
 
 
 @pytest.mark.parametrize(
-    ("cells", "pads", "better"),
+    ("cells", "pads", "count", "better"),
     [
-        (0.997, 1.5, True),
-        (0.999, 0.97, True),
-        (0.999, 0.99, False),
-        (1.015, 0.97, True),
-        (1.03, 0.9, False),
-        (None, 0.97, True),
-        (None, 0.99, False),
-        (1.0, None, False),
+        (0.997, 1.5, 3, True),
+        (0.999, 0.97, 3, True),
+        (0.999, 0.99, 3, False),
+        (1.015, 0.97, 3, True),
+        (1.03, 0.5, 3, False),
+        (1.03, 0.5, 1, True),
+        (1.03, 0.9, 1, False),
+        (1.35, 0.5, 1, False),
+        (None, 0.97, 3, True),
+        (None, 0.99, 3, False),
+        (1.0, None, 3, False),
     ],
 )
-def test_an_effect_predicts_better_on_conditions_or_without_loss_there_on_pads(cells, pads, better, monkeypatch):
-    """Two in a thousand of the square on conditions, two in a hundred on pads."""
+def test_an_effect_predicts_better_on_conditions_or_without_loss_there_on_pads(cells, pads, count, better, monkeypatch):
+    """Two in a thousand of the square on conditions, two in a hundred on pads; of a single pad thirty in a hundred."""
     nothing = errors_of(np.nan, np.nan)
 
     def errors_without(fit, labels=None):
@@ -328,7 +331,7 @@ def test_an_effect_predicts_better_on_conditions_or_without_loss_there_on_pads(c
 
     monkeypatch.setattr(verdict, "errors", errors_without)
     before = SimpleNamespace(errors=errors_of(1.0, 1.0), by_pad=errors_of(1.0, 1.0))
-    after = SimpleNamespace(problem=SimpleNamespace(presses=SimpleNamespace(pad="by pad")))
+    after = SimpleNamespace(problem=SimpleNamespace(presses=SimpleNamespace(pad="by pad", pads=range(count))))
     assert verdict.predicts_better(before, after) is better
 
 

@@ -7,7 +7,6 @@ import re
 import sys
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from os.path import relpath
 from pathlib import Path
 from typing import Any
 
@@ -205,7 +204,7 @@ def files_block(result: dict[str, Any], first: Sequence[str] = ("report",)) -> l
         return []
     shown = [role for role in first if role in files] or list(files)[:1]
     folder = Path(files[shown[0]]).parent
-    names = [Path(relpath(files[role], folder)).as_posix() for role in shown]
+    names = [Path(os.path.relpath(files[role], folder)).as_posix() for role in shown]
     left = [f"{len(files) - len(shown)} more"] if len(files) > len(shown) else []
     return [f"{'FILES':<{INDENT}}{at_home(folder)}/: {', '.join([*names, *left])}"]  # a path is never broken
 

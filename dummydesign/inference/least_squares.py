@@ -303,4 +303,5 @@ def aicc(minus_two_log_likelihood: float, unknown: int, observed: int) -> float:
 
 def simplest(criterion: Mapping[Size, float]) -> Size:
     """Smallest size whose criterion is within :data:`PARSIMONY` of the lowest."""
-    return min(size for size, value in criterion.items() if value <= min(criterion.values()) + PARSIMONY)
+    lowest = min(criterion.values())
+    return min(size for size, value in criterion.items() if value <= lowest + PARSIMONY)

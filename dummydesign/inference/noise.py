@@ -276,7 +276,8 @@ def interpolation(time_s: NDArray, nodes_s: NDArray, smooth_s: Range) -> tuple[N
     weight = np.stack([1.0 - part, part, 0.0 * part, 0.0 * part], axis=1)
     first, last = np.searchsorted(nodes_s, smooth_s[0]), np.searchsorted(nodes_s, smooth_s[1], side="right") - 1
     # a last node beside the one before would carry its jitter over the whole interval before
-    last -= last >= 2 and nodes_s[last] - nodes_s[last - 1] < 0.5 * (nodes_s[last - 1] - nodes_s[last - 2])
+    if last >= 2 and nodes_s[last] - nodes_s[last - 1] < 0.5 * (nodes_s[last - 1] - nodes_s[last - 2]):
+        last -= 1
     if last - first >= 3:
         inside = (time_s > nodes_s[first]) & (time_s < nodes_s[last])
         index[inside] = np.clip(after[inside] - 2, first, last - 3)[:, None] + np.arange(4)

@@ -199,6 +199,13 @@ def test_a_creep_in_the_hold_is_learned_as_large_as_it_is_and_without_a_jump_at_
 
 
 @pytest.mark.slow
+@pytest.mark.xfail(reason="known fault: a pattern over temperature and time is seen first since laws have waves")
+def test_a_step_with_temperature_shows_as_single_trials_that_differ(of_anindependent_generator):
+    seen = diagnose(of_anindependent_generator("cold_stiffening", 0.09, 1240001))
+    assert seen.where[0].factor == "single trials" and can_be_learned(seen) == ("temperature_C", "age_days")
+
+
+@pytest.mark.slow
 def test_a_step_with_temperature_is_learned(of_anindependent_generator):
     """9 % stiffer below a temperature, within 0.4 K: a line over temperature is neither enough nor what is learned."""
     base = of_anindependent_generator("cold_stiffening", 0.09, 1240001)

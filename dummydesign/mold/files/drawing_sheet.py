@@ -48,7 +48,9 @@ def _letter_width(letter: str) -> float:
 def _font() -> Any:
     from PIL import ImageFont
 
-    return ImageFont.truetype(FONTS / "LiberationSans-Regular.ttf", FONT_SIZE, layout_engine=ImageFont.Layout.BASIC)
+    return ImageFont.truetype(
+        str(FONTS / "LiberationSans-Regular.ttf"), FONT_SIZE, layout_engine=ImageFont.Layout.BASIC
+    )
 
 
 def text_width(words: str, height: float) -> float:

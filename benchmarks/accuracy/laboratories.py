@@ -121,7 +121,6 @@ class Lab:
         poured = self.batch.poured(ratio, rng)
         young = self.batch.young_MPa(poured) * np.exp(rng.normal(0.0, POURS))
         friction = float(np.exp(rng.normal(np.log(0.05), 0.5)))
-        material = {name: one for name, one in self.put.items() if name in OF_MATERIAL}
         for path in (word for word in words if word.endswith(".csv")):
             speed = float(re.findall(r"v(\d+)", path)[0])
             squeeze = np.linspace(0.0, 0.4, 400)
@@ -131,7 +130,7 @@ class Lab:
             # the slab method: full slip, pressure grows towards the middle
             rub = friction * size / np.sqrt(stretch) / (height * stretch)
             area = np.pi * size**2 / 4.0 * stress * 2.0 * (np.expm1(rub) - rub) / rub**2
-            puck = Pad(Curve(height * squeeze, area), height, young, self.batch.arms_at(poured), material)
+            puck = Pad(Curve(height * squeeze, area), height, young, self.batch.arms_at(poured), self.of_material())
             t, x = motion(speed, 0.3 * height)
             record(self.folder / path, t, x, puck.force(t, x), rng)
         return 1e3 * float(young)
@@ -152,7 +151,13 @@ class Lab:
             )
         poured = self.batch.poured(chosen["ratio"], self.rng)
         young = self.batch.young_MPa(poured) * np.exp(self.rng.normal(0.0, POURS))
-        return Pad(self.curves[key], thickness, young, self.batch.arms_at(poured))
+        return Pad(
+            self.curves[key], thickness, young, self.batch.arms_at(poured), self.of_material("strain_stiffening")
+        )
+
+    def of_material(self, *more: str) -> dict[str, float]:
+        """What is undeclared of the resin: every puck and pad of it has this; of a pad ``more``."""
+        return {name: one for name, one in self.put.items() if name in OF_MATERIAL or name in more}
 
     def press_campaign(self, name: str, pad: Pad, gauged_mm: float) -> float:
         """Press the plan of a campaign; what the effect changes in the presses, rms. [N]"""

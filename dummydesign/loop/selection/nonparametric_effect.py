@@ -191,7 +191,7 @@ def _learnt(
     campaign_fit: CampaignFit, usual: CampaignFit, shape: SmoothChange, step: _Step
 ) -> NonparametricEffect | None:
     """The fit with an effect of this shape, when it predicts left-out conditions much better."""
-    fit, evidence, score = usual, step.evidence, campaign_fit.score
+    fit, score = usual, campaign_fit.score
     for turn in range(MOST_ROUNDS):
         if turn and budget_spent():
             break
@@ -211,16 +211,20 @@ def _learnt(
             break
     if fit is usual:
         return None
+    values = shape.flat
+    volume = np.linalg.slogdet(np.eye(len(values)) + np.linalg.solve(step.precision, step.information))[1]
+    cost = float(values @ step.precision @ values + volume)
+    # scatter of presses that the base knows as such is not explained once more
+    evidence = campaign_fit.score - fit.score - cost
+    if evidence < EVIDENCE:
+        return None
     ratio = refitted_squares(fit) / refitted_squares(campaign_fit)
     if ratio > HALVED:
         return None
     if len(shape.follows) > 1:
         form = ClosedForm("surface", largest_change(shape, step.information), 0.0)
     else:
-        form = closed_form(np.array(shape.knots[0]), shape.flat, step.information, shape.name)
-    values = shape.flat
-    volume = np.linalg.slogdet(np.eye(len(values)) + np.linalg.solve(step.precision, step.information))[1]
-    cost = float(values @ step.precision @ values + volume)
+        form = closed_form(np.array(shape.knots[0]), values, step.information, shape.name)
     return NonparametricEffect(Learned(shape), fit, evidence, ratio, form, cost)
 
 

@@ -5,9 +5,9 @@ force is a sum of elastic forces that rise with depth, each relaxing by exponent
 
     F(t) = level + drift t + sum w_ij int r_j(t - s) dg_i(d(s)),  d(t) = x(t - delay) - contact,  w_ij >= 0,
 
-with g_i powers of depth and r_j constant or exp(-t / tau_j), and of arms d^2 e, e' = d' - e d^2 / tau_j, as the
-published law of tissue has them, by non-negative least squares [1]. The way back is left out: there contact is lost,
-at times that depend on the depth.
+with g_i powers of depth or max(d - d_i, 0) and r_j constant or exp(-t / tau_j), and of arms d^2 e,
+e' = d' - e d^2 / tau_j, as the published law of tissue has them, by non-negative least squares [1]. The way back is
+left out: there contact is lost, at times that depend on the depth.
 
 References
 ----------
@@ -28,6 +28,8 @@ from dummydesign.measurement.plateau import noise_of
 from dummydesign.measurement.ramp_detection import Summary, last_ramp
 
 POWERS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.5, 9.0, 13.0])
+TOUCHES = np.linspace(0.2, 0.9, 8)
+"""Shares of the depth at which more of a body may begin to carry: the slab beside a low crown, another layer."""
 TIMES_S = np.geomspace(0.004, 40.0, 9)
 SAMPLES = 260
 """Samples that are kept, even along the curve of displacement and force over time."""
@@ -135,7 +137,7 @@ def _explained(time: NDArray, depth: NDArray, force: NDArray, size: NDArray) -> 
     from scipy.optimize import nnls
 
     share = np.maximum(depth, 0.0) / depth.max()
-    elastic = share ** POWERS[:, None]
+    elastic = np.concatenate([share ** POWERS[:, None], np.maximum(share - TOUCHES[:, None], 0.0)])
     step = np.maximum(np.diff(time, prepend=time[0]), 1e-9) / TIMES_S[:, None]
 
     def relaxed(elastic: NDArray, step: NDArray) -> NDArray:

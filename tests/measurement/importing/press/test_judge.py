@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.judge import judge_press
 from dummydesign.measurement.importing.position_steps import read_between_changes
@@ -31,6 +32,22 @@ def read(tmp_path, time, x, force, **settings):
 def test_tissue_pads_and_balls_are_explained_whatever_they_are_made_of(seed):
     record = recording(seed)
     assert judged(record.time_s, record.displacement_mm, record.force_N).explains
+
+
+@pytest.mark.parametrize("seed", range(370, 382))
+def test_a_low_crown_whose_slab_is_touched_in_the_press_is_explained(seed):
+    """Beside the crown the slab begins to carry at once: a force whose slope has a kink, on one arm or two."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(0.0, 8.0, 1e-3)
+    depth, speed = rng.uniform(3.0, 7.0), rng.uniform(5.0, 15.0)
+    x = np.clip((time - 0.5) * speed - 1.5, -1.5, depth)
+    crown, beside = rng.uniform(0.3, 0.7) * depth, rng.uniform(2.0, 5.0)
+    elastic = np.clip(x, 0.0, None) ** 1.5 / crown**0.5 + beside * np.clip(x - crown, 0.0, None)
+    force = elastic.copy()
+    for tau_s, strength in zip(rng.uniform((0.02, 0.5), (0.2, 3.0)), (0.5, rng.choice([0.0, 0.3]))):
+        held = linear_recurrence(np.full(len(time), np.exp(-1e-3 / tau_s)), np.diff(elastic, prepend=0.0))
+        force += strength * held
+    assert judged(time, x, force + rng.normal(0.0, 0.02, len(time))).explains
 
 
 def test_a_force_that_comes_late_is_told_with_its_delay(tmp_path):

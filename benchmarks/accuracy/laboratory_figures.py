@@ -38,7 +38,8 @@ def summary(rows: list[dict[str, Any]]) -> str:
         return row["loop"]["names"][:1] == [*row["put"]]
 
     def wrong(row: dict[str, Any]) -> bool:
-        return bool(set(row["loop"]["names"]) - set(row["put"]))
+        # half of the batches follow Yeoh's law, which stiffens
+        return bool(set(row["loop"]["names"]) - {*row["put"], *(["strain_stiffening"] if row["yeoh"] else [])})
 
     every = [row["loop"] for row in looped]
     no_worse = [row["next_error"] <= row["next_error_before"] + 0.02 for row in turned]

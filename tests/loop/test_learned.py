@@ -60,9 +60,7 @@ def test_a_bump_in_depth_is_found_where_it_is_and_as_high_as_it_is(learnt):
 
 
 @pytest.mark.slow
-def test_what_was_learned_survives_its_file_and_helps_on_another_thickness(
-    learnt, campaigns, tmp_path
-):
+def test_what_was_learned_survives_its_file_and_helps_on_another_thickness(learnt, campaigns, tmp_path):
     """Pads of the thicknesses that were pressed have the waves of their law, with and without what was learned."""
     _, base, found = learnt["bumped"]
     pad = {"young_kPa_expected": 30.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab"}

@@ -354,14 +354,18 @@ def moved_tissues(tissue: Tissue) -> list[tuple[str, Tissue]]:
         return []
     rows = [flatten(subject.numbers) for subject in tissue.subjects]
     tissues = []
-    for key in rows[0]:
-        if all(key in row and row[key].low == row[key].high for row in rows):
+    # subjects may have been pressed at speeds of their own
+    for key in dict.fromkeys(key for row in rows for key in row):
+        known = [row[key] for row in rows if key in row]
+        if all(number.low == number.high for number in known):
             continue
         subjects = tuple(
             Subject.of(subject.name, subject.parameters.law, nest({**row, key: _one_deviation_up(row[key])}))
+            if key in row
+            else subject
             for subject, row in zip(tissue.subjects, rows)
         )
-        kinds = {row[key].kind for row in rows}
+        kinds = {number.kind for number in known}
         tissues.append((SHARED[0] if kinds & set(SHARED) else "fitted", replace(tissue, subjects=subjects)))
     return tissues
 

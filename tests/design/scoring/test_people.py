@@ -94,6 +94,22 @@ def test_an_error_that_all_inferred_numbers_share_moves_everyone(tissue):
     assert widths[1] > widths[0]
 
 
+def test_a_subject_pressed_at_a_speed_of_its_own_has_its_errors_counted_once():
+    """A fast press of a short way may be read as 240 mm/s: what is known of the people stays the same."""
+    alike = measured(ARMS[:3], wide=4.0)
+    *others, last = alike.subjects
+    own = {
+        name: {("240" if speed == "250" else speed): one for speed, one in entry.items()}
+        if isinstance(entry, dict)
+        else entry
+        for name, entry in last.numbers.items()
+    }
+    unlike = dataclasses.replace(alike, subjects=(*others, Subject.of(last.name, "ode", own)))
+    found = [make_targets(one, "average", Sampling()).people.peak_N for one in (alike, unlike)]
+    np.testing.assert_allclose(found[1].spread, found[0].spread, rtol=0.05)
+    assert np.all(found[0].spread > 1.2 * make_targets(measured(ARMS[:3]), "average", Sampling()).people.peak_N.spread)
+
+
 def test_the_aim_is_the_tolerance_bound_of_the_subjects_and_strict(tissue):
     targets = make_targets(tissue, "people:95", Sampling())
     ranges, logs = ranges_of(targets), np.log(peaks_of(targets))

@@ -21,6 +21,7 @@ from dummydesign.loop.selection.verdict import (
     AcceptedEffect,
     Needed,
     at_bound,
+    gain_floor,
     much_better,
     needed,
     predicts_better,
@@ -102,7 +103,8 @@ def prune_effects(
 
 def _limit(check: EffectCheck, checks: list[EffectCheck], tried: int) -> Needed:
     others = {one.effect.name: one.options[0].gain for one in checks if one is not check}
-    return needed(check.screened, check.options[0].fit, check.effect.name, others, tried)
+    own = check.options[0].fit, check.effect.name
+    return needed(check.screened, *own, others, tried, gain_floor(check.reduced))
 
 
 def _near(check: EffectCheck, ratio: float | None) -> list[EffectCandidate]:
@@ -224,7 +226,7 @@ def search(
             break
         best = same_noise(beam[0].fit)
         *others, last = (effect.name for effect in best.problem.effects)
-        limit = needed(screened, best, last, dict.fromkeys(others, won), tried)
+        limit = needed(screened, best, last, dict.fromkeys(others, won), tried, gain_floor(before))
         if worth(gained, limit, before, best) and (size <= USUAL or much_better(errors(before), errors(best))):
             chosen, waiting = best, False
             done = not remainder(base, assess(best), diagnose(best)).reasons

@@ -64,9 +64,21 @@ class Needed:
     name: str
 
 
-def needed(screened: list[Screened], fit: CampaignFit, name: str, others: dict[str, float], tried: int) -> Needed:
-    """Evidence that an effect of a model must have beside others, when so many models were tried."""
-    floor = NEXT_FLOOR + 2.0 * float(np.log(max(tried, 1))) if others else GAIN_FLOOR
+def gain_floor(without: CampaignFit) -> float:
+    """Least evidence of a first effect: a model that needs a law beyond its stated error is no rival as noise is."""
+    return EACH_PARAMETER if laws_off(without) else GAIN_FLOOR
+
+
+def needed(
+    screened: list[Screened],
+    fit: CampaignFit,
+    name: str,
+    others: dict[str, float],
+    tried: int,
+    first: float = GAIN_FLOOR,
+) -> Needed:
+    """Evidence that an effect of a model must have beside others, when so many models were tried, or as the first."""
+    floor = NEXT_FLOOR + 2.0 * float(np.log(max(tried, 1))) if others else first
     where = _where(fit, {name, *others})
     left = max((gain * float(np.minimum(where[name], where[one]).sum()) for one, gain in others.items()), default=0.0)
     least = gain_threshold(screened, lack_of_fit(fit).ratio, floor)
@@ -112,6 +124,17 @@ class Remainder:
     expected: float | None = None
 
 
+def laws_off(fit: CampaignFit) -> list[str]:
+    """Each term in which the force law would have to be off by more than is stated of it, in words."""
+    terms = zip(("slope", "curvature", "waves"), fit.sizes.law[1:], fit.problem.law.error_priors[1:])
+    return [
+        f"the force law would have to be off by {100.0 * size:.2g} % ({name} over depth), where {100.0 * median:.2g} % "
+        "is stated"
+        for name, size, (median, spread) in terms
+        if np.log(size / median) > STATED * spread
+    ]
+
+
 def remainder(base: AssessedModel, after: AssessedModel, seen: ResidualDiagnostics) -> Remainder:
     """Judge the remainder of the best model: noise, or something more."""
     reasons = [f"{check.name}: {check.text}" for check in seen.checks if check.exceeded]
@@ -126,13 +149,7 @@ def remainder(base: AssessedModel, after: AssessedModel, seen: ResidualDiagnosti
     lack = after.lack
     if lack.ratio is not None and lack.p is not None and lack.ratio > LACK_LIMIT and lack.p < LACK_P:
         reasons.append(f"lack of fit {lack.ratio:.2f} times the pure error of repeats (p = {lack.p:.4f})")
-    terms = zip(("slope", "curvature", "waves"), after.fit.sizes.law[1:], after.fit.problem.law.error_priors[1:])
-    reasons += [
-        f"the force law would have to be off by {100.0 * size:.2g} % ({name} over depth), where {100.0 * median:.2g} % "
-        "is stated"
-        for name, size, (median, spread) in terms
-        if np.log(size / median) > STATED * spread
-    ]
+    reasons += laws_off(after.fit)
     # a law of growth that is a little off is allowed for
     scale, won = max(1.0, lack.ratio or 1.0), base.fit.score - after.fit.score
     for one in seen.where:

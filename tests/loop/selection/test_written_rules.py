@@ -270,7 +270,8 @@ def test_a_curve_must_lower_the_squared_left_out_error_to_what_is_written(monkey
         found = nonparametric_effect._learnt(before, before, shape, step)
         assert (found is not None) is enough
         if found is not None:
-            assert found.left_out == pytest.approx(ratio) and found.evidence == 500.0 and found.fit is after
+            assert found.left_out == pytest.approx(ratio) and found.fit is after
+            assert found.evidence == pytest.approx(before.score - after.score - found.cost)
             values = found.effect.shape.flat
             assert values == pytest.approx([-0.1, 0.0, 0.1])
             # the prior's cost and the volume that the data leave
@@ -295,6 +296,7 @@ def test_at_most_the_written_number_of_effects_and_from_the_fourth_on_only_what_
     monkeypatch.setattr(search, "at_bound", lambda fit: False)
     monkeypatch.setattr(search, "same_noise", lambda fit: fit)
     monkeypatch.setattr(search, "needed", lambda *args: Needed(50.0, 50.0, ""))
+    monkeypatch.setattr(search, "gain_floor", lambda fit: 30.0)
     monkeypatch.setattr(search, "worth", lambda *args: True)
     monkeypatch.setattr(search, "remainder", lambda *args: SimpleNamespace(reasons=("more",)))
     monkeypatch.setattr(search, "assess", lambda fit: SimpleNamespace(fit=fit))
@@ -321,6 +323,7 @@ def test_the_search_and_repeated_presses_end_where_it_is_written():
 def test_an_effect_whose_interval_holds_zero_needs_the_written_multiple(monkeypatch):
     times = written("keep an effect", "# times that if its interval contains zero")
     monkeypatch.setattr(search, "needed", lambda *args: Needed(30.0, 30.0, "ageing"))
+    monkeypatch.setattr(search, "gain_floor", lambda fit: 30.0)
     monkeypatch.setattr(search, "worth", lambda *args: True)
     monkeypatch.setattr(search, "_negligible", lambda fit, effect: False)
     monkeypatch.setattr(search, "assess", lambda fit: fit)
@@ -332,6 +335,32 @@ def test_an_effect_whose_interval_holds_zero_needs_the_written_multiple(monkeypa
             one = candidate("ageing", gain)
             check = search.EffectCheck(one.effect, "reduced", [], [one])
             assert (search._change(current, [check], 3) == "reduced") is (holds and not certain)
+
+
+def test_a_curve_that_gains_less_than_it_costs_and_is_written_is_not_learned(monkeypatch):
+    limit = written("learn a curve", "it gains # in evidence")
+    shape = SmoothChange(("depth_mm",), ((0.0, 1.0, 2.0),), (0.0, 0.0, 0.0))
+    step = nonparametric_effect._Step(np.array([0.0, 0.1, 0.2]), 500.0, np.diag([1.0, 2.0, 1.0]), np.eye(3))
+    noise = SimpleNamespace(noise=None)
+    monkeypatch.setattr(nonparametric_effect, "replace", lambda one, **more: one)
+    monkeypatch.setattr(nonparametric_effect, "_with", lambda fit, shape: (shape, None))
+    monkeypatch.setattr(nonparametric_effect, "_step", lambda fit, shape: step)
+    monkeypatch.setattr(nonparametric_effect, "refitted_squares", lambda fit: fit.squares)
+    cost = 0.02 + np.log(2.0 * 3.0 * 2.0)
+    for gain, enough in cases(limit):
+        before = SimpleNamespace(score=0.0, sizes=noise, squares=2.0)
+        after = SimpleNamespace(score=-gain - cost, sizes=noise, squares=0.2)
+        monkeypatch.setattr(nonparametric_effect, "fit_with_noise", lambda *args, after=after: after)
+        assert (nonparametric_effect._learnt(before, before, shape, step) is not None) is enough
+
+
+def test_a_first_effect_needs_less_where_the_law_is_off_by_more_than_is_stated(plain_noise):
+    usual, less = (written("keep an effect", around) for around in ("evidence above # and the", "(# in place of 30"))
+    fit = stage().fit
+    assert verdict.gain_floor(fit) == usual
+    median, spread = SLAB_ERROR[1]
+    fit.sizes.law = (*fit.sizes.law[:2], median * np.exp(1.1 * verdict.STATED * spread), *fit.sizes.law[3:])
+    assert verdict.gain_floor(fit) == less
 
 
 def test_a_law_that_would_have_to_be_far_worse_than_stated_explains_nothing(plain_noise):

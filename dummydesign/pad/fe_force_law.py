@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.dimensions import EXTENT_OVER_RADIUS, MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
-from dummydesign.pad.force_law import BaseForceLaw, ForceLaw
+from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.pad_under_punch import Pad
 
 Array = np.ndarray
@@ -39,7 +39,7 @@ class SolvedSlab:
 
 
 @dataclass(frozen=True)
-class FeForceLaw(BaseForceLaw):
+class FeForceLaw(ForceLaw):
     """Elastic force of solved slabs, F = E a d exp(p(d / h)) with a polynomial p a thickness."""
 
     radius_mm: float
@@ -185,7 +185,7 @@ class Solved:
 
 
 @dataclass(frozen=True)
-class SlabLawForTest(BaseForceLaw):
+class SlabLawForTest(ForceLaw):
     """A table times what was solved over it."""
 
     table: ForceLaw

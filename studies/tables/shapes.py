@@ -128,7 +128,7 @@ def _missed(design: Design, table: ShapeTable, points: Array, values: Array) -> 
     """Relative errors of a table at solves (n, depths); NaN beyond the limit that it states itself."""
     depths, plain = design.depths, np.array([design.plain(point) for point in points])
     row = np.broadcast_to(np.arange(len(points))[:, None], values.shape)
-    answered, _ = table.log_factor(plain, row, np.broadcast_to(depths, values.shape))
+    answered = table.log_factor(plain, row, np.broadcast_to(depths, values.shape))
     miss = np.abs(np.expm1(answered - design.reduced(points, values, depths)))
     return np.where(depths[None, :] <= table.depth_limit(plain)[:, None] * (1.0 + 1e-9), miss, np.nan)
 

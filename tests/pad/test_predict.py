@@ -59,7 +59,7 @@ def test_the_interval_of_a_static_force_is_the_stated_error_and_its_exponent_the
     error = table.relative_error(depth, 12.0, 7.9)
     assert found.force_low_N == pytest.approx(found.force_N * (1.0 - error))
     assert found.force_high_N == pytest.approx(found.force_N * (1.0 + error)) and found.fidelity == "table"
-    force, stiffness = table.force_and_stiffness(depth[1:], 12.0, 0.03, 7.9)
+    force, stiffness = (one(depth[1:], 12.0, 0.03, 7.9) for one in (table.force, table.stiffness))
     assert found.local_exponent[0] == pytest.approx(1.0, abs=2e-3)
     assert found.local_exponent[1:] == pytest.approx(depth[1:] * stiffness / force, abs=2e-3)
     with raises_code("out_of_range"):

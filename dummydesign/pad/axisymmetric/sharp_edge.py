@@ -179,7 +179,7 @@ class Departure:
     def log_stiffness(self, depth: Array, ratio: Array) -> Array:
         """ln s0 at relative depths of one a / h."""
         further = _further(depth, float(self.samples.depth.max())) @ self.coefficients
-        return self.table.log_stiffness(depth, ratio)[0] + self.first + further
+        return self.table.log(depth, ratio) + self.first + further
 
     def error(self, depth: Array, ratio: float) -> Array:
         """Relative error: the table's own, its correction included, scatter of the rims, a share of the departure."""
@@ -198,9 +198,9 @@ def fit_departure(samples: Samples, first: float, table: ResponseTable) -> Depar
     """Fit the departure from a table, whose correction carries few rims of one slab to the sharp edge."""
     samples = samples.take(samples.psi <= LARGEST_PSI)
     ratio = samples.ratio[:1]
-    at_first = float(np.log(first) - table.log_stiffness(0.0, ratio)[0][0])
+    at_first = float(np.log(first) - table.log(0.0, ratio)[0])
     correction = _correction(samples, table.ratio_range) @ load_edge_correction(table.base)
-    target = np.log(samples.stiffness) + correction - table.log_stiffness(samples.depth, ratio)[0] - at_first
+    target = np.log(samples.stiffness) + correction - table.log(samples.depth, ratio) - at_first
     sigma = VALUE_ERROR + CORRECTION_ERROR * samples.psi
     damping = np.diag(1.6 ** np.arange(DEPARTURE_TERMS) / USUAL_DEPARTURE)
     matrix = _further(samples.depth, float(samples.depth.max()))

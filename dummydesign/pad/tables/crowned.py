@@ -54,18 +54,16 @@ def _on_a_layer(tip: Array, x: ArrayLike) -> tuple[Array, Array]:
     return np.log(layer), bend / layer * 0.5 * c / np.asarray(x)
 
 
-def _before_first(tip: Array, x: Array, value: Array, slope: Array) -> tuple[Array, Array]:
-    """y and its derivative at d / h below ``FIRST``, from those there."""
+def _before_first(tip: Array, x: Array, value: Array, slope: Array) -> Array:
+    """y at d / h below ``FIRST``, from y and its derivative there."""
     share = np.clip(x / FIRST, 1e-12, 1.0)
-    (theory, climb), (end, tilt) = _on_a_layer(tip, FIRST * share), _on_a_layer(tip, FIRST)
+    (theory, _), (end, tilt) = _on_a_layer(tip, FIRST * share), _on_a_layer(tip, FIRST)
     left, steep = value - end, FIRST * (slope - tilt)
     # the remainder begins with d; where it bends on the way to FIRST, as on a pointed tip, with the root of d
     with np.errstate(divide="ignore", invalid="ignore"):
         bent = np.nan_to_num(np.clip(steep / left, 0.0, 1.0), nan=1.0)
-    begins, root, more = 2.0 * (1.0 - bent), np.sqrt(share), left * bent - steep
-    early = theory + left * (begins * root + (1.0 - begins) * share) + more * share * (1.0 - share)
-    rise = FIRST * climb + left * (0.5 * begins / root + 1.0 - begins) + more * (1.0 - 2.0 * share)
-    return early, rise / FIRST
+    begins, more = 2.0 * (1.0 - bent), left * bent - steep
+    return theory + left * (begins * np.sqrt(share) + (1.0 - begins) * share) + more * share * (1.0 - share)
 
 
 def crown_inputs(inputs: Array) -> Array:
@@ -96,21 +94,21 @@ class CrownResponse:
             mean[which] += part[which] * surface.at_levels(inputs[which])[:, 0]
         return np.exp(mean) * inputs[:, 1]
 
-    def along(self, inputs: Array, row: Array, x: Array) -> tuple[Array, Array]:
-        """y and dy / d(d / h)."""
+    def along(self, inputs: Array, row: Array, x: Array) -> Array:
+        """y of rows of inputs at d / h."""
         x, row = np.asarray(x), np.asarray(row)
         value, slope = self._pressed(inputs, row, np.maximum(x, FIRST))
         if (shallow := x < FIRST).any():
             at = row[shallow]
             tip = np.exp(inputs[at, 3] + 2.0 * (inputs[at, 2] - inputs[at, 0])) / inputs[at, 1]
-            value[shallow], slope[shallow] = _before_first(tip, x[shallow], value[shallow], slope[shallow])
-        return value, slope
+            value[shallow] = _before_first(tip, x[shallow], value[shallow], slope[shallow])
+        return value
 
     def doubt(self, inputs: Array, row: Array, x: Array) -> Array:
         """Relative error of the force where the edge comes into contact a little sooner or later than it should."""
         edge = self.edge(inputs)[row]
         aside = EDGE_DOUBT * edge
-        ends, _ = self.along(inputs, np.stack([row, row]), np.stack([x - aside, x + aside]))
+        ends = self.along(inputs, np.stack([row, row]), np.stack([x - aside, x + aside]))
         begins, _ = fade(x - edge, *BEFORE_EDGE)
         ceases, _ = fade(x - edge, *AFTER_EDGE)
         return begins * (1.0 - ceases) * 0.5 * np.abs(ends[1] - ends[0])

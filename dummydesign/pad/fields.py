@@ -28,15 +28,12 @@ from dummydesign.pad.axisymmetric.case import (
 from dummydesign.pad.axisymmetric.profile_punch import CELLS as PROFILE_CELLS
 from dummydesign.pad.axisymmetric.profile_punch import edge_problem, load_steps, profile, profile_problem
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace
-from dummydesign.pad.contact.axisymmetric import FlatPunch, ProfilePunch
+from dummydesign.pad.contact.axisymmetric import Array, FlatPunch, ProfilePunch
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
-from dummydesign.pad.fem.mesh_axisymmetric import POINTS, cell_nodes
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.pad_under_punch import SLAB, Pad, Puck
 from dummydesign.pad.solve.continuation import ForcePath, VisitedState, follow, state_between
 from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium
-
-Array = np.ndarray
 
 # The nine nodes of a cell on the unit square, in the order of the elements: corners, mid-sides, middle.
 NODES = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5], [0.5, 0.5]])
@@ -67,7 +64,7 @@ def to_nodes(solid: Solid, places: Array, values: Array) -> Array:
 
     carry = bilinear(NODES[:, 0], NODES[:, 1]) @ np.linalg.pinv(bilinear(*places))
     at_nodes = np.einsum("nq,eqk->enk", carry, values)
-    node = cell_nodes(solid.mesh).ravel()
+    node = meshes.cell_nodes(solid.mesh).ravel()
     size = solid.mesh.nodes.shape[1]
     count = np.bincount(node, minlength=size)
     sums = [np.bincount(node, at_nodes[..., k].ravel(), minlength=size) for k in range(values.shape[-1])]
@@ -107,7 +104,7 @@ def face_tractions(nodes: Array, u: Array, force: Array, sides: Array) -> dict[s
 
 def recovered(solid: Solid, solution: Equilibrium, factor: Array) -> tuple[Array, Array]:
     """Cauchy stress (n, 4) and principal stretches (n, 3) at the nodes of an equilibrium."""
-    both = to_nodes(solid, POINTS, np.concatenate(cauchy(solid, solution.u, solution.p, factor), axis=-1))
+    both = to_nodes(solid, meshes.POINTS, np.concatenate(cauchy(solid, solution.u, solution.p, factor), axis=-1))
     return both[:, :4], both[:, 4:]
 
 

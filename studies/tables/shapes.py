@@ -20,7 +20,7 @@ import numpy as np
 from dummydesign.core.user_library import data_folder
 from dummydesign.geometry.dimensions import EXTENT_OVER_RADIUS
 from dummydesign.pad.axisymmetric.shaped_pad import EDGE_ERROR, LEAST_ERROR
-from dummydesign.pad.tables.response_surface import Response
+from dummydesign.pad.tables.crowned import Response
 from dummydesign.pad.tables.shape import ShapeTable, Surface, from_dict
 from studies.tables.common import Build, write_table
 from studies.tables.designs import designs

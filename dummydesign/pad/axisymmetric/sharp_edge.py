@@ -21,12 +21,10 @@ from dummydesign.pad.axisymmetric.case import (
 )
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.force_law import PadCurve
-from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.material.hyperelastic import Array, Yeoh
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import ForcePath, cost, follow
 from dummydesign.pad.tables.slab import ResponseTable, load_edge_correction, load_table, sharp_edge_doubt
-
-Array = np.ndarray
 
 LARGEST_PSI = 0.16
 # Power of the rim with which its effect vanishes; from one rim to one of half the size 2^-1.25 = 0.42 of it is left.

@@ -22,12 +22,10 @@ from dummydesign.core.user_library import fill_table
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.pad_shape import PadShape, Similarity
 from dummydesign.geometry.shape_registry import shape_kinds
-from dummydesign.pad.force_law import ForceLaw
-from dummydesign.pad.tables.crowned import CrownResponse
-from dummydesign.pad.tables.response_surface import Response
+from dummydesign.pad.force_law import Array, ForceLaw
+from dummydesign.pad.tables.crowned import CrownResponse, Response
 from dummydesign.pad.tables.slab import load_table
 
-Array = np.ndarray
 Surface = Response | CrownResponse
 
 

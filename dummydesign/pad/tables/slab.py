@@ -21,7 +21,7 @@ from dummydesign.core.interpolation import between, locate_on_grid, monotone_cub
 from dummydesign.core.user_library import fill_table
 from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS
 from dummydesign.geometry.interface import BASES
-from dummydesign.pad.force_law import ForceLaw
+from dummydesign.pad.force_law import Array, ForceLaw
 
 NAME = "slab-compressibility.json"
 COMMAND = "python -m studies.tables.compressibility"
@@ -49,14 +49,8 @@ class CompressibilityTable:
 @lru_cache(maxsize=1)
 def load_compressibility() -> CompressibilityTable:
     """Read the shipped table."""
-    return json_table.read(NAME, "table", COMMAND, _from_dict)
+    return json_table.read(NAME, "table", COMMAND, partial(fill_table, CompressibilityTable))
 
-
-def _from_dict(data: dict[str, Any]) -> CompressibilityTable:
-    return CompressibilityTable(*(np.array(data[key]) for key in ("ratio", "depth", "coefficient")))
-
-
-Array = np.ndarray
 
 _RATIO = np.array([0.395, 0.527, 0.79, 1.58])
 _DEPTH = np.array([0.1, 0.2, 0.3, 0.425])

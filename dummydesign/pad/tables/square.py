@@ -17,10 +17,9 @@ from dummydesign.core.user_library import fill_table
 from dummydesign.geometry.conic import conic_radius, conic_sag
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.punch import punch_sides_mm
-from dummydesign.pad.force_law import ForceLaw, ScaledLaw
+from dummydesign.pad.force_law import Array, ForceLaw, ScaledLaw
 from dummydesign.pad.tables.slab import SeriesTable, check_ratio, square_doubt
 
-Array = np.ndarray
 # Half side of a square over the radius of the circle of its area.
 SIDE_OVER_RADIUS = float(np.sqrt(np.pi) / 2.0)
 # Relative error added at twice the solved depth, an assumption: half of the corner's effect on a thick pad.

@@ -43,12 +43,6 @@ def test_graded_points_meet_both_ends_and_grow_by_one_factor(start, stop, growth
     assert len(plane.graded(0.0, 0.01, 0.1, growth)) == 2
 
 
-def test_a_finer_resolution_has_half_the_cells_size_everywhere():
-    own = Resolution(3, 1.44, 0.3)
-    finer = own.finer()
-    assert (finer.cells, finer.box) == (6, 0.3) and finer.growth**2 == pytest.approx(own.growth)
-
-
 def test_wanted_sizes_are_the_least_of_all_places_and_of_what_is_allowed_inside_the_reach():
     slope, r = 0.25, np.array([0.0, 0.5, 1.0, 2.0, 2.4, 9.0])
     sizes = Sizes((0.5, 2.0), (0.02, 0.1), slope, 0.3, 3.0)

@@ -7,7 +7,7 @@ import pytest
 
 from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 from dummydesign.geometry.shapes.crowned import Crowned
-from dummydesign.pad.tables.crowned import CrownResponse, FIRST, JOIN
+from dummydesign.pad.tables.crowned import FIRST, JOIN, CrownResponse
 from dummydesign.pad.tables.shape import TabulatedShapeLaw, load_shape_table
 
 # h/a, c/h, b/a, s: feet that are narrow, a little narrower than the punch, and wide.

@@ -11,9 +11,8 @@ from scipy.interpolate import CubicSpline
 
 from dummydesign.core.user_library import data_folder
 from dummydesign.pad.tables import puck, slab
-from dummydesign.pad.tables.crowned import crown_inputs
+from dummydesign.pad.tables.crowned import Response, crown_inputs, fade, matern, quadratic
 from dummydesign.pad.tables.puck import PuckTable, friction_of, grip, interpolate, uniaxial
-from dummydesign.pad.tables.response_surface import Response, fade, matern, quadratic
 from dummydesign.pad.tables.slab import (
     CompressibilityTable,
     ResponseTable,
@@ -92,8 +91,9 @@ def test_the_range_of_proportions_is_that_of_the_tables_and_its_ends_belong_to_i
     assert (low, high) == pytest.approx((2.0 * shapes[0], 2.0 * shapes[-1])) and np.all(np.diff(shapes) > 0.0)
     for end in (low, high):
         assert puck.table_for(end * 10.0, 10.0).radius_over_height == pytest.approx(0.5 * end)
-    with pytest.raises(ValueError, match="grid"):
-        puck._parse({"alpha": [1, 2], "grip": [0], "compression": [0.1], "log_factor": [[[0.1]]]})
+    for one in puck.load_shapes():
+        assert one.log_factor.shape == (len(one.alpha), len(one.grip), len(one.compression))
+        assert np.isfinite(one.log_factor).all()
 
 
 def test_columns_of_a_quadratic_are_all_its_products_once():

@@ -250,12 +250,13 @@ SLIP_SHARE = 0.95
 
 @dataclass(frozen=True)
 class Setup:
-    """A problem of finite elements in thicknesses and shear moduli, and how its path is followed or was already."""
+    """A problem of finite elements in thicknesses and shear moduli, and how its path is followed or was already.
+
+    ``steps`` of the load are the first, the largest and the smallest.
+    """
 
     problem: ContactProblem
-    first_step: float
-    largest_step: float
-    smallest_step: float
+    steps: tuple[float, float, float]
     lattice: bool = False
     visited: tuple[VisitedState, ...] = ()
 
@@ -338,9 +339,7 @@ def _follow(pad: Pad, depths: Array, coarse: bool, keep: Keep) -> tuple[str | No
     path = follow(
         setup.problem,
         depths,
-        setup.first_step,
-        setup.largest_step,
-        setup.smallest_step,
+        *setup.steps,
         lattice=setup.lattice,
         visit=visit,
     )
@@ -356,21 +355,21 @@ def _setup(pad: Pad, case: Case, depths: Array, coarse: bool) -> Setup:
         case = replace(case, first=min(case.first, float(depths[0])))
         flat, cells = pad.geometry.flat_top, shaped.CELLS // 2 if coarse else shaped.CELLS
         visited = () if flat else tuple(shaped.visited_states(case, cells, RIM, float(depths[-1])))
-        return Setup(shaped.shaped_problem(case, cells, RIM), *shaped.load_steps(case, cells, RIM), True, visited)
+        return Setup(shaped.shaped_problem(case, cells, RIM), shaped.load_steps(case, cells, RIM), True, visited)
     if pad.profile_mm is not None:
         punch = ProfilePunch(profile(*(np.asarray(part) / pad.thickness_mm for part in pad.profile_mm)).height)
         cells = PROFILE_CELLS // 2 if coarse else PROFILE_CELLS
         first, largest, lattice = load_steps(pad.condition, float(depths[0]))
-        return Setup(profile_problem(case, punch, float(depths[0]), cells), first, largest, first / 64.0, lattice)
+        return Setup(profile_problem(case, punch, float(depths[0]), cells), (first, largest, first / 64.0), lattice)
     if pad.condition != "bonded" or pad.base not in BASES:
         rim = RIM * scale
-        return Setup(edge_problem(replace(case, edge=rim)), 0.1 * rim, 0.05 * scale, 0.002 * scale)
+        return Setup(edge_problem(replace(case, edge=rim)), (0.1 * rim, 0.05 * scale, 0.002 * scale))
     if pad.edge_radius_mm:
-        return Setup(filleted.filleted_problem(case), FIRST_STEP, LATTICE, LATTICE / 256.0, True)
+        return Setup(filleted.filleted_problem(case), (FIRST_STEP, LATTICE, LATTICE / 256.0), True)
     # Of a picture, whose stresses this moves by 1 % (at most 3.5 %), the fillet is twice as large.
     rim, cells = (2.0 * RIM * scale, 3) if coarse else (RIM * scale, 6)
     made = rimmed_problem(case, rim, meshes.Resolution(cells=cells))
-    return Setup(made, rim, 0.05 * scale, 0.005 * scale, coarse)
+    return Setup(made, (rim, 0.05 * scale, 0.005 * scale), coarse)
 
 
 def _pressed(problem: ContactProblem, solution: Equilibrium, depth: float, pad: Pad, shear: float) -> Pressed:

@@ -134,7 +134,7 @@ def _solve_round(pad: Pad, depth_mm: NDArray, solved: PathCache) -> dict[str, An
     from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 
     curve, h = solve_shaped_pad(pad, depth_mm, solved=solved), pad.thickness_mm
-    rows = [(depth * h, min(touched * h, pad.radius_mm), edge) for depth, touched, edge in solved.touched]
+    rows = [(depth * h, min(touched * h, pad.radius_mm)) for depth, touched in solved.touched]
     return {**vars(curve), "touch": [list(column) for column in zip(*rows)]}
 
 

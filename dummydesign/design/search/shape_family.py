@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,9 +20,6 @@ from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.tables.elastic_law import elastic_factor, mean_drop_mm
 from dummydesign.pad.tables.slab import load_table
 from dummydesign.pad.tables.square import crown_factor
-
-if TYPE_CHECKING:
-    from dummydesign.pad.tables.shape import ShapeTable
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,12 +233,7 @@ class TableFamily:
 
         self.kind = kind
         self._shape = shape_kind(kind)
-        self.table: ShapeTable = load_shape_table(kind)
-
-    @property
-    def provenance(self) -> dict[str, object]:
-        """How the table was made."""
-        return self.table.provenance
+        self.table = load_shape_table(kind)
 
     def candidates(self, thickness_mm: NDArray, radius_mm: float) -> Designs:
         """Pads in practical steps inside the table's range; not yet judged by castability."""

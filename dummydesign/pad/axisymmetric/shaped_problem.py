@@ -287,13 +287,13 @@ def solve_path(
 class PathCache:
     """Paths of one pad that were followed already, by grid.
 
-    ``touched`` has, of a pad that is touched gradually, ends of steps, the radius of the contact there, and whether
-    that is the punch's edge, from the finest grid. [thicknesses]
+    ``touched`` has, of a pad that is touched gradually, ends of steps and the radius of the contact there, from the
+    finest grid. [thicknesses]
     """
 
     def __init__(self) -> None:
         self._climbs: dict[tuple[int, float, bool], Climb] = {}
-        self.touched: list[tuple[float, float, bool]] = []
+        self.touched: list[tuple[float, float]] = []
 
     def climb(self, case: Case, deepest: float, grid: tuple[int, float], twin: bool, sound_J: float = 0.0) -> Climb:
         """The path on one grid, followed now if it was not yet."""
@@ -307,7 +307,7 @@ class PathCache:
         return self._climbs[key]
 
     def _touch(self, problem: ContactProblem, end: VisitedState) -> None:
-        self.touched.append((end.depth, *radius_touched(problem, end.depth, end.u)))
+        self.touched.append((end.depth, radius_touched(problem, end.depth, end.u)[0]))
 
 
 def radius_touched(problem: ContactProblem, depth: float, u: Array) -> tuple[float, bool]:
@@ -335,14 +335,10 @@ def grids(cells: int, case: Case) -> list[tuple[int, float]]:
 
 @dataclass(frozen=True)
 class Touch:
-    """Radius of the contact, in the deformed state, at depths that were reached. [mm]
-
-    ``reaches_edge`` is where the contact has come to the punch's edge.
-    """
+    """Radius of the contact, in the deformed state, at depths that were reached. [mm]"""
 
     depth_mm: Array
     contact_radius_mm: Array
-    reaches_edge: Array
 
     def radius_at(self, depth_mm: Array) -> Array:
         """Contact radius at other depths, on straight lines between the solved ones. [mm]"""
@@ -360,15 +356,13 @@ def contact_radius(pad: Pad, depth_mm: Sequence[float] | Array, cells: int = CEL
 
 def _touch(case: Case, depths: Array, cells: int) -> dict[str, Any]:
     problem = shaped_problem(case, cells)
-    rows: list[tuple[float, bool]] = []
+    radius: list[float] = []
 
     def measure(depth: float, solution: Equilibrium) -> None:
-        rows.append(radius_touched(problem, depth, solution.u))
+        radius.append(radius_touched(problem, depth, solution.u)[0])
 
     path = follow(problem, depths, 0.25 * float(depths[0]), FREE_STEP, SMALLEST_STEP, visit=measure)
-    radius, edge = np.array(rows).reshape(-1, 2).T
     return {
         "depth_mm": path.depth * case.thickness_mm,
         "contact_radius_mm": np.minimum(radius, case.radius) * case.thickness_mm,
-        "reaches_edge": edge > 0.0,
     }

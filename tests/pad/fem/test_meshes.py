@@ -231,7 +231,7 @@ def test_a_smaller_first_depth_takes_smaller_cells_at_an_apex_and_a_layer_has_a_
 
 
 def test_a_contact_radius_lies_on_straight_lines_between_solved_depths_and_ends_with_them():
-    touch = Touch(np.array([1.0, 2.0]), np.array([2.0, 3.0]), np.array([False, True]))
+    touch = Touch(np.array([1.0, 2.0]), np.array([2.0, 3.0]))
     found = touch.radius_at(np.array([0.0, 0.5, 1.5, 2.0, 2.1]))
     assert found[:4] == pytest.approx([0.0, 1.0, 2.5, 3.0]) and np.isnan(found[4])
 

@@ -78,7 +78,7 @@ def force_over_modulus(press: Press, law: str) -> float:
         return area * depth / thickness
     if law == "half_space":  # incompressible: 2 a E d / (1 - 1/4)
         return 8.0 / 3.0 * radius * depth
-    secant, _ = load_table(law).log_stiffness(depth / thickness, press.ratio)
+    secant = load_table(law).log(depth / thickness, press.ratio)
     return radius * depth * float(np.exp(secant))
 
 

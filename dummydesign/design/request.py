@@ -110,14 +110,6 @@ class Request:
 
         return Protocol(tuple(sorted(set(self.force_N))), tuple(sorted(set(self.velocity_mm_s))))
 
-    @property
-    def punch_text(self) -> str:
-        """The punch in words, such as ``14 x 14 mm``."""
-        kind, _, size = self.punch.partition(":")
-        if kind == "square":
-            return f"{size} x {size} mm"
-        return f"{size.replace('x', ' x ')} mm" if kind == "rectangle" else f"{kind} {size}"
-
     @classmethod
     def read(cls, **given: Any) -> Request:
         """Read texts or values by the names of the arguments of ``suggest``, the rest default; no other names count."""

@@ -20,6 +20,7 @@ from dummydesign.pad.fe_force_law import in_table, near_rim
 from dummydesign.pad.fe_force_law import own_slab_law as solved_over
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.tables.slab import load_table, slab_table
 from dummydesign.pad.tables.square import punch_law
 
 if TYPE_CHECKING:
@@ -28,8 +29,6 @@ if TYPE_CHECKING:
 
 def tabulated(thickness_mm: NDArray, request: Request, punch: Punch) -> NDArray:
     """Those thicknesses (T,) that the table holds for the punch's size."""
-    from dummydesign.pad.tables.slab import load_table
-
     base = request.base if request.base in BASES else "bonded"
     smallest, largest = load_table(base=base).ratio_range
     kept = thickness_mm[(punch.radius_mm / thickness_mm >= smallest) & (punch.radius_mm / thickness_mm <= largest)]
@@ -56,8 +55,6 @@ def tabulated(thickness_mm: NDArray, request: Request, punch: Punch) -> NDArray:
 
 def own_slab_law(request: Request, punch: Punch, thickness_mm: NDArray) -> ForceLaw:
     """Force law of the slabs of a request: the table of its base under its punch, or what is solved over it."""
-    from dummydesign.pad.tables.slab import slab_table
-
     base = request.base if request.base in BASES else "bonded"
     pad, edge = pad_of_request(request, punch), request.edge_radius_mm
     if request.face != "bonded" and punch.profile_mm is None:
@@ -71,8 +68,6 @@ def own_slab_law(request: Request, punch: Punch, thickness_mm: NDArray) -> Force
 
 def table_alone(request: Request, punch: Punch) -> ForceLaw:
     """The table of a request's base under a flat punch with sharp edges, without anything solved."""
-    from dummydesign.pad.tables.slab import load_table
-
     return punch_law(load_table(base=request.base), request.punch, request.base)
 
 

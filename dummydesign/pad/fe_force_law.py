@@ -12,10 +12,8 @@ from numpy.typing import ArrayLike
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.dimensions import EXTENT_OVER_RADIUS, MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
-from dummydesign.pad.force_law import BaseForceLaw, ForceLaw
+from dummydesign.pad.force_law import Array, ForceLaw
 from dummydesign.pad.pad_under_punch import Pad
-
-Array = np.ndarray
 
 SLAB_SHARES = (0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6)
 """Depths over thickness that are solved."""
@@ -39,7 +37,7 @@ class SolvedSlab:
 
 
 @dataclass(frozen=True)
-class FeForceLaw(BaseForceLaw):
+class FeForceLaw(ForceLaw):
     """Elastic force of solved slabs, F = E a d exp(p(d / h)) with a polynomial p a thickness."""
 
     radius_mm: float
@@ -185,7 +183,7 @@ class Solved:
 
 
 @dataclass(frozen=True)
-class SlabLawForTest(BaseForceLaw):
+class SlabLawForTest(ForceLaw):
     """A table times what was solved over it."""
 
     table: ForceLaw

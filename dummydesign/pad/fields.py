@@ -28,15 +28,12 @@ from dummydesign.pad.axisymmetric.case import (
 from dummydesign.pad.axisymmetric.profile_punch import CELLS as PROFILE_CELLS
 from dummydesign.pad.axisymmetric.profile_punch import edge_problem, load_steps, profile, profile_problem
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace
-from dummydesign.pad.contact.axisymmetric import FlatPunch, ProfilePunch
+from dummydesign.pad.contact.axisymmetric import Array, FlatPunch, ProfilePunch
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
-from dummydesign.pad.fem.mesh_axisymmetric import POINTS, cell_nodes
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.pad_under_punch import SLAB, Pad, Puck
 from dummydesign.pad.solve.continuation import ForcePath, VisitedState, follow, state_between
 from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium
-
-Array = np.ndarray
 
 # The nine nodes of a cell on the unit square, in the order of the elements: corners, mid-sides, middle.
 NODES = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5], [0.5, 0.5]])
@@ -67,7 +64,7 @@ def to_nodes(solid: Solid, places: Array, values: Array) -> Array:
 
     carry = bilinear(NODES[:, 0], NODES[:, 1]) @ np.linalg.pinv(bilinear(*places))
     at_nodes = np.einsum("nq,eqk->enk", carry, values)
-    node = cell_nodes(solid.mesh).ravel()
+    node = meshes.cell_nodes(solid.mesh).ravel()
     size = solid.mesh.nodes.shape[1]
     count = np.bincount(node, minlength=size)
     sums = [np.bincount(node, at_nodes[..., k].ravel(), minlength=size) for k in range(values.shape[-1])]
@@ -107,7 +104,7 @@ def face_tractions(nodes: Array, u: Array, force: Array, sides: Array) -> dict[s
 
 def recovered(solid: Solid, solution: Equilibrium, factor: Array) -> tuple[Array, Array]:
     """Cauchy stress (n, 4) and principal stretches (n, 3) at the nodes of an equilibrium."""
-    both = to_nodes(solid, POINTS, np.concatenate(cauchy(solid, solution.u, solution.p, factor), axis=-1))
+    both = to_nodes(solid, meshes.POINTS, np.concatenate(cauchy(solid, solution.u, solution.p, factor), axis=-1))
     return both[:, :4], both[:, 4:]
 
 
@@ -253,12 +250,13 @@ SLIP_SHARE = 0.95
 
 @dataclass(frozen=True)
 class Setup:
-    """A problem of finite elements in thicknesses and shear moduli, and how its path is followed or was already."""
+    """A problem of finite elements in thicknesses and shear moduli, and how its path is followed or was already.
+
+    ``steps`` of the load are the first, the largest and the smallest.
+    """
 
     problem: ContactProblem
-    first_step: float
-    largest_step: float
-    smallest_step: float
+    steps: tuple[float, float, float]
     lattice: bool = False
     visited: tuple[VisitedState, ...] = ()
 
@@ -341,9 +339,7 @@ def _follow(pad: Pad, depths: Array, coarse: bool, keep: Keep) -> tuple[str | No
     path = follow(
         setup.problem,
         depths,
-        setup.first_step,
-        setup.largest_step,
-        setup.smallest_step,
+        *setup.steps,
         lattice=setup.lattice,
         visit=visit,
     )
@@ -359,21 +355,21 @@ def _setup(pad: Pad, case: Case, depths: Array, coarse: bool) -> Setup:
         case = replace(case, first=min(case.first, float(depths[0])))
         flat, cells = pad.geometry.flat_top, shaped.CELLS // 2 if coarse else shaped.CELLS
         visited = () if flat else tuple(shaped.visited_states(case, cells, RIM, float(depths[-1])))
-        return Setup(shaped.shaped_problem(case, cells, RIM), *shaped.load_steps(case, cells, RIM), True, visited)
+        return Setup(shaped.shaped_problem(case, cells, RIM), shaped.load_steps(case, cells, RIM), True, visited)
     if pad.profile_mm is not None:
         punch = ProfilePunch(profile(*(np.asarray(part) / pad.thickness_mm for part in pad.profile_mm)).height)
         cells = PROFILE_CELLS // 2 if coarse else PROFILE_CELLS
         first, largest, lattice = load_steps(pad.condition, float(depths[0]))
-        return Setup(profile_problem(case, punch, float(depths[0]), cells), first, largest, first / 64.0, lattice)
+        return Setup(profile_problem(case, punch, float(depths[0]), cells), (first, largest, first / 64.0), lattice)
     if pad.condition != "bonded" or pad.base not in BASES:
         rim = RIM * scale
-        return Setup(edge_problem(replace(case, edge=rim)), 0.1 * rim, 0.05 * scale, 0.002 * scale)
+        return Setup(edge_problem(replace(case, edge=rim)), (0.1 * rim, 0.05 * scale, 0.002 * scale))
     if pad.edge_radius_mm:
-        return Setup(filleted.filleted_problem(case), FIRST_STEP, LATTICE, LATTICE / 256.0, True)
+        return Setup(filleted.filleted_problem(case), (FIRST_STEP, LATTICE, LATTICE / 256.0), True)
     # Of a picture, whose stresses this moves by 1 % (at most 3.5 %), the fillet is twice as large.
     rim, cells = (2.0 * RIM * scale, 3) if coarse else (RIM * scale, 6)
     made = rimmed_problem(case, rim, meshes.Resolution(cells=cells))
-    return Setup(made, rim, 0.05 * scale, 0.005 * scale, coarse)
+    return Setup(made, (rim, 0.05 * scale, 0.005 * scale), coarse)
 
 
 def _pressed(problem: ContactProblem, solution: Equilibrium, depth: float, pad: Pad, shear: float) -> Pressed:

@@ -29,10 +29,8 @@ from numpy.typing import ArrayLike
 
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.geometry.interface import BASES, Interface
-from dummydesign.pad.force_law import ForceCurve, PadCurve
+from dummydesign.pad.force_law import Array, ForceCurve, PadCurve
 from dummydesign.pad.pad_under_punch import SLAB, Pad, Puck
-
-Array = np.ndarray
 
 # Radii of contact at which the law is worked out, the smallest over the largest, and points along each integral.
 RADII, SMALLEST, QUADRATURE, FLAT = 240, 1e-7, 48, 1e-20

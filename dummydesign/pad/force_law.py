@@ -23,24 +23,49 @@ Factor = Callable[[ArrayLike, ArrayLike, ArrayLike], tuple[Array, Array]]
 """Factor on a force and its relative error, at depths, thicknesses and punch radii (broadcast). [mm]"""
 
 
+def slope_of(force: Callable[[Array], Array], depth_mm: ArrayLike, step_mm: ArrayLike, limit_mm: ArrayLike) -> Array:
+    """Derivative of a force by a central difference, one-sided at the surface and at the limit; zero above it.
+
+    Parameters
+    ----------
+    force : callable
+        Force of depths. [mm -> N]
+    depth_mm, step_mm, limit_mm : array_like
+        Where, the half step, and the largest depth the force is asked at; broadcast. [mm]
+    """
+    depth, step = np.asarray(depth_mm, float), np.asarray(step_mm, float)
+    low = np.maximum(depth - step, 0.0)
+    high = np.minimum(np.maximum(depth, 0.0) + step, limit_mm)
+    high = np.maximum(high, low + 1e-3 * step)
+    return np.where(depth > 0.0, (force(high) - force(low)) / (high - low), 0.0)
+
+
 @runtime_checkable
 class ForceLaw(Protocol):
-    """What every force law offers."""
+    """What every force law offers; one that says nothing else holds at any ratio and has no provenance.
 
-    @property
-    def ratio_range(self) -> tuple[float, float]:
-        """Smallest and largest punch radius over thickness that the law answers."""
-        ...
+    ``ratio_range`` are the smallest and largest punch radius over thickness that it answers, ``provenance`` says how it
+    was made, ``notes`` what a reader of its forces must know.
 
-    @property
-    def provenance(self) -> Mapping[str, Any]:
-        """How it was made (``command``, ...); empty where it has none of its own."""
-        ...
+    Examples
+    --------
+    A foam that carries under the punch alone, half as deep as it is thick, known to 2 %:
 
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What a reader of its forces must know."""
-        ...
+    >>> class Foam(ForceLaw):
+    ...     def force(self, depth_mm, thickness_mm, young_MPa, radius_mm):
+    ...         return young_MPa * np.pi * np.square(radius_mm) * np.asarray(depth_mm) / thickness_mm
+    ...     def depth_limit_mm(self, thickness_mm, radius_mm):
+    ...         return 0.5 * np.asarray(thickness_mm)
+    ...     def relative_error(self, depth_mm, thickness_mm, radius_mm):
+    ...         return np.full(np.broadcast_shapes(np.shape(depth_mm), np.shape(thickness_mm)), 0.02)
+    >>> pad = curve_at(Foam(), thickness_mm=10.0, young_MPa=0.1, radius_mm=14.0)
+    >>> f"{pad.force(1.0):.2f} N, {pad.stiffness(1.0):.2f} N/mm, to {pad.limit_mm:g} mm"
+    '6.16 N, 6.16 N/mm, to 5 mm'
+    """
+
+    ratio_range: tuple[float, float] = ANY_RATIO
+    provenance: Mapping[str, Any] = NOTHING_KNOWN
+    notes: tuple[str, ...] = ()
 
     @abstractmethod
     def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike) -> Array:
@@ -60,33 +85,10 @@ class ForceLaw(Protocol):
         ndarray
             [N]
         """
-        ...
-
-    def stiffness(
-        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> Array:
-        """Tangent stiffness dF/dd. All arguments broadcast.
-
-        Parameters
-        ----------
-        depth_mm, thickness_mm, young_MPa, radius_mm
-            As for :meth:`force`.
-
-        Returns
-        -------
-        ndarray
-            [N/mm]
-        """
-        ...
 
     @abstractmethod
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Depth to which the law holds. [mm]"""
-        ...
-
-    def gel_mm(self, thickness_mm: ArrayLike) -> Array:
-        """Thickness of the gel under the middle of the punch: the pad's, less a bone. [mm]"""
-        ...
 
     @abstractmethod
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
@@ -99,87 +101,28 @@ class ForceLaw(Protocol):
         radius_mm : array_like, broadcast
             Radius of the punch, or of the circle of its area. [mm]
         """
-        ...
-
-
-def slope_of(force: Callable[[Array], Array], depth_mm: ArrayLike, step_mm: ArrayLike, limit_mm: ArrayLike) -> Array:
-    """Derivative of a force by a central difference, one-sided at the surface and at the limit; zero above it.
-
-    Parameters
-    ----------
-    force : callable
-        Force of depths. [mm -> N]
-    depth_mm, step_mm, limit_mm : array_like
-        Where, the half step, and the largest depth the force is asked at; broadcast. [mm]
-    """
-    depth, step = np.asarray(depth_mm, float), np.asarray(step_mm, float)
-    low = np.maximum(depth - step, 0.0)
-    high = np.minimum(np.maximum(depth, 0.0) + step, limit_mm)
-    high = np.maximum(high, low + 1e-3 * step)
-    return np.where(depth > 0.0, (force(high) - force(low)) / (high - low), 0.0)
-
-
-class BaseForceLaw(ForceLaw):
-    """What a law is that says nothing else: any ratio, no provenance, stiffness by differences.
-
-    Examples
-    --------
-    A foam that carries under the punch alone, half as deep as it is thick, known to 2 %:
-
-    >>> class Foam(BaseForceLaw):
-    ...     def force(self, depth_mm, thickness_mm, young_MPa, radius_mm):
-    ...         return young_MPa * np.pi * np.square(radius_mm) * np.asarray(depth_mm) / thickness_mm
-    ...     def depth_limit_mm(self, thickness_mm, radius_mm):
-    ...         return 0.5 * np.asarray(thickness_mm)
-    ...     def relative_error(self, depth_mm, thickness_mm, radius_mm):
-    ...         return np.full(np.broadcast_shapes(np.shape(depth_mm), np.shape(thickness_mm)), 0.02)
-    >>> pad = curve_at(Foam(), thickness_mm=10.0, young_MPa=0.1, radius_mm=14.0)
-    >>> f"{pad.force(1.0):.2f} N, {pad.stiffness(1.0):.2f} N/mm, to {pad.limit_mm:g} mm"
-    '6.16 N, 6.16 N/mm, to 5 mm'
-    """
-
-    ratio_range: tuple[float, float] = ANY_RATIO
-    provenance: Mapping[str, Any] = NOTHING_KNOWN
-    notes: tuple[str, ...] = ()
 
     def stiffness(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
     ) -> Array:
-        """Tangent stiffness by a central difference, one-sided at both ends; see :class:`ForceLaw`. [N/mm]"""
+        """Tangent stiffness dF/dd by a central difference, one-sided at both ends; arguments as of :meth:`force`.
+
+        [N/mm]
+        """
         step = SLOPE_STEP * np.asarray(thickness_mm, float)
         limit = self.depth_limit_mm(thickness_mm, radius_mm)
         return slope_of(lambda depth: self.force(depth, thickness_mm, young_MPa, radius_mm), depth_mm, step, limit)
 
     def gel_mm(self, thickness_mm: ArrayLike) -> Array:
-        """The pad's whole thickness; see :class:`ForceLaw`. [mm]"""
+        """Thickness of the gel under the middle of the punch: the pad's, less a bone. [mm]"""
         return np.asarray(thickness_mm, float)
 
 
-class ForceAndStiffness:
-    """Force and stiffness of a law that works out both at once."""
-
-    def gel_mm(self, thickness_mm: ArrayLike) -> Array:
-        """The pad's whole thickness; see :class:`ForceLaw`. [mm]"""
-        return np.asarray(thickness_mm, float)
-
-    def force_and_stiffness(
-        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> tuple[Array, Array]:
-        """Elastic force [N] and tangent stiffness [N/mm]; see :meth:`ForceLaw.force`."""
-        raise NotImplementedError
-
-    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike) -> Array:
-        """Elastic force; see :class:`ForceLaw`. [N]"""
-        return self.force_and_stiffness(depth_mm, thickness_mm, young_MPa, radius_mm)[0]
-
-    def stiffness(
-        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> Array:
-        """Tangent stiffness dF/dd; see :class:`ForceLaw`. [N/mm]"""
-        return self.force_and_stiffness(depth_mm, thickness_mm, young_MPa, radius_mm)[1]
+BaseForceLaw = ForceLaw
+"""The name under which laws of one's own derive from it."""
 
 
-class ScaledLaw(BaseForceLaw):
+class ScaledLaw(ForceLaw):
     """A law times a factor that states its own error; the errors add up, all else is the law's.
 
     Parameters

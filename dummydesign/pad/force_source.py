@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
 from dummydesign.core.quantity import Quantity
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.interface import BASES, Interface
+from dummydesign.pad.first_touch import interpolate_curve, low_end, solvable_depths
 from dummydesign.pad.force_law import (
     NO_COST,
     ForceCurve,
@@ -22,13 +23,11 @@ from dummydesign.pad.force_law import (
     depth_grid,
     scale_curve,
 )
-from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.material.hyperelastic import Array, Yeoh
 from dummydesign.pad.pad_under_punch import SLAB, Pad, Puck
+from dummydesign.pad.tables.elastic_law import elastic_factor, exponent_of, mean_drop_mm
+from dummydesign.pad.tables.slab import load_table, slab_table
 
-if TYPE_CHECKING:
-    from dummydesign.pad.tables.shape import TabulatedShapeLaw
-
-Array = np.ndarray
 FIDELITIES = ("table", "axisymmetric", "viscoelastic", "3d")
 
 
@@ -37,16 +36,10 @@ def elastic_curve(
     fidelity: str,
     deepest_mm: float | None = None,
     depths_mm: Array | None = None,
-    force_law: ForceLaw | None = None,
 ) -> ForceCurve:
     """Long-term force as a function of depth, by the table or solved by finite elements."""
     if fidelity not in FIDELITIES:
         raise unknown_name("fidelity", fidelity, FIDELITIES)
-    if force_law is not None:
-        if fidelity != "table":
-            message = f"fidelity = {fidelity} solves the pad; a force law of your own goes with table"
-            raise InputError(message, "conflict", "fidelity", fidelity, "table")
-        return curve_at(force_law, pad.thickness_mm, pad.young_MPa, pad.radius_mm)
     if isinstance(pad, Puck):
         if fidelity == "table":
             raise _not_tabulated("punch", "plate", "flat")
@@ -83,7 +76,7 @@ def curve_without_solve(pad: Pad | Puck) -> ForceCurve | None:
         return elastic_curve(pad, "table") if _tabulated(pad) else None
     from dummydesign.pad.tables.puck import DEEPEST, uniaxial
 
-    alpha = _exponent(pad)
+    alpha = exponent_of(pad.shape)
     if pad.plates != "frictionless" or pad.poisson < 0.5 or alpha is None:
         return None
     load = pad.young_MPa * np.pi * pad.radius_mm**2
@@ -127,20 +120,12 @@ def has_square_factor(pad: Pad) -> bool:
         return False
     if pad.geometry.crowned:
         return pad.geometry.axisymmetric and pad.profile_mm is None
-    plain = pad if _exponent(pad) is None else replace(pad, law=None)
+    plain = pad if exponent_of(pad.shape) is None else replace(pad, law=None)
     return _tabulated(replace(plain, edge_radius_mm=0.0))
-
-
-def _exponent(pad: Pad | Puck) -> float | None:
-    from dummydesign.pad.tables.elastic_law import exponent_of
-
-    return exponent_of(pad.shape)
 
 
 def _tabulated(pad: Pad) -> bool:
     """Whether base, law and a / h are within the tables."""
-    from dummydesign.pad.tables.slab import load_table
-
     if pad.base not in BASES or not _in_table(pad):
         return False
     low, high = load_table(pad.base).ratio_range
@@ -184,10 +169,7 @@ def _plain_law(pad: Pad) -> bool:
 
 
 def _by_table(pad: Pad) -> ForceCurve:
-    from dummydesign.pad.tables.elastic_law import elastic_factor, mean_drop_mm
-    from dummydesign.pad.tables.slab import slab_table
-
-    alpha = _exponent(pad)
+    alpha = exponent_of(pad.shape)
     material = "neo-hookean" if alpha is not None else type(pad.shape).__name__.lower()
     for name, value, held in (
         ("punch", "profile" if pad.profile_mm else "flat", "flat"),
@@ -207,7 +189,7 @@ def _by_table(pad: Pad) -> ForceCurve:
     return scale_curve(curve, lambda depth: elastic_factor(depth, *size))
 
 
-def _shape_law(pad: Pad) -> TabulatedShapeLaw:
+def _shape_law(pad: Pad) -> ForceLaw:
     """Response table of a shaped pad on a bonded base under a sharp edge."""
     from dummydesign.pad.tables.shape import TabulatedShapeLaw
 
@@ -223,15 +205,11 @@ def _shape_law(pad: Pad) -> TabulatedShapeLaw:
 
 
 def _by_elements(pad: Pad | Puck, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
-    from dummydesign.pad.first_touch import solvable_depths
-
     grid = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
     return _through(pad, solve_points(pad, solvable_depths(pad, grid)))
 
 
 def _through(pad: Pad | Puck, solved: PadCurve) -> ForceCurve:
-    from dummydesign.pad.first_touch import interpolate_curve, low_end
-
     depth, force = solved.depth_mm, solved.force_N
     if len(depth) < 2:
         message = f"the pad could be solved at {len(depth)} depth only: {solved.notes[0]}"
@@ -283,7 +261,6 @@ def _of_unit_modulus(
 
 def _shape_in_space(pad: Pad, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
     """A shaped pad under its own punch, square or round, solved in space with unit modulus."""
-    from dummydesign.pad.first_touch import solvable_depths
     from dummydesign.pad.spatial.shaped_pad import solve_shaped_block
 
     grid = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)

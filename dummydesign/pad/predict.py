@@ -11,9 +11,9 @@ arm much slower than the rise has rho near 0 (its stress is that of a jump, whic
 faster has the largest, because the second Piola stress then lags by the current deformation and not by that of the
 past. The stress of the arms adds, and the field of deformation hardly depends on them.
 
-Whole sets of arms and shaped pads were pressed too. :func:`kind_shares` fits to them, by kind of shape, what share of
-that sum, and of what relaxes in the rise, the error is, and how far it scatters: :func:`departure` has both, as a part
-of the interval of every dynamic prediction. A tip that is pressed flat counts as a slab of the same mean compression.
+Whole sets of arms and shaped pads were pressed too. To them is fitted, by kind of shape, what share of that sum, and of
+what relaxes in the rise, the error is, and how far it scatters: :func:`departure` has both, as a part of the interval
+of every dynamic prediction. A tip that is pressed flat counts as a slab of the same mean compression.
 """
 
 from __future__ import annotations
@@ -30,16 +30,15 @@ from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.core.parsing import positive
 from dummydesign.core.progress import reporting_depths
 from dummydesign.core.serialise import Serialised
+from dummydesign.core.user_library import fill_table
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.measurement.motion import Motion, ramp_and_hold
-from dummydesign.pad.force_law import ForceCurve, ForceLaw
+from dummydesign.pad.force_law import Array, ForceCurve
 from dummydesign.pad.force_source import elastic_curve
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 from dummydesign.pad.pad_under_punch import SLAB, Pad, Puck
-
-Array = np.ndarray
 
 # By how much the face round a tip sinks away from the punch, in its drop: 1 is not at all, 2 Hertz's contact. With it
 # the sum over single arms of the crowns that were solved needs hardly a factor of its own (1.0 to 1.1).
@@ -76,21 +75,7 @@ class QuickError:
 @lru_cache(maxsize=4)
 def load_quick_error(base: str = "bonded") -> QuickError:
     """Read the stored values for a base."""
-    return json_table.read(NAME, "table", COMMAND, lambda data: _from_dict(data, base))
-
-
-def _from_dict(data: dict[str, Any], base: str) -> QuickError:
-    rows = [row for row in data["single"] if row["base"] == base]
-    names = ("radius_over_thickness", "relative_depth", "rise_over_tau")
-    axes = [np.array(sorted({row[name] for row in rows})) for name in names]
-    rho = np.full([len(axis) for axis in axes], np.nan)
-    for row in rows:
-        index = tuple(int(np.searchsorted(axis, row[name])) for axis, name in zip(axes, names))
-        rho[index] = row["error_at_peak"] / row["viscous_share_at_peak"]
-    if not rho.size or not np.isfinite(rho).all():
-        raise ValueError("values do not fill the grid")
-    rho = np.concatenate([np.zeros_like(rho[:, :1]), rho], axis=1)
-    return QuickError(axes[0], np.concatenate([[0.0], axes[1]]), axes[2], rho)
+    return json_table.read(NAME, "table", COMMAND, lambda data: fill_table(QuickError, data["grids"][base]))
 
 
 def sums_of_arms(
@@ -128,18 +113,8 @@ def kind_shares(kind: str) -> Array:
 
     Fitted to the pads of a kind that were solved; a kind of which none was has all shaped ones.
     """
-    found = json_table.read(NAME, "table", COMMAND, lambda data: {"slab": data["values"], "": data["shapes"]})
-    rows = found["slab"] if kind == "slab" else [row for row in found[""] if row["kind"] == kind] or found[""]
-    *sums, error = np.array([(row["rho_at_peak"], row["relaxing_at_peak"], row["error_at_peak"]) for row in rows]).T
-    parts = np.stack(sums, axis=1)
-    # a press errs by a share of its own sums
-    size = parts.sum(axis=1)
-    middle = np.linalg.lstsq(parts / size[:, None], error / size, rcond=None)[0]
-    off = np.abs(error - parts @ middle)
-    # of all widths that hold 95 % of them the one that is the least in the mean
-    widths = np.stack([np.ones(81), np.geomspace(1e-3, 1e3, 81)])
-    widths *= np.quantile(off[:, None] / (parts @ widths), 0.95, axis=0)
-    return np.stack([middle, widths[:, np.argmin(parts.mean(axis=0) @ widths)]])
+    known = json_table.read(NAME, "table", COMMAND, lambda data: data["shares"])
+    return np.array(known.get(kind, known["shaped"]))
 
 
 def departure(
@@ -200,7 +175,6 @@ def predict_static(
     depth_mm: Sequence[float],
     fidelity: str = "table",
     progress: Callable[[float], None] | None = None,
-    force_law: ForceLaw | None = None,
 ) -> StaticPrediction:
     """Long-term force at static depths."""
     if fidelity == "viscoelastic":
@@ -210,7 +184,7 @@ def predict_static(
     if depth.ndim != 1 or not len(depth) or not np.isfinite(depth).all():
         raise InputError(f"depth_mm = {depth_mm} must be a list of finite numbers", "malformed", "depth_mm")
     with reporting_depths(progress):
-        curve = elastic_curve(pad, fidelity, float(depth.max()), depth, force_law)
+        curve = elastic_curve(pad, fidelity, float(depth.max()), depth)
     if depth.min() < 0.0:
         raise out_of_range("depth in mm", f"{depth.min():g}", 0, f"{curve.limit_mm:.4g}")
     _check_depth(depth, curve, pad)
@@ -231,7 +205,6 @@ def predict_motion(
     motion: Motion,
     fidelity: str = "table",
     progress: Callable[[float], None] | None = None,
-    force_law: ForceLaw | None = None,
 ) -> MotionPrediction:
     """Force along a motion: elastic force of the depth, convolved with the Prony terms.
 
@@ -248,7 +221,7 @@ def predict_motion(
         message = f"largest displacement_mm = {deepest:.4g} never reaches the pad; compression is positive"
         raise InputError(message, "out_of_range", "displacement_mm", deepest)
     with reporting_depths(progress):
-        return motion_on_curve(pad, motion, elastic_curve(pad, fidelity, deepest, None, force_law), fidelity)
+        return motion_on_curve(pad, motion, elastic_curve(pad, fidelity, deepest), fidelity)
 
 
 def motion_on_curve(pad: Pad | Puck, motion: Motion, curve: ForceCurve, fidelity: str = "table") -> MotionPrediction:

@@ -32,7 +32,7 @@ def build() -> dict[str, object]:
         "meaning": "F(nu) / F(1/2) = 1 / (1 + (1 - 2 nu) coefficient[a/h][d/h]); equal E, glued punch and base",
         "ratio": list(RATIOS),
         "depth": list(DEPTHS),
-        "coefficient": rows,
+        "values": rows,
         "provenance": {"poisson": POISSON},
     }
 

@@ -93,7 +93,7 @@ def content(base: str, count: int, fresh: int, pool: ProcessPoolExecutor) -> dic
         between = between_fillets(table, task[1])
         wanted = np.minimum(DEPTHS, between.depth_limit(task[0]))
         known = np.isfinite(solved) & (DEPTHS <= wanted * (1.0 + 1e-9))
-        miss.append(np.where(known, np.abs(between.log_stiffness(wanted, task[0])[0] - solved), np.nan))
+        miss.append(np.where(known, np.abs(between.log(wanted, task[0]) - solved), np.nan))
     rows = np.array(miss)
     table["provenance"] = {
         "law": "neo-Hookean, incompressible",

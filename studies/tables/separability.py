@@ -160,6 +160,47 @@ def build_sets() -> list[dict[str, Any]]:
     return rows
 
 
+def grid_of(rows: list[dict[str, Any]], base: str) -> dict[str, Any]:
+    """rho of single arms on a base over a / h, d / h and rise time, as ``dummydesign.pad.predict.QuickError``."""
+    own = [row for row in rows if row["base"] == base]
+    names = ("radius_over_thickness", "relative_depth", "rise_over_tau")
+    axes = [np.array(sorted({row[name] for row in own})) for name in names]
+    rho = np.full([len(axis) for axis in axes], np.nan)
+    for row in own:
+        index = tuple(int(np.searchsorted(axis, row[name])) for axis, name in zip(axes, names))
+        rho[index] = row["error_at_peak"] / row["viscous_share_at_peak"]
+    if not rho.size or not np.isfinite(rho).all():
+        raise ValueError("values do not fill the grid")
+    rho = np.concatenate([np.zeros_like(rho[:, :1]), rho], axis=1)
+    ratio, depth, rise = (axis.tolist() for axis in axes)
+    return {"ratio": ratio, "depth": [0.0, *depth], "rise": rise, "rho": rho.tolist()}
+
+
+def shares_of(rows: list[dict[str, Any]]) -> list[list[float]]:
+    """Shares (2, 2) of both sums over arms that pads of one kind show: in the error, and in its 95 % about that."""
+    *sums, error = np.array([(row["rho_at_peak"], row["relaxing_at_peak"], row["error_at_peak"]) for row in rows]).T
+    parts = np.stack(sums, axis=1)
+    # a press errs by a share of its own sums
+    size = parts.sum(axis=1)
+    middle = np.linalg.lstsq(parts / size[:, None], error / size, rcond=None)[0]
+    off = np.abs(error - parts @ middle)
+    # of all widths that hold 95 % of them the one that is the least in the mean
+    widths = np.stack([np.ones(81), np.geomspace(1e-3, 1e3, 81)])
+    widths *= np.quantile(off[:, None] / (parts @ widths), 0.95, axis=0)
+    return np.stack([middle, widths[:, np.argmin(parts.mean(axis=0) @ widths)]]).tolist()
+
+
+def summary_of(made: dict[str, Any]) -> dict[str, Any]:
+    """What predictions read: the grid of each base, and the shares of each kind and of all shaped pads."""
+    kinds = {row["kind"] for row in made["shapes"]}
+    by_kind = {kind: [row for row in made["shapes"] if row["kind"] == kind] for kind in sorted(kinds)}
+    rows = {"slab": made["values"], "shaped": made["shapes"], **by_kind}
+    return {
+        "grids": {base: grid_of(made["single"], base) for base in BASES},
+        "shares": {kind: shares_of(own) for kind, own in rows.items()},
+    }
+
+
 def build_convergence() -> dict[str, Any]:
     """How the numbers change with half the steps and half the fillet."""
     case = ("bonded", 10.0, 0.3, 50.0, SETS["library"])
@@ -199,9 +240,11 @@ def main() -> None:
         "convergence": made["convergence"],
         "provenance": run.provenance(),
     }
+    # on a line each: they are long
+    short = [f'"{name}": {json.dumps(value)}' for name, value in summary_of(made).items()]
     names = ("single", "values", "shapes", "shapes_left_out")
     lists = [f'"{name}": [\n  ' + ",\n  ".join(map(json.dumps, made[name])) + "\n ]" for name in names]
-    write_text(path, json.dumps(head, indent=1)[:-2] + ",\n " + ",\n ".join(lists) + "\n}\n")
+    write_text(path, json.dumps(head, indent=1)[:-2] + ",\n " + ",\n ".join([*short, *lists]) + "\n}\n")
 
 
 if __name__ == "__main__":

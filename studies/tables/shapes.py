@@ -20,7 +20,7 @@ import numpy as np
 from dummydesign.core.user_library import data_folder
 from dummydesign.geometry.dimensions import EXTENT_OVER_RADIUS
 from dummydesign.pad.axisymmetric.shaped_pad import EDGE_ERROR, LEAST_ERROR
-from dummydesign.pad.tables.response_surface import Response
+from dummydesign.pad.tables.crowned import Response
 from dummydesign.pad.tables.shape import ShapeTable, Surface, from_dict
 from studies.tables.common import Build, write_table
 from studies.tables.designs import designs
@@ -128,7 +128,7 @@ def _missed(design: Design, table: ShapeTable, points: Array, values: Array) -> 
     """Relative errors of a table at solves (n, depths); NaN beyond the limit that it states itself."""
     depths, plain = design.depths, np.array([design.plain(point) for point in points])
     row = np.broadcast_to(np.arange(len(points))[:, None], values.shape)
-    answered, _ = table.log_factor(plain, row, np.broadcast_to(depths, values.shape))
+    answered = table.log_factor(plain, row, np.broadcast_to(depths, values.shape))
     miss = np.abs(np.expm1(answered - design.reduced(points, values, depths)))
     return np.where(depths[None, :] <= table.depth_limit(plain)[:, None] * (1.0 + 1e-9), miss, np.nan)
 

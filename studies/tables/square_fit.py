@@ -108,8 +108,9 @@ def content(base: str, values: Values, extent_over_side: tuple[float, float]) ->
         "coefficients": [[short(c, 7) for c in row] for row in coefficients],
         "ratio_range": list(RATIO_RANGE),
         "depth_range": [0.0, DEPTH_END],
-        "reach_ratio": [short(r) for r in ratios],
-        "reach_depth": [short(r) for r in reach],
+        "limit_ratio": [short(r) for r in ratios],
+        "limit_depth": [short(r) for r in reach],
+        "error_ratio": [short(r) for r in ratios],
         "error_depth": [short(d) for d in depths],
         "error": [[short(e, 3) for e in row] for row in error],
         "provenance": {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dummydesign.pad.tables.response_surface import Response, matern, quadratic
+from dummydesign.pad.tables.crowned import Response, matern, quadratic
 
 Array = np.ndarray
 

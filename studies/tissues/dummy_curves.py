@@ -67,7 +67,7 @@ def slab_force(depth_mm: NDArray, thickness_mm: float, base: str) -> NDArray:
     depth = np.asarray(depth_mm, float)
     limit = float(table.depth_limit_mm(thickness_mm, RADIUS_MM))
     inside = np.minimum(depth, limit)
-    last, stiffness = table.force_and_stiffness(limit, thickness_mm, 1.0, RADIUS_MM)
+    last, stiffness = (one(limit, thickness_mm, 1.0, RADIUS_MM) for one in (table.force, table.stiffness))
     force = table.force(inside, thickness_mm, 1.0, RADIUS_MM) * (depth / inside) ** (limit * stiffness / last)
     return SQUARE_OVER_ROUND[thickness_mm] * force
 

@@ -238,7 +238,7 @@ def _force(slab: Case, depth: float, rim: float, resolution: Resolution | None =
 def independence() -> Iterator[Check]:
     """Mesh, extent and units at finite depth."""
     slab = Case(1.0, 9.58)
-    meshing = Resolution(), Resolution().finer()
+    meshing = Resolution(), Resolution(2 * Resolution.cells, Resolution.growth**0.5)
     coarse, fine = (_force(slab, 0.2, 0.05, resolution) for resolution in meshing)
     yield Check("Independence", "cells, against half the cells, rim 0.05, d/h 0.2", fine, coarse, 3e-3, "finer mesh")
     wide, narrow = (_force(Case(0.395, extent), 0.2, 0.05) for extent in (3.785, 3.0))

@@ -141,7 +141,7 @@ def test_the_way_a_punch_may_be_moved_is_to_the_side_of_the_contact():
     slabs = PadBatch(curves, np.array([0]), np.array([0.5]), (1.0,), np.ones((1, 1)))
     best = DesignCandidate(10.0, 15.0, 0, SimpleNamespace(slabs=slabs))
     crown = SimpleNamespace(flat_top=False, axisymmetric=True)
-    touch = Touch(np.linspace(0.0, 4.0, 9), 2.0 * np.linspace(0.0, 4.0, 9), np.zeros(9))
+    touch = Touch(np.linspace(0.0, 4.0, 9), 2.0 * np.linspace(0.0, 4.0, 9))
     found = centring_tolerance(best, crown, 7.9, 7.0, (5.0, 15.0, 18.0, 30.0), touch=touch)
     # 5 N at 1 mm touch 2 mm: 5 mm are left; beyond the curve nothing is known
     assert found.contact_radius_mm[0] == pytest.approx(2.0, abs=0.05)

@@ -20,7 +20,7 @@ from dummydesign.pad.force_law import ForceCurve, ForceLaw, ScaledLaw, curve_at
 from dummydesign.pad.force_source import elastic_curve
 from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.pad.pad_under_punch import Pad
-from dummydesign.pad.predict import predict_motion, predict_static
+from dummydesign.pad.predict import motion_on_curve
 from dummydesign.pad.tables.shape import TabulatedShapeLaw
 from dummydesign.pad.tables.slab import ResponseTable, load_table
 from dummydesign.pad.tables.square import circle_of, square_factor, square_law
@@ -118,21 +118,18 @@ def test_stiffness_by_differences_is_the_derivative_inside_and_at_both_ends():
 
 
 def test_a_toy_law_is_predicted_with():
-    pad = Pad(10.0, 0.03, RADIUS)
-    depth = np.array([1.0, 2.5, 4.9])
-    found = predict_static(pad, depth, force_law=Foam())
-    assert found.force_N == pytest.approx(Foam().force(depth, 10.0, 0.03, RADIUS), rel=1e-12)
-    assert found.local_exponent == pytest.approx(1.0 + 1.0 / (1.0 - depth / 10.0), rel=1e-4)
-    assert found.notes == ("foam",)
+    curve, depth = curve_at(Foam(), 10.0, 0.03, RADIUS), np.array([1.0, 2.5, 4.9])
+    assert curve.force(depth) == pytest.approx(Foam().force(depth, 10.0, 0.03, RADIUS), rel=1e-12)
+    exponent = depth * curve.stiffness(depth) / curve.force(depth)
+    assert exponent == pytest.approx(1.0 + 1.0 / (1.0 - depth / 10.0), rel=1e-4)
+    assert curve.notes == ("foam",)
     with raises_code("out_of_range", "depth_mm"):
-        predict_static(pad, [5.1], force_law=Foam())
-    with raises_code("conflict", "fidelity"):
-        predict_static(pad, [1.0], "axisymmetric", force_law=Foam())
+        motion_on_curve(Pad(10.0, 0.03, RADIUS), ramp_and_hold(100.0, 5.1, 10.0), curve)
 
 
 def test_a_toy_law_relaxes_to_its_static_force():
     pad = Pad(10.0, 0.03, RADIUS, (PronyTerm(0.05, 1.0),))
-    found = predict_motion(pad, ramp_and_hold(100.0, 3.0, 10.0), force_law=Foam())
+    found = motion_on_curve(pad, ramp_and_hold(100.0, 3.0, 10.0), curve_at(Foam(), 10.0, 0.03, RADIUS))
     assert found.steady_force_N == pytest.approx(float(Foam().force(3.0, 10.0, 0.03, RADIUS)), rel=1e-6)
     assert found.peak_force_N > 1.2 * found.steady_force_N
 

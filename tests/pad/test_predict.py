@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.core.user_library import data_folder
+from dummydesign.core.user_library import data_folder, fill_table
 from dummydesign.geometry.shapes.boned import Boned
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
@@ -37,6 +37,7 @@ from dummydesign.pad.predict import (
 from dummydesign.pad.spatial import square_punch
 from dummydesign.pad.spatial.square_punch import FactorCurve
 from dummydesign.pad.tables.slab import load_table
+from studies.tables.separability import grid_of, summary_of
 from tests.support.refusal import raises_code
 
 ARMS = (PronyTerm(0.02, 0.8), PronyTerm(0.4, 0.4))
@@ -59,7 +60,7 @@ def test_the_interval_of_a_static_force_is_the_stated_error_and_its_exponent_the
     error = table.relative_error(depth, 12.0, 7.9)
     assert found.force_low_N == pytest.approx(found.force_N * (1.0 - error))
     assert found.force_high_N == pytest.approx(found.force_N * (1.0 + error)) and found.fidelity == "table"
-    force, stiffness = table.force_and_stiffness(depth[1:], 12.0, 0.03, 7.9)
+    force, stiffness = (one(depth[1:], 12.0, 0.03, 7.9) for one in (table.force, table.stiffness))
     assert found.local_exponent[0] == pytest.approx(1.0, abs=2e-3)
     assert found.local_exponent[1:] == pytest.approx(depth[1:] * stiffness / force, abs=2e-3)
     with raises_code("out_of_range"):
@@ -210,7 +211,7 @@ def test_the_quick_error_lies_on_straight_lines_inside_and_is_carried_on_as_stat
     assert error.at(0.7, beyond, 3.0) == pytest.approx(beyond * (1.0 + 0.5 * np.log(0.7) + 0.25 * np.log(3.0)))
 
 
-def test_the_quick_error_is_read_as_a_share_of_the_viscous_force_and_must_fill_its_grid():
+def test_the_quick_error_is_kept_as_a_share_of_the_viscous_force_and_must_fill_its_grid():
     error = quick_error()
     rows = [
         {
@@ -227,11 +228,20 @@ def test_the_quick_error_is_read_as_a_share_of_the_viscous_force_and_must_fill_i
         for k, rise in enumerate(error.rise)
     ]
     for base, sign in (("bonded", 1.0), ("sliding", -1.0)):
-        read = predict._from_dict({"single": rows[::-1]}, base)
+        read = fill_table(QuickError, grid_of(rows[::-1], base))
         assert read.rho == pytest.approx(sign * error.rho) and read.depth == pytest.approx(error.depth)
         assert read.ratio == pytest.approx(error.ratio) and read.rise == pytest.approx(error.rise)
     with pytest.raises(ValueError, match="grid"):
-        predict._from_dict({"single": rows[1:]}, "bonded")
+        grid_of(rows[1:], "bonded")
+
+
+def test_the_shipped_grids_and_shares_are_those_of_the_shipped_rows():
+    data = json.loads((data_folder() / "materials" / "tables" / predict.NAME).read_text(encoding="utf-8"))
+    made = summary_of(data)
+    for base, grid in made["grids"].items():
+        assert all(np.array_equal(data["grids"][base][name], values) for name, values in grid.items())
+    for kind, shares in made["shares"].items():
+        assert data["shares"][kind] == pytest.approx(np.array(shares), rel=1e-9)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

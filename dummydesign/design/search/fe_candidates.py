@@ -20,7 +20,7 @@ from dummydesign.design.search.shape_search import MANY_BATCHES, ShapedDesign, c
 from dummydesign.design.search.slabs import SearchSpace
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM, PUNCH_RADIUS_MM, PUNCH_SIDE_MM
 from dummydesign.pad.axisymmetric.shaped_problem import PathCache, Touch
-from dummydesign.pad.force_law import BaseForceLaw
+from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.pad_under_punch import Pad
 
 # Of solved depths over thickness, by whether the top is flat: ends of load steps, which cost no solve of its own.
@@ -32,7 +32,7 @@ BEYOND = 1.3
 
 
 @dataclass(frozen=True, eq=False)
-class ElementsLaw(BaseForceLaw):
+class ElementsLaw(ForceLaw):
     """Force law of one cast shape: its table times the elements' force over the table's, at the pad's own thickness."""
 
     table: FamilyLaw
@@ -134,7 +134,7 @@ def _solve_round(pad: Pad, depth_mm: NDArray, solved: PathCache) -> dict[str, An
     from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 
     curve, h = solve_shaped_pad(pad, depth_mm, solved=solved), pad.thickness_mm
-    rows = [(depth * h, min(touched * h, pad.radius_mm), edge) for depth, touched, edge in solved.touched]
+    rows = [(depth * h, min(touched * h, pad.radius_mm)) for depth, touched in solved.touched]
     return {**vars(curve), "touch": [list(column) for column in zip(*rows)]}
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,13 +16,10 @@ from dummydesign.design.scoring.crowns import Crowns
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import make_shape, part_of, shape_kind, shape_kinds
 from dummydesign.mold.model.spec import PadGeometry
-from dummydesign.pad.force_law import BaseForceLaw
+from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.tables.elastic_law import elastic_factor, mean_drop_mm
 from dummydesign.pad.tables.slab import load_table
 from dummydesign.pad.tables.square import crown_factor
-
-if TYPE_CHECKING:
-    from dummydesign.pad.tables.shape import ShapeTable
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +130,7 @@ class Family(Protocol):
 
 
 @dataclass(frozen=True)
-class FamilyLaw(BaseForceLaw):
+class FamilyLaw(ForceLaw):
     """Force law (:class:`~dummydesign.pad.force_law.ForceLaw`) of one shape on pads near its own thickness.
 
     Without ``cast`` the shape's heights go in proportion with the thickness, as in a study of thickness. With it
@@ -236,12 +233,7 @@ class TableFamily:
 
         self.kind = kind
         self._shape = shape_kind(kind)
-        self.table: ShapeTable = load_shape_table(kind)
-
-    @property
-    def provenance(self) -> dict[str, object]:
-        """How the table was made."""
-        return self.table.provenance
+        self.table = load_shape_table(kind)
 
     def candidates(self, thickness_mm: NDArray, radius_mm: float) -> Designs:
         """Pads in practical steps inside the table's range; not yet judged by castability."""
@@ -268,7 +260,7 @@ class TableFamily:
         limit = self.limit_mm(designs, radius_mm) if designs.limit_mm is None else designs.limit_mm
         inputs, row = self._inputs(designs, radius_mm), np.broadcast_to(np.arange(len(limit))[:, None], depth.shape)
         pads = designs.thickness_mm, np.full(len(limit), radius_mm), designs.parameters.get("radius", limit)
-        area, _ = self.table.area_and_slope(inputs, row, depth, limit[row], *(value[row] for value in pads))
+        area = self.table.area_mm2(inputs, row, depth, limit[row], *(value[row] for value in pads))
         return np.where(limit[row] > 0.0, area, np.nan)
 
     def limit_mm(self, designs: Designs, radius_mm: float) -> NDArray:

@@ -35,6 +35,7 @@ from dummydesign.geometry.punch import punch_sides_mm
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.force_law import ForceLaw
+from dummydesign.pad.tables.slab import load_table, slab_table
 from dummydesign.pad.tables.square import punch_law
 
 if TYPE_CHECKING:
@@ -287,8 +288,6 @@ def work(task: Task, law: ForceLaw | None = None) -> list[dict[str, Any]]:
 def force_law(task: Task, thickness_mm: NDArray) -> ForceLaw:
     """The force law of the task's fidelity, punch, condition and base."""
     if task.fidelity == "table":
-        from dummydesign.pad.tables.slab import slab_table
-
         table = slab_table(task.base, task.edge_radius_mm, task.radius_mm)
         return punch_law(table, task.punch, task.base, bool(task.edge_radius_mm))
     from dummydesign.pad.fe_force_law import solve_law
@@ -368,7 +367,6 @@ def settings_of(study: Study, resin: Any, tissue: Any) -> dict[str, Any]:
     }
     if study.fidelity == "table":
         from dummydesign.geometry.interface import BASES
-        from dummydesign.pad.tables.slab import load_table
 
         settings["tables"] = _hash({base: load_table(base).coefficients.tolist() for base in BASES})
     return settings

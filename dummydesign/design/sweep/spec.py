@@ -21,6 +21,7 @@ from dummydesign.geometry.punch import equal_area_radius_mm, punch_sides_mm
 from dummydesign.geometry.shape_registry import make_shape, read_shape, shape_kinds
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S
+from dummydesign.pad.tables.slab import load_table, slab_table
 
 if TYPE_CHECKING:
     from dummydesign.resin.model.resin import Resin
@@ -150,8 +151,6 @@ def _check_edges(study: Study, edges: list[float], shaped: list[str]) -> None:
         message = f"edge radius in mm = {edge:g} is not solved in space; leave out --fidelity 3d"
         raise InputError(message, "unsupported", "edge_radius_mm", edge)
     if study.fidelity == "table":
-        from dummydesign.pad.tables.slab import slab_table
-
         for one, (punch, _), base in itertools.product(edges, study.punches, study.bases):
             slab_table(base, one, equal_area_radius_mm(punch))
     slides = next((condition for condition in study.conditions if condition != "bonded"), None)
@@ -268,8 +267,6 @@ class Study(Serialised):
             if base not in BASES:
                 raise unknown_name("base", base, BASES)
         if self.fidelity == "table":
-            from dummydesign.pad.tables.slab import load_table
-
             for condition in self.conditions:
                 if condition != "bonded":
                     raise InputError(

@@ -17,11 +17,9 @@ from dummydesign.core.parsing import one_of
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
 from dummydesign.geometry.interface import BASES, CONDITIONS, Interface
 from dummydesign.geometry.pad_shape import PadShape
-from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface, FlatPunch, RigidPunch
+from dummydesign.pad.contact.axisymmetric import GLUED_SLAB, AxisymmetricSurface, ContactSurface, FlatPunch, RigidPunch
 from dummydesign.pad.contact.friction import CombinedSurface, RestingBase, weight_over_shear
-from dummydesign.pad.contact.penalty import GLUED_SLAB, ContactSurface
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
-from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.fem.mixed_solid import Discretisation, Solid
 from dummydesign.pad.force_law import PadCurve
 from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, HyperelasticLaw
@@ -187,7 +185,9 @@ def _check_smooth(case: Case) -> None:
     one_of("condition", case.condition, CONDITIONS)
 
 
-def sharp_problem(case: Case, resolution: Resolution, rings: int = 6, quarter_points: bool = True) -> ContactProblem:
+def sharp_problem(
+    case: Case, resolution: meshes.Resolution, rings: int = 6, quarter_points: bool = True
+) -> ContactProblem:
     """The sharp-edged punch, for the small-strain limit: quarter-point elements at the edge."""
     _check_smooth(case)
     half_box = resolution.box * case.scale
@@ -196,7 +196,7 @@ def sharp_problem(case: Case, resolution: Resolution, rings: int = 6, quarter_po
     return round_problem(mesh, case, np.nonzero(meshes.on_top(mesh) & (mesh.nodes[0] <= case.radius + 1e-9))[0])
 
 
-def rimmed_problem(case: Case, rim: float, resolution: Resolution) -> ContactProblem:
+def rimmed_problem(case: Case, rim: float, resolution: meshes.Resolution) -> ContactProblem:
     """The punch with a small fillet at its edge, glued or frictionless under its flat face.
 
     The face far from the edge moves with the punch node by node. Within six fillet radii of the fillet, and
@@ -235,13 +235,13 @@ def glue_film(radius: Array, punch: FlatPunch, shear_MPa: float) -> Array:
     return np.where(radius < punch.flat_radius, shear_MPa * (FILM_STIFFNESS / punch.rim * fade), 0.0)
 
 
-def first_stiffness(case: Case, resolution: Resolution | None = None) -> float:
+def first_stiffness(case: Case, resolution: meshes.Resolution | None = None) -> float:
     """Force per depth at first touch over E a, E = 3 mu, of a sharp-edged punch (dimensionless).
 
     For a frictionless face on a bonded base this is 2 kappa / (1 - nu^2) * (E / E') of the layer solution
     of Hayes et al., J. Biomech. 5 (1972) 541, at the same shear modulus.
     """
-    problem = sharp_problem(case, resolution or Resolution(cells=4))
+    problem = sharp_problem(case, resolution or meshes.Resolution(cells=4))
     return problem.stiffness() / (3.0 * case.law.shear_MPa * case.radius)
 
 

@@ -31,18 +31,14 @@ from dummydesign.pad.axisymmetric.case import (
     round_problem,
     solve_on_lattice,
 )
-from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface, FilletedPunch
+from dummydesign.pad.contact.axisymmetric import FILLETED_PUNCH, RUBBING_PUNCH, AxisymmetricSurface, FilletedPunch
 from dummydesign.pad.contact.friction import RubbingSurface
-from dummydesign.pad.contact.penalty import FILLETED_PUNCH, RUBBING_PUNCH
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
-from dummydesign.pad.fem.mesh_axisymmetric import columns
 from dummydesign.pad.fem.mixed_solid import Discretisation, Solid
-from dummydesign.pad.force_law import PadCurve
+from dummydesign.pad.force_law import Array, PadCurve
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import EASY, ForcePath, cost, follow
 from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium, Failure, find_equilibrium
-
-Array = np.ndarray
 
 # Fine mesh: cells over the fillet, growth away from it, largest cell (thicknesses); the coarse one has half the cells.
 CELLS, GROWTH, LARGEST = 3.0, 1.5, 0.2
@@ -88,7 +84,7 @@ def fine_columns(case: Case, near: Array, cell: float, growth: float, largest: f
             near[-1] + lines(case.extent - near[-1], cell, growth, largest, 1.0)[1:],
         ]
     )
-    points, quads, _ = columns(r, lines(1.0, cell, growth, largest))
+    points, quads, _ = meshes.columns(r, lines(1.0, cell, growth, largest))
     return meshes.discretise(points, quads)
 
 
@@ -182,7 +178,7 @@ class SlidingMesh:
         return both
 
     def _mesh(self) -> Discretisation:
-        points, quads, _ = columns(self._radii(self.edge), -self._z)
+        points, quads, _ = meshes.columns(self._radii(self.edge), -self._z)
         return meshes.discretise(points, quads)
 
     def _surface(self, mesh: Discretisation) -> AxisymmetricSurface:

@@ -11,7 +11,7 @@ import numpy as np
 
 from dummydesign.core.cache import cached
 from dummydesign.core.progress import tell_depth
-from dummydesign.pad.axisymmetric.case import Case, rimmed_problem, unsolved
+from dummydesign.pad.axisymmetric.case import Array, Case, rimmed_problem, unsolved
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace
 from dummydesign.pad.axisymmetric.shaped_problem import FLAT_STEP, LARGEST_STEP, RIMS, shaped_problem
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
@@ -19,8 +19,6 @@ from dummydesign.pad.material.relaxation import PronyTerm, Viscoelastic, relaxed
 from dummydesign.pad.pad_under_punch import SLAB
 from dummydesign.pad.solve.continuation import add_costs, cost
 from dummydesign.pad.solve.equilibrium import ContactProblem, Failure, explain, find_equilibrium
-
-Array = np.ndarray
 
 SMALLEST_SHARE = 1e-3
 

@@ -14,17 +14,21 @@ from numpy.typing import ArrayLike
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.interface import FACES, Interface
 from dummydesign.pad.axisymmetric.case import Case, held_on, padded, relative_depths, round_problem, unsolved
-from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface, FlatPunch, ProfilePunch, RigidPunch
-from dummydesign.pad.contact.penalty import PROFILE_PUNCH, SLIDING_EDGE, Penalty
+from dummydesign.pad.contact.axisymmetric import (
+    PROFILE_PUNCH,
+    SLIDING_EDGE,
+    AxisymmetricSurface,
+    FlatPunch,
+    Penalty,
+    ProfilePunch,
+    RigidPunch,
+)
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
-from dummydesign.pad.fem.mesh_axisymmetric import columns, graded
 from dummydesign.pad.fem.mixed_solid import STABILISATION
-from dummydesign.pad.force_law import PadCurve
+from dummydesign.pad.force_law import Array, PadCurve
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import ForcePath, cost, follow
 from dummydesign.pad.solve.equilibrium import ContactProblem
-
-Array = np.ndarray
 
 SLIP_SCALE = 0.02
 # A profile whose slope at the axis, by the parabola through its first three points, is at least this share of that to
@@ -128,10 +132,12 @@ def indentation_problem(
 ) -> ContactProblem:
     """A slab of unit thickness under a rigid punch, contact over the whole top."""
     face, cell = Interface.parse(case.condition, "condition", FACES), region.cell
-    inner = graded(region.start, 0.0, cell, GROWTH)[::-1] if region.start > 0.0 else np.array([0.0])
+    inner = meshes.graded(region.start, 0.0, cell, GROWTH)[::-1] if region.start > 0.0 else np.array([0.0])
     fine = region.lines()
-    outer = graded(region.stop, case.extent, max(cell, fine[-1] - fine[-2]), GROWTH)
-    points, quads, _ = columns(np.concatenate([inner[:-1], fine, outer[1:]]), -graded(0.0, -1.0, cell, GROWTH))
+    outer = meshes.graded(region.stop, case.extent, max(cell, fine[-1] - fine[-2]), GROWTH)
+    points, quads, _ = meshes.columns(
+        np.concatenate([inner[:-1], fine, outer[1:]]), -meshes.graded(0.0, -1.0, cell, GROWTH)
+    )
     mesh = meshes.discretise(points, quads)
     sides = meshes.edges_on(mesh, meshes.on_top(mesh) & (mesh.nodes[0] <= region.stop + 0.5))
     contact = case.law.shear_MPa * penalty.contact

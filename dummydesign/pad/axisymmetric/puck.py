@@ -30,18 +30,14 @@ from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import FACES, FRICTION, Interface
 from dummydesign.pad.axisymmetric.case import unsolved
-from dummydesign.pad.contact.axisymmetric import RigidPunch, SideContact
-from dummydesign.pad.contact.penalty import PUCK_PLATES
+from dummydesign.pad.contact.axisymmetric import PUCK_PLATES, RigidPunch, SideContact
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
-from dummydesign.pad.fem.mesh_axisymmetric import columns
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.force_law import NO_COST, PadCurve
-from dummydesign.pad.material.hyperelastic import HyperelasticLaw
+from dummydesign.pad.material.hyperelastic import Array, HyperelasticLaw
 from dummydesign.pad.pad_under_punch import Puck
 from dummydesign.pad.solve.continuation import ForcePath, cost, follow
 from dummydesign.pad.solve.equilibrium import ContactProblem
-
-Array = np.ndarray
 
 PLATES = (*FACES, FRICTION)
 SLIP_SCALE = 2e-4
@@ -123,7 +119,7 @@ def puck_problem(
     """Upper half of a cylinder of unit height under a plate; the plate's depth is half the compression."""
     r = meshes.graded(puck.radius, 0.0, corner, GROWTH)[::-1]
     z = meshes.graded(0.0, -0.5, corner, GROWTH)
-    points, quads, _ = columns(r, -z)
+    points, quads, _ = meshes.columns(r, -z)
     mesh = meshes.discretise(points, quads)
     top = np.nonzero(meshes.on_top(mesh))[0]
     middle = np.nonzero(meshes.on_base(mesh, 0.5))[0]

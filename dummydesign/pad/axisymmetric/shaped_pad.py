@@ -17,7 +17,7 @@ of ``sharp_edge``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -37,18 +37,25 @@ from dummydesign.pad.axisymmetric.case import (
 from dummydesign.pad.axisymmetric.filleted import filleted_problem, follow_filleted, solve_filleted
 from dummydesign.pad.axisymmetric.profile_punch import edge_problem
 from dummydesign.pad.axisymmetric.self_contact import FOLDED
-from dummydesign.pad.axisymmetric.shaped_problem import CELLS, SOUND_J, Climb, PathCache, grids, meshed
+from dummydesign.pad.axisymmetric.shaped_problem import (
+    CELLS,
+    RIMS,
+    SOUND_J,
+    Climb,
+    PathCache,
+    climb,
+    grids,
+    meshed,
+    shaped_problem,
+)
 from dummydesign.pad.axisymmetric.sharp_edge import RIM_POWER, extrapolate_to_sharp, solve_curve
 from dummydesign.pad.contact.friction import SLIP_SCALE
 from dummydesign.pad.force_law import NO_COST, PadCurve
-from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.material.hyperelastic import Array, Yeoh
 from dummydesign.pad.pad_under_punch import SLAB, Pad
 from dummydesign.pad.solve.continuation import ForcePath, add_costs, cost, follow
 from dummydesign.pad.tables.slab import POWER, slab_table
 
-Array = np.ndarray
-
-RIMS = (0.1, 0.05)
 # The rest of a correction by one halving of the fillet.
 LEFT = 1.0 / (2.0**RIM_POWER - 1.0)
 # Error of the ratio from cells and contact: half the cells moved it by up to 0.3 % and 1 %.
@@ -268,3 +275,53 @@ def _curve(
     notes = end_note(depths[count - 1], depths[-1], why) if count < len(depths) else ()
     solver = cost(paths) if paths else dict(NO_COST)
     return PadCurve(depths[:count] * case.thickness_mm, force[:count], error[:count] * force[:count], solver, notes)
+
+
+# Largest step over the smaller of radius and thickness, as in space.
+LARGEST_STEP = 0.05
+
+
+@dataclass(frozen=True)
+class RoundTwin:
+    """Force under a sharp edge at the depths, over the thickness, at which the pad is open.
+
+    ``stop`` says why others are left out.
+    """
+
+    case: Case
+    depths: Array
+    force: Array
+    stop: str | None
+
+    @classmethod
+    def solve(cls, case: Case, depths: Array) -> RoundTwin:
+        """Follow both fillets that stand for a sharp edge."""
+        case, deepest = meshed(case), float(depths[-1])
+        small = climb(case, deepest, CELLS, RIMS[1])
+        large = climb(case, deepest, CELLS, RIMS[0], smaller=small)
+        why = large.path.stop or ""
+        open_ones = depths[depths <= large.reached] if why.startswith(FOLDED) else depths
+        if not len(open_ones):
+            raise unsolved(why)
+        force, _ = sharp(*(padded(path.at(open_ones), len(open_ones)) for path in (large, small)))
+        stop = f"under the circle of the punch's area {why}" if len(open_ones) < len(depths) else None
+        return cls(case, open_ones, force, stop)
+
+    def change_on(self, lines: tuple[Array, Array], cells: int, rim: float, step: float = LARGEST_STEP) -> Array:
+        """ln of the force over that on other lines under a punch with a fillet, held where not known.
+
+        Parameters
+        ----------
+        lines : (ndarray, ndarray)
+            Radii and shares of the column.
+        cells : int
+            Under the punch, for the stiffness of the contact.
+        rim : float
+            Fillet over the smaller of radius and thickness.
+        step : float
+            Largest load step over the same.
+        """
+        first = 0.25 * float(self.depths[0])
+        problem = shaped_problem(self.case, cells, rim, lines=lines)
+        path = follow(problem, self.depths, first, step * self.case.scale, first / 64.0)
+        return last_known(np.log(self.force / padded(path, len(self.depths))), 0.0)

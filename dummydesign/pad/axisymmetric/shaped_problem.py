@@ -17,17 +17,20 @@ from dummydesign.core.progress import tell_depth
 from dummydesign.geometry.interface import BASES, FACES, Interface
 from dummydesign.pad.axisymmetric.case import FILM_REACH, Case, glue_film, round_problem
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace
-from dummydesign.pad.contact.axisymmetric import GROWN_SLIP, AxisymmetricSurface, FilletedPunch, FlatPunch
+from dummydesign.pad.contact.axisymmetric import (
+    GROWN_SLIP,
+    ROUND_SHAPED_PAD,
+    Array,
+    AxisymmetricSurface,
+    FilletedPunch,
+    FlatPunch,
+)
 from dummydesign.pad.contact.friction import CombinedSurface
-from dummydesign.pad.contact.penalty import ROUND_SHAPED_PAD
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
-from dummydesign.pad.fem.mesh_axisymmetric import Sizes, columns, height_lines, lines_by_size, stretch
 from dummydesign.pad.fem.mixed_solid import STABILISATION
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import WITHOUT_TIES, ForcePath, VisitedState, follow, force_between
 from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium
-
-Array = np.ndarray
 
 # Fillets at the punch's edge over the smaller of radius and thickness.
 RIMS = (0.1, 0.05)
@@ -62,9 +65,9 @@ def shaped_problem(
     # A crown has the same cells under every fillet that stands for a sharp edge: what they leave out cancels.
     finest = punch.rim if case.edge or shape.flat_top else RIMS[-1] * case.scale
     r, share, interface = (*lines, None) if lines else _grid(case, cells, finest, refinement)
-    points, quads, row = columns(r, share)
+    points, quads, row = meshes.columns(r, share)
     nothing = np.zeros_like
-    move = stretch(nothing, nothing) if twin else stretch(case.drop, case.bone)
+    move = meshes.stretch(nothing, nothing) if twin else meshes.stretch(case.drop, case.bone)
     mesh = meshes.discretise(points, quads, move=move)
     layers = shape.layers()
     if layers and interface is not None and not twin:
@@ -118,16 +121,16 @@ def _grid(case: Case, cells: int, rim: float, refinement: float) -> tuple[Array,
         first = min(first, 1.3 * np.sqrt(tip * case.first) * 8.0 / cells)
         places.append(0.0)
         sizes.append(first)
-    wanted = Sizes(places, sizes, SIZE_SLOPE, coarse, case.radius)
+    wanted = meshes.Sizes(places, sizes, SIZE_SLOPE, coarse, case.radius)
 
     def size(x: Array) -> Array:
         far: Array = wanted.at(x) + FAR_SLOPE * np.maximum(x - case.radius - FAR, 0.0)
         return far
 
-    r = lines_by_size(0.0, case.extent, (*case.lines, case.radius), size, SPARE)
+    r = meshes.lines_by_size(0.0, case.extent, (*case.lines, case.radius), size, SPARE)
     layers = case.shape.layers()
     interface = layers[0] / case.thickness_mm if layers else None
-    return r, height_lines(min(first, top), interface), interface
+    return r, meshes.height_lines(min(first, top), interface), interface
 
 
 # Load steps in thicknesses, at 16 cells, while a contact grows that sticks: half of them moves a force by at most
@@ -284,13 +287,13 @@ def solve_path(
 class PathCache:
     """Paths of one pad that were followed already, by grid.
 
-    ``touched`` has, of a pad that is touched gradually, ends of steps, the radius of the contact there, and whether
-    that is the punch's edge, from the finest grid. [thicknesses]
+    ``touched`` has, of a pad that is touched gradually, ends of steps and the radius of the contact there, from the
+    finest grid. [thicknesses]
     """
 
     def __init__(self) -> None:
         self._climbs: dict[tuple[int, float, bool], Climb] = {}
-        self.touched: list[tuple[float, float, bool]] = []
+        self.touched: list[tuple[float, float]] = []
 
     def climb(self, case: Case, deepest: float, grid: tuple[int, float], twin: bool, sound_J: float = 0.0) -> Climb:
         """The path on one grid, followed now if it was not yet."""
@@ -304,7 +307,7 @@ class PathCache:
         return self._climbs[key]
 
     def _touch(self, problem: ContactProblem, end: VisitedState) -> None:
-        self.touched.append((end.depth, *radius_touched(problem, end.depth, end.u)))
+        self.touched.append((end.depth, radius_touched(problem, end.depth, end.u)[0]))
 
 
 def radius_touched(problem: ContactProblem, depth: float, u: Array) -> tuple[float, bool]:
@@ -332,14 +335,10 @@ def grids(cells: int, case: Case) -> list[tuple[int, float]]:
 
 @dataclass(frozen=True)
 class Touch:
-    """Radius of the contact, in the deformed state, at depths that were reached. [mm]
-
-    ``reaches_edge`` is where the contact has come to the punch's edge.
-    """
+    """Radius of the contact, in the deformed state, at depths that were reached. [mm]"""
 
     depth_mm: Array
     contact_radius_mm: Array
-    reaches_edge: Array
 
     def radius_at(self, depth_mm: Array) -> Array:
         """Contact radius at other depths, on straight lines between the solved ones. [mm]"""
@@ -357,15 +356,13 @@ def contact_radius(pad: Pad, depth_mm: Sequence[float] | Array, cells: int = CEL
 
 def _touch(case: Case, depths: Array, cells: int) -> dict[str, Any]:
     problem = shaped_problem(case, cells)
-    rows: list[tuple[float, bool]] = []
+    radius: list[float] = []
 
     def measure(depth: float, solution: Equilibrium) -> None:
-        rows.append(radius_touched(problem, depth, solution.u))
+        radius.append(radius_touched(problem, depth, solution.u)[0])
 
     path = follow(problem, depths, 0.25 * float(depths[0]), FREE_STEP, SMALLEST_STEP, visit=measure)
-    radius, edge = np.array(rows).reshape(-1, 2).T
     return {
         "depth_mm": path.depth * case.thickness_mm,
         "contact_radius_mm": np.minimum(radius, case.radius) * case.thickness_mm,
-        "reaches_edge": edge > 0.0,
     }

@@ -21,12 +21,10 @@ from dummydesign.pad.axisymmetric.case import (
 )
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.force_law import PadCurve
-from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.material.hyperelastic import Array, Yeoh
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import ForcePath, cost, follow
 from dummydesign.pad.tables.slab import ResponseTable, load_edge_correction, load_table, sharp_edge_doubt
-
-Array = np.ndarray
 
 LARGEST_PSI = 0.16
 # Power of the rim with which its effect vanishes; from one rim to one of half the size 2^-1.25 = 0.42 of it is left.
@@ -179,7 +177,7 @@ class Departure:
     def log_stiffness(self, depth: Array, ratio: Array) -> Array:
         """ln s0 at relative depths of one a / h."""
         further = _further(depth, float(self.samples.depth.max())) @ self.coefficients
-        return self.table.log_stiffness(depth, ratio)[0] + self.first + further
+        return self.table.log(depth, ratio) + self.first + further
 
     def error(self, depth: Array, ratio: float) -> Array:
         """Relative error: the table's own, its correction included, scatter of the rims, a share of the departure."""
@@ -198,9 +196,9 @@ def fit_departure(samples: Samples, first: float, table: ResponseTable) -> Depar
     """Fit the departure from a table, whose correction carries few rims of one slab to the sharp edge."""
     samples = samples.take(samples.psi <= LARGEST_PSI)
     ratio = samples.ratio[:1]
-    at_first = float(np.log(first) - table.log_stiffness(0.0, ratio)[0][0])
+    at_first = float(np.log(first) - table.log(0.0, ratio)[0])
     correction = _correction(samples, table.ratio_range) @ load_edge_correction(table.base)
-    target = np.log(samples.stiffness) + correction - table.log_stiffness(samples.depth, ratio)[0] - at_first
+    target = np.log(samples.stiffness) + correction - table.log(samples.depth, ratio) - at_first
     sigma = VALUE_ERROR + CORRECTION_ERROR * samples.psi
     damping = np.diag(1.6 ** np.arange(DEPARTURE_TERMS) / USUAL_DEPARTURE)
     matrix = _further(samples.depth, float(samples.depth.max()))

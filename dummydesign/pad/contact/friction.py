@@ -6,11 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.pad.contact.axisymmetric import TOUCHING, AxisymmetricSurface, RigidPunch, SideContact
-from dummydesign.pad.contact.penalty import RESTING_BASE, ContactSurface
+from dummydesign.pad.contact.axisymmetric import (
+    RESTING_BASE,
+    TOUCHING,
+    Array,
+    AxisymmetricSurface,
+    ContactSurface,
+    RigidPunch,
+    SideContact,
+)
 from dummydesign.pad.fem.mixed_solid import Discretisation
-
-Array = np.ndarray
 
 # Regularising slip (thicknesses), smoothing over the pressure of a free compression by the depth, plate over shear
 # modulus. Half the first changes the force by at most 0.3 % from d/h 0.02 on (and by SLIP_SCALE h / 2 d before), half

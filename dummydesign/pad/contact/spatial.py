@@ -11,10 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dummydesign.pad.contact.axisymmetric import TOUCHING, RigidPunch
-from dummydesign.pad.contact.penalty import ContactSurface
-
-Array = np.ndarray
+from dummydesign.pad.contact.axisymmetric import TOUCHING, Array, ContactSurface, RigidPunch
 
 # Quadrature points of a face along each direction.
 FACE_POINTS = 5

@@ -10,9 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dummydesign.pad.fem.mixed_solid import Discretisation
-from dummydesign.pad.material.hyperelastic import Axisymmetric
-
-Array = np.ndarray
+from dummydesign.pad.material.hyperelastic import Array, Axisymmetric
 
 _GAUSS = 0.5 + 0.5 * np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])
 POINTS = np.stack([np.repeat(_GAUSS, 3), np.tile(_GAUSS, 3)])
@@ -74,10 +72,6 @@ class Resolution:
     cells: int = 3
     growth: float = 1.35
     box: float = 0.32
-
-    def finer(self) -> Resolution:
-        """A mesh of about half the cell size everywhere."""
-        return Resolution(2 * self.cells, self.growth**0.5, self.box)
 
 
 def graded(start: float, stop: float, first: float, growth: float) -> Array:

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from dummydesign.pad.fem.mixed_solid import Discretisation
-from dummydesign.pad.material.hyperelastic import Spatial
+from dummydesign.pad.material.hyperelastic import Array, Spatial
 
-Array = np.ndarray
 _TOLERANCE = 1e-9
 
 

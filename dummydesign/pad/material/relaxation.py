@@ -33,7 +33,7 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.core.serialise import Serialised
-from dummydesign.pad.material.hyperelastic import Axisymmetric, HyperelasticLaw, Spatial
+from dummydesign.pad.material.hyperelastic import Array, Axisymmetric, HyperelasticLaw, Spatial
 
 
 @dataclass(frozen=True)
@@ -107,9 +107,6 @@ def arms_in_ramp_and_hold(
         state.sum(axis=0, out=held[row + 1])
     np.matmul(np.exp(-hold_s[:, None] / tau[:, 0]), state, out=held[len(elastic) :])
     return held
-
-
-Array = np.ndarray
 
 
 def _parts(F: Array) -> list[Array]:

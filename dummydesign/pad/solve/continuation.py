@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.interpolation import cubic_by_slopes, monotone_slopes
 from dummydesign.core.progress import tell_depth
-from dummydesign.pad.force_law import NO_COST
+from dummydesign.pad.force_law import NO_COST, Array
 from dummydesign.pad.solve.equilibrium import (
     RESIDUAL_TOLERANCE,
     TIED,
@@ -24,8 +24,6 @@ from dummydesign.pad.solve.equilibrium import (
     explain,
     find_equilibrium,
 )
-
-Array = np.ndarray
 
 # Residual of states that are passed on the way to a wanted depth, on a lattice, and where a contact that sticks grows:
 # there a hundredth of it moves forces by at most 0.006 %.

@@ -10,12 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dummydesign.core.blas_threads import one_blas_thread
-from dummydesign.pad.contact.axisymmetric import RigidPunch
-from dummydesign.pad.contact.penalty import ContactSurface
+from dummydesign.pad.contact.axisymmetric import Array, ContactSurface, RigidPunch
 from dummydesign.pad.fem.mixed_solid import Solid, SolidState, Tangent
 from dummydesign.pad.solve.sparse import Pattern
-
-Array = np.ndarray
 
 RESIDUAL_TOLERANCE = 1e-6
 MAX_ITERATIONS = 14

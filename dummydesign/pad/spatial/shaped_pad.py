@@ -26,22 +26,19 @@ from dummydesign.geometry.interface import BASES, CONDITIONS
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.pad.axisymmetric.case import Case, end_note, relative_depths, unsolved
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, opening_deg
-from dummydesign.pad.axisymmetric.shaped_pad import EDGE_ERROR
-from dummydesign.pad.contact.penalty import SHAPED_PAD_IN_SPACE
+from dummydesign.pad.axisymmetric.shaped_pad import EDGE_ERROR, LARGEST_STEP, RoundTwin
+from dummydesign.pad.contact.axisymmetric import SHAPED_PAD_IN_SPACE
 from dummydesign.pad.contact.spatial import BeadedPunch, FaceContact
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mesh_axisymmetric import Sizes, lines_by_size
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.force_law import ForceCurve, PadCurve
-from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, HyperelasticLaw
+from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, Array, HyperelasticLaw
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import ForcePath, cost, follow
 from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium
 from dummydesign.pad.solve.multifrontal import Dissection
-from dummydesign.pad.spatial.round_twin import LARGEST_STEP, RoundTwin
-from dummydesign.pad.tables.response_surface import fade
-
-Array = np.ndarray
+from dummydesign.pad.tables.crowned import fade
 
 # How far a node may be beyond a plane of symmetry, in thicknesses: rounding.
 BEYOND = 1e-9
@@ -383,7 +380,7 @@ def solve_shaped_block(
     """
     h, depths, grid = pad.thickness_mm, relative_depths(depth_mm, pad.thickness_mm), grid or GridFineness()
     load = Load.of(pad, float(depths[0]), offset_mm)
-    twin = _round_twin(load, depths)
+    twin = round_twin(load, depths)
     wanted = depths if twin is None else twin.depths
     paths, forces = [], []
     for fineness in (grid.coarser(), grid):
@@ -397,7 +394,7 @@ def solve_shaped_block(
         force = pair[0].force[:count] * load.multiplicity * pad.shear_MPa * h**2
         if slab is not None:
             force = slab.force(wanted[:count] * h) * pair[0].force[:count] / pair[1].force[:count]
-        correction = np.zeros(count) if twin is None else _correction(load, fineness, twin)[:count]
+        correction = np.zeros(count) if twin is None else correction_of(load, fineness, twin)[:count]
         forces.append((force * np.exp(correction), correction))
     (coarse, _), (fine, correction) = forces
     # Where the coarse grid did not get to, the error is the largest change that was seen.
@@ -414,7 +411,7 @@ def solve_shaped_block(
     return PadCurve(reached * h, fine, fine * share, cost(paths), notes)
 
 
-def _round_twin(load: Load, depths: Array) -> RoundTwin | None:
+def round_twin(load: Load, depths: Array) -> RoundTwin | None:
     """The pad under the circle of the punch's area; None of a flat top, and of what is not round or not centred."""
     radius, extent = _circle(load.half_sides), _circle(load.half_extents)
     radius = load.half_sides[0] if load.is_round else radius
@@ -446,7 +443,7 @@ def _circle(half_sides: tuple[float, float]) -> float:
     return float(2.0 * np.sqrt(np.prod(half_sides) / np.pi))
 
 
-def _correction(load: Load, grid: GridFineness, twin: RoundTwin, step: float = LARGEST_STEP) -> Array:
+def correction_of(load: Load, grid: GridFineness, twin: RoundTwin, step: float = LARGEST_STEP) -> Array:
     """ln of what cells, fillet and load steps in space take from the force.
 
     All act along the punch's edge, which a square has more of than the circle of its area.
@@ -456,26 +453,3 @@ def _correction(load: Load, grid: GridFineness, twin: RoundTwin, step: float = L
     lines = axis_lines(plane, grid, 0), -levels(plane, grid)[::-1]
     edge = 1.0 if load.is_round else 2.0 * sum(load.half_sides) / (np.pi * radius) * load.scale / plane.scale
     return edge * twin.change_on(lines, grid.cells, grid.rim * plane.scale / twin.case.scale, step)
-
-
-# Parts of a square pad that mirror each other.
-PARTS = 8.0
-
-
-def solve_eighth(pad: Pad, depths: Array, grid: GridFineness, step: float) -> tuple[Array, Array, Array]:
-    """Force of a square, round pad under a square punch over that of the circle of its area, and its correction.
-
-    ``step`` is the largest of the load: what sticks remembers its path, with 0.06 instead of 0.02 the factor was up to
-    2 % larger.
-    """
-    load = Load.of(pad, float(depths[0]))
-    x, twin = axis_lines(load, grid, 0), _round_twin(load, depths)
-    assert twin is not None
-    part = space.quarter(x, x, levels(load, grid), folded=True, bend=load.bend)
-    base = np.unique(space.horizontal_faces(part.mesh, np.nonzero(part.lattice[0] == 0)[0], upper=False))
-    strength = SHAPED_PAD_IN_SPACE.contact * load.law.shear_MPa / float(min(load.half_sides) / grid.cells)
-    problem = contact_problem(load, part, base, part.share * strength, grid.rim * load.scale)
-    path = follow(problem, twin.depths, 0.25 * depths[0], step * load.scale, depths[0] / 256.0)
-    correction, reached = _correction(load, grid, twin, min(step, LARGEST_STEP)), slice(len(path.force))
-    factor = PARTS * path.force / twin.force[reached] * np.exp(correction[reached])
-    return twin.depths[reached], factor, correction[reached]

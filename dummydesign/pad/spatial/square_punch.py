@@ -18,20 +18,18 @@ from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.core.parsing import one_of
 from dummydesign.geometry.interface import BASES, CONDITIONS
-from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface, FlatPunch
-from dummydesign.pad.contact.penalty import BEADED_SQUARE, ContactSurface
+from dummydesign.pad.contact.axisymmetric import BEADED_SQUARE, AxisymmetricSurface, ContactSurface, FlatPunch
 from dummydesign.pad.contact.spatial import BeadedPunch, FaceContact
 from dummydesign.pad.fem import mesh_axisymmetric as plane
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mixed_solid import Discretisation, Solid
-from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, HyperelasticLaw
+from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, Array, HyperelasticLaw
 from dummydesign.pad.solve.continuation import add_costs, cost, follow
 from dummydesign.pad.solve.equilibrium import ContactProblem
 from dummydesign.pad.solve.multifrontal import Dissection
 from dummydesign.pad.solve.sparse import Pattern
 from dummydesign.pad.tables.square import HELD_ERROR, SIDE_OVER_RADIUS
 
-Array = np.ndarray
 _TOLERANCE = 1e-9
 # Below this volume ratio at a quadrature point the corner cell is about to fold.
 SOUND_J = 0.2

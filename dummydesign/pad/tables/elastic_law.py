@@ -13,9 +13,8 @@ from dummydesign.core.interpolation import between
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.user_library import fill_table
 from dummydesign.geometry.pad_shape import PadShape
-from dummydesign.pad.material.hyperelastic import HyperelasticLaw, Ogden, Yeoh
+from dummydesign.pad.material.hyperelastic import Array, HyperelasticLaw, Ogden, Yeoh
 
-Array = np.ndarray
 NAME = "elastic-law.json"
 COMMAND = "python -m studies.tables.elastic_law"
 RINGS = 24

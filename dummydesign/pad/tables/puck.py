@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any
+from functools import lru_cache, partial
 
 import numpy as np
 
 from dummydesign.core import user_library as json_table
 from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.user_library import fill_table
 
 Array = np.ndarray
 
@@ -70,22 +70,17 @@ def uniaxial(alpha: float, compression: Array) -> Array:
 @lru_cache(maxsize=1)
 def load_puck_table() -> PuckTable:
     """Read the stored table of the 50 x 30 mm shape."""
-    return json_table.read(USUAL, "friction table", COMMAND, _parse)
+    return json_table.read(USUAL, "friction table", COMMAND, partial(fill_table, PuckTable))
 
 
 @lru_cache(maxsize=1)
 def load_shapes() -> tuple[PuckTable, ...]:
     """Read the tables of all solved proportions, by rising radius over height; see :func:`load_puck_table`."""
     command = f"{COMMAND} --shapes"
-    others = json_table.read(OTHERS, "friction tables", command, lambda data: [_parse(one) for one in data["shapes"]])
+    others = json_table.read(
+        OTHERS, "friction tables", command, lambda data: [fill_table(PuckTable, one) for one in data["shapes"]]
+    )
     return tuple(sorted([load_puck_table(), *others], key=lambda table: table.radius_over_height))
-
-
-def _parse(data: dict[str, Any]) -> PuckTable:
-    grid = [np.array(data[name], dtype=float) for name in ("alpha", "grip", "compression", "log_factor")]
-    if grid[3].shape != tuple(len(axis) for axis in grid[:3]) or not np.isfinite(grid[3]).all():
-        raise ValueError("values do not fill the grid")
-    return PuckTable(float(data["radius_over_height"]), *grid)
 
 
 NEAREST = 4

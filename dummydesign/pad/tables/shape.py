@@ -22,12 +22,10 @@ from dummydesign.core.user_library import fill_table
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.pad_shape import PadShape, Similarity
 from dummydesign.geometry.shape_registry import shape_kinds
-from dummydesign.pad.force_law import BaseForceLaw, ForceAndStiffness
-from dummydesign.pad.tables.crowned import CrownResponse
-from dummydesign.pad.tables.response_surface import Response
+from dummydesign.pad.force_law import Array, ForceLaw
+from dummydesign.pad.tables.crowned import CrownResponse, Response
 from dummydesign.pad.tables.slab import load_table
 
-Array = np.ndarray
 Surface = Response | CrownResponse
 
 
@@ -53,7 +51,6 @@ class ShapeTable:
     low: Array
     high: Array
     error_depth: Array
-    median_error: Array
     error: Array
     solve_error: Array
     provenance: dict[str, Any]
@@ -82,13 +79,12 @@ class ShapeTable:
         """Inputs as the response surface takes them."""
         return np.where(self.similarity.logarithms, np.log(np.maximum(inputs, 1e-300)), inputs)
 
-    def log_factor(self, inputs: Array, row: Array, x: Array) -> tuple[Array, Array]:
-        """ln of the force over that of the tip (crowned) or of the slab, and its derivative with respect to d / h."""
+    def log_factor(self, inputs: Array, row: Array, x: Array) -> Array:
+        """ln of the force over that of the tip (crowned) or of the slab."""
         depth, coordinates = np.maximum(x, 0.0), self.coordinates(inputs)
         if not isinstance(self.response, Response):
             return self.response.along(coordinates, row, depth)
-        value, slope = self.response.along(self.response.at_levels(coordinates), row, depth)
-        return value, slope / (2.0 * np.sqrt(np.maximum(depth, 1e-12)))
+        return self.response.along(self.response.at_levels(coordinates), row, depth)[0]
 
     def depth_limit(self, inputs: Array) -> Array:
         """Largest valid d / h of inputs (n, k)."""
@@ -108,7 +104,7 @@ class ShapeTable:
             limit = np.minimum(limit, slab.depth_limit(np.clip(radius_mm / thickness_mm, *slab.ratio_range)))
         return limit * thickness_mm
 
-    def area_and_slope(
+    def area_mm2(
         self,
         inputs: Array,
         row: Array,
@@ -117,26 +113,24 @@ class ShapeTable:
         thickness_mm: Array,
         radius_mm: Array,
         tip_mm: Array,
-    ) -> tuple[Array, Array]:
-        """Force over modulus [mm2] and its derivative with respect to depth [mm]; NaN beyond the limit.
+    ) -> Array:
+        """Force over modulus; NaN beyond the limit. [mm2]
 
         ``inputs`` are (n, k); all else has the shape of ``row``, which says which of them; ``tip_mm`` is the radius of
         a rounded tip.
         """
         held = np.clip(depth_mm, 0.0, limit_mm)
-        value, bend = self.log_factor(inputs, row, held / thickness_mm)
+        value = self.log_factor(inputs, row, held / thickness_mm)
         if self.similarity.over_tip:
             base = 16.0 / 9.0 * np.sqrt(tip_mm) * held**1.5
-            steep = 1.5 * base / np.maximum(held, 1e-12)
         else:
-            base, steep = load_table("bonded").force_and_stiffness(held, thickness_mm, 1.0, radius_mm)
-        factor = np.where(depth_mm > limit_mm * (1.0 + 1e-9), np.nan, np.exp(value))
-        return base * factor, (steep + base * bend / thickness_mm) * factor
+            base = load_table("bonded").force(held, thickness_mm, 1.0, radius_mm)
+        return base * np.where(depth_mm > limit_mm * (1.0 + 1e-9), np.nan, np.exp(value))
 
     def force_error(self, inputs: Array, row: Array, depth_mm: Array, thickness_mm: Array, radius_mm: Array) -> Array:
         """Error of the force over the force: of the factor, and of the slab's table or of what the punch's edge does.
 
-        Arguments as those of :meth:`area_and_slope`.
+        Arguments as those of :meth:`area_mm2`.
         """
         x = depth_mm / thickness_mm
         if isinstance(self.response, Response):
@@ -144,7 +138,7 @@ class ShapeTable:
         return np.hypot(self.relative_error(x), self.response.doubt(self.coordinates(inputs), row, x))
 
 
-class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
+class TabulatedShapeLaw(ForceLaw):
     """Force law of one shape (lengths fixed in mm) at any thickness and punch radius the table holds."""
 
     def __init__(self, shape: PadShape) -> None:
@@ -163,10 +157,8 @@ class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
         """Whether the table holds the pads (broadcast)."""
         return self.table.inside(ratios(self.shape, thickness_mm, radius_mm))
 
-    def force_and_stiffness(
-        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> tuple[Array, Array]:
-        """Static force [N] and tangent stiffness [N/mm]; zero and negative depths carry none, NaN beyond the limit.
+    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike) -> Array:
+        """Static force; zero and negative depths carry none, NaN beyond the limit. [N]
 
         Thickness is that at the highest point, the modulus that of the upper resin.
         """
@@ -176,9 +168,7 @@ class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
         self.table.check(inputs, self.shape.fidelity)
         limit = self.table.limit_mm(inputs, *pads.T)[row]
         tip = np.full(h.shape, self.shape.tip_radius_mm or 0.0)
-        area, slope = self.table.area_and_slope(inputs, row, d, limit, h, a, tip)
-        touching = np.where(d > 0.0, young, 0.0)
-        return area * touching, slope * touching
+        return self.table.area_mm2(inputs, row, d, limit, h, a, tip) * np.where(d > 0.0, young, 0.0)
 
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Largest valid depth. [mm]"""

@@ -21,7 +21,7 @@ from dummydesign.core.interpolation import between, locate_on_grid, monotone_cub
 from dummydesign.core.user_library import fill_table
 from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS
 from dummydesign.geometry.interface import BASES
-from dummydesign.pad.force_law import ForceAndStiffness
+from dummydesign.pad.force_law import Array, ForceLaw
 
 NAME = "slab-compressibility.json"
 COMMAND = "python -m studies.tables.compressibility"
@@ -49,14 +49,8 @@ class CompressibilityTable:
 @lru_cache(maxsize=1)
 def load_compressibility() -> CompressibilityTable:
     """Read the shipped table."""
-    return json_table.read(NAME, "table", COMMAND, _from_dict)
+    return json_table.read(NAME, "table", COMMAND, partial(fill_table, CompressibilityTable))
 
-
-def _from_dict(data: dict[str, Any]) -> CompressibilityTable:
-    return CompressibilityTable(*(np.array(data[key]) for key in ("ratio", "depth", "coefficient")))
-
-
-Array = np.ndarray
 
 _RATIO = np.array([0.395, 0.527, 0.79, 1.58])
 _DEPTH = np.array([0.1, 0.2, 0.3, 0.425])
@@ -100,8 +94,11 @@ def check_base(base: str) -> None:
 
 
 @dataclass(frozen=True)
-class ResponseTable(ForceAndStiffness):
-    """Force law of slabs on one kind of base, glued to a round flat punch."""
+class SeriesTable:
+    """ln of a quantity as a Chebyshev series over depth and ln(a / h), with the depth it reaches and its error.
+
+    The reach is over ``limit_ratio``, the error over ``error_ratio`` and ``error_depth``.
+    """
 
     base: str
     coefficients: Array
@@ -115,45 +112,46 @@ class ResponseTable(ForceAndStiffness):
     provenance: dict[str, Any]
 
     def _coordinates(self, x: Array, ratio: Array) -> tuple[Array, Array]:
-        low, high = np.log(self.ratio_range)
-        start, stop = self.depth_range
-        return 2.0 * (x - start) / (stop - start) - 1.0, 2.0 * (np.log(ratio) - low) / (high - low) - 1.0
+        return series_place(x, ratio, self.depth_range, self.ratio_range)
 
-    def log_stiffness(self, x: ArrayLike, ratio: ArrayLike) -> tuple[Array, Array]:
-        """Return ln s and its derivative with respect to x at relative depth x and a / h (broadcast)."""
+    def log(self, x: ArrayLike, ratio: ArrayLike) -> Array:
+        """ln of the quantity at depth x and a / h (broadcast)."""
         x, ratio = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(ratio, dtype=float))
-        u, v = self._coordinates(x, ratio)
-        series = np.polynomial.chebyshev
-        slope = series.chebder(self.coefficients, axis=0) * 2.0 / (self.depth_range[1] - self.depth_range[0])
-        return series.chebval2d(u, v, self.coefficients), series.chebval2d(u, v, slope)
+        return np.polynomial.chebyshev.chebval2d(*self._coordinates(x, ratio), self.coefficients)
+
+    def depth_limit(self, ratio: ArrayLike) -> Array:
+        """Largest valid depth at a / h."""
+        return np.interp(np.log(ratio), np.log(self.limit_ratio), self.limit_depth)
+
+    def error_at(self, x: Array, ratio: Array) -> Array:
+        """Relative error of elements and interpolation at depth x and a / h of one shape."""
+        return between(x, np.log(ratio), self.error_depth, np.log(self.error_ratio), self.error)
+
+
+def series_place(
+    x: Array, ratio: Array, depth_range: tuple[float, float], ratio_range: tuple[float, float]
+) -> tuple[Array, Array]:
+    """Depth and ln(a / h) on the scale from -1 to 1 of a series."""
+    (start, stop), (low, high) = depth_range, np.log(ratio_range)
+    return 2.0 * (x - start) / (stop - start) - 1.0, 2.0 * (np.log(ratio) - low) / (high - low) - 1.0
+
+
+@dataclass(frozen=True)
+class ResponseTable(SeriesTable, ForceLaw):
+    """Force law of slabs on one kind of base, glued to a round flat punch: ln of F / (E a d) over d / h."""
 
     def _ratio(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         ratio = np.asarray(radius_mm, dtype=float) / np.asarray(thickness_mm, dtype=float)
         check_ratio(ratio, self.ratio_range, "use --fidelity axisymmetric outside the table")
         return ratio
 
-    def force_and_stiffness(
-        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> tuple[Array, Array]:
-        """Static force [N] and tangent stiffness dF/dd [N/mm]."""
+    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike) -> Array:
+        """Static force, NaN beyond the table. [N]"""
         ratio = self._ratio(thickness_mm, radius_mm)
         depth, radius = np.asarray(depth_mm, dtype=float), np.asarray(radius_mm, dtype=float)
         x = depth / np.asarray(thickness_mm, dtype=float)
-        value, slope = self.log_stiffness(np.clip(x, *self.depth_range), ratio)
-        unit = np.asarray(young_MPa, dtype=float) * radius * np.exp(value)
-        touching = np.where(x > 0.0, 1.0, 0.0)
-        beyond = np.where(x > self.depth_limit(ratio) * (1.0 + 1e-9), np.nan, 1.0)
-        force = unit * np.maximum(depth, 0.0) * beyond
-        return force, unit * (1.0 + np.maximum(x, 0.0) * slope) * touching * beyond
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """No notes."""
-        return ()
-
-    def depth_limit(self, ratio: ArrayLike) -> Array:
-        """Largest valid d / h at a / h."""
-        return np.interp(np.log(ratio), np.log(self.limit_ratio), self.limit_depth)
+        unit = np.asarray(young_MPa, dtype=float) * radius * np.exp(self.log(np.clip(x, *self.depth_range), ratio))
+        return unit * np.maximum(depth, 0.0) * np.where(x > self.depth_limit(ratio) * (1.0 + 1e-9), np.nan, 1.0)
 
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Largest valid depth. [mm]"""
@@ -169,9 +167,8 @@ class ResponseTable(ForceAndStiffness):
 
     def solved_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Relative error of elements and interpolation alone: what a solve made now may differ by from the table."""
-        ratio = np.log(self._ratio(thickness_mm, radius_mm))
-        x, ratio = np.broadcast_arrays(np.asarray(depth_mm, float) / np.asarray(thickness_mm, float), ratio)
-        return between(x, ratio, self.error_depth, np.log(self.error_ratio), self.error)
+        x = np.asarray(depth_mm, float) / np.asarray(thickness_mm, float)
+        return self.error_at(*np.broadcast_arrays(x, self._ratio(thickness_mm, radius_mm)))
 
 
 @lru_cache(maxsize=4)
@@ -222,16 +219,6 @@ class FilletedTable(ResponseTable):
         _, v = super()._coordinates(x, ratio)
         return 2.0 * np.sqrt(np.maximum(x, 0.0) / self.depth_range[1]) - 1.0, v
 
-    def log_stiffness(self, x: ArrayLike, ratio: ArrayLike) -> tuple[Array, Array]:
-        """Return ln s and its derivative with respect to x at relative depth x and a / h (broadcast)."""
-        x, ratio = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(ratio, dtype=float))
-        u, v = self._coordinates(x, ratio)
-        series = np.polynomial.chebyshev
-        slope = series.chebval2d(u, v, series.chebder(self.coefficients, axis=0))
-        # du/dx; without bound at first touch, where only x du/dx = 0 counts.
-        along = 1.0 / np.sqrt(np.maximum(x, 1e-12) * self.depth_range[1])
-        return series.chebval2d(u, v, self.coefficients), slope * along
-
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Error of the force over the force; see :class:`dummydesign.pad.force_law.ForceLaw`."""
         return self.solved_error(depth_mm, thickness_mm, radius_mm)
@@ -245,7 +232,7 @@ def between_fillets(data: dict[str, Any], fillet: float) -> FilletedTable:
     at = np.concatenate([[0.0], np.array(data["fillet"], dtype=float)]) ** POWER
     rows, errors = [], []
     for ratio, own, doubt in zip(ratios, value, error):
-        ideal = np.where(depth <= sharp.depth_limit(ratio) * (1.0 + 1e-9), sharp.log_stiffness(depth, ratio)[0], np.nan)
+        ideal = np.where(depth <= sharp.depth_limit(ratio) * (1.0 + 1e-9), sharp.log(depth, ratio), np.nan)
         rows.append(_joined(at, np.vstack([ideal, own]), fillet**POWER))
         errors.append(_joined(at, np.vstack([sharp.relative_error(depth, 1.0, ratio), doubt]), fillet**POWER))
     values = np.array(rows)

@@ -13,15 +13,13 @@ from numpy.typing import ArrayLike
 
 from dummydesign.core import user_library as json_table
 from dummydesign.core.errors import InputError
-from dummydesign.core.interpolation import between
 from dummydesign.core.user_library import fill_table
 from dummydesign.geometry.conic import conic_radius, conic_sag
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.punch import punch_sides_mm
-from dummydesign.pad.force_law import ForceLaw, ScaledLaw
-from dummydesign.pad.tables.slab import check_ratio, square_doubt
+from dummydesign.pad.force_law import Array, ForceLaw, ScaledLaw
+from dummydesign.pad.tables.slab import SeriesTable, check_ratio, square_doubt
 
-Array = np.ndarray
 # Half side of a square over the radius of the circle of its area.
 SIDE_OVER_RADIUS = float(np.sqrt(np.pi) / 2.0)
 # Relative error added at twice the solved depth, an assumption: half of the corner's effect on a thick pad.
@@ -35,31 +33,17 @@ def combined_depth(depth: ArrayLike, ratio: ArrayLike) -> Array:
     return np.asarray(depth, dtype=float) * np.sqrt(1.0 + 1.0 / np.asarray(ratio, dtype=float) ** 2)
 
 
-@dataclass(frozen=True)
-class SquareTable:
-    """Square over circle on one kind of base; arrays as in the file, see ``studies.tables.square``."""
-
-    coefficients: Array
-    ratio_range: tuple[float, float]
-    depth_range: tuple[float, float]
-    reach_ratio: Array
-    reach_depth: Array
-    error_depth: Array
-    error: Array
-    provenance: dict[str, Any]
+class SquareTable(SeriesTable):
+    """Square over circle on one kind of base, over the combined depth; see ``studies.tables.square``."""
 
     def factor(self, depth: ArrayLike, ratio: ArrayLike) -> tuple[Array, Array]:
         """Factor and its relative error at d / h and a / h (broadcast)."""
         ratio = np.asarray(ratio, dtype=float)
         y, ratio = np.broadcast_arrays(np.maximum(combined_depth(depth, ratio), 0.0), ratio)
-        reach = np.interp(np.log(ratio), np.log(self.reach_ratio), self.reach_depth)
+        reach = self.depth_limit(ratio)
         inside = np.minimum(y, reach)
-        low, high = np.log(self.ratio_range)
-        u = 2.0 * inside / self.depth_range[1] - 1.0
-        v = 2.0 * (np.log(ratio) - low) / (high - low) - 1.0
-        value = np.exp(np.polynomial.chebyshev.chebval2d(u, v, self.coefficients))
-        error = between(inside, np.log(ratio), self.error_depth, np.log(self.reach_ratio), self.error)
-        return value, error + HELD_ERROR * (y / reach - inside / reach)
+        error = self.error_at(inside, ratio) + HELD_ERROR * (y / reach - inside / reach)
+        return np.exp(self.log(inside, ratio)), error
 
 
 @lru_cache(maxsize=4)

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dummydesign.pad.tables.crowned import CrownResponse, crown_inputs
-from dummydesign.pad.tables.response_surface import Response
+from dummydesign.pad.tables.crowned import CrownResponse, Response, crown_inputs
 from studies.tables.crowns.edge import MET
 from studies.tables.crowns.levels import fit_by_level
 

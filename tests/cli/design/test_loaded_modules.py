@@ -20,7 +20,6 @@ ABSENT = (
     "pad.solve",
     "pad.tables.shape",
     "pad.tables.crowned",
-    "pad.tables.response_surface",
     "mold.cad",
     "mold.checks",
     "mold.produce",

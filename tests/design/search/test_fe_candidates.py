@@ -147,7 +147,7 @@ def test_a_law_is_the_logarithm_of_elements_over_table_at_unit_modulus():
     np.testing.assert_allclose(law.log_factor, np.log(1.3))
     np.testing.assert_allclose(law.error, 0.02)
     assert law.complete and law.end == "" and law.touch is None and law.table.cast and law.thickness_mm == 10.0
-    part = _law(shaped(), {**made, "touch": [[0.1, 0.2], [1.0, 2.0], [0.0, 0.0]]}, 4, 7.0)
+    part = _law(shaped(), {**made, "touch": [[0.1, 0.2], [1.0, 2.0]]}, 4, 7.0)
     assert not part.complete and part.end == "first; second" and part.touch is not None
     with pytest.raises(NoAnswerError):
         _law(shaped(), {name: values[:1] for name, values in made.items()}, 3, 7.0)
@@ -162,9 +162,9 @@ def test_a_round_solve_keeps_where_the_face_has_touched_in_millimetres(monkeypat
         return SimpleNamespace(depth_mm=depth, force_N=depth, error_N=0.0 * depth)
 
     monkeypatch.setattr(shaped_pad, "solve_shaped_pad", solve)
-    solved = SimpleNamespace(touched=[(0.1, 0.3, 0.01), (0.2, 0.9, 0.02)])
+    solved = SimpleNamespace(touched=[(0.1, 0.3), (0.2, 0.9)])
     made = fe_candidates._solve_round(_inputs(shaped(), space())[1], np.array([1.0, 2.0]), solved)
-    np.testing.assert_allclose(made["touch"], [[1.0, 2.0], [3.0, 7.0], [0.01, 0.02]])
+    np.testing.assert_allclose(made["touch"], [[1.0, 2.0], [3.0, 7.0]])
 
 
 def test_what_is_not_round_is_solved_under_the_square_of_fourteen_millimetres(monkeypatch):

@@ -212,7 +212,6 @@ def test_the_forces_of_a_test_are_laid_out_from_a_tenth_of_the_lowest():
     assert len(Protocol((7.0,)).steady_grid_N) == 1 and test.exponent_at_N[-4:] == test.forces_N
     asked = Request("palm", force_N=(9.0, 3.0, 9.0), velocity_mm_s=(250.0, 10.0))
     assert asked.protocol.forces_N == (3.0, 9.0) and asked.protocol.slow_mm_s == 10.0
-    assert Request("palm", punch="rectangle:20x10").punch_text == "20 x 10 mm"
     assert (Request("palm", punch="ball:10").face, Request("palm").face) == ("frictionless", "bonded")
 
 

@@ -11,7 +11,7 @@ from dummydesign.pad.axisymmetric import filleted
 from dummydesign.pad.axisymmetric import profile_punch as indentation
 from dummydesign.pad.axisymmetric import shaped_problem as round_pad
 from dummydesign.pad.axisymmetric.case import Case
-from dummydesign.pad.contact import penalty as stiffness
+from dummydesign.pad.contact import axisymmetric as stiffness
 from dummydesign.pad.contact.axisymmetric import FlatPunch
 from dummydesign.pad.spatial import shaped_pad as spatial
 from dummydesign.pad.spatial import square_punch as square_beaded

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface, FilletedPunch, FlatPunch
+from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface, ContactSurface, FilletedPunch, FlatPunch, closure
 from dummydesign.pad.contact.friction import CombinedSurface, RestingBase, weight_over_shear
-from dummydesign.pad.contact.penalty import ContactSurface, closure
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 
 RADII = np.array([0.2, 0.5, 0.8, 1.0, 1.2])

@@ -10,8 +10,7 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.shaped_pad import solve_ratio, solve_shaped_pad
 from dummydesign.pad.axisymmetric.shaped_problem import FREE_STEP, shaped_problem, solve_path
-from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface, FlatPunch
-from dummydesign.pad.contact.penalty import closure
+from dummydesign.pad.contact.axisymmetric import AxisymmetricSurface, FlatPunch, closure
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import follow

@@ -43,12 +43,6 @@ def test_graded_points_meet_both_ends_and_grow_by_one_factor(start, stop, growth
     assert len(plane.graded(0.0, 0.01, 0.1, growth)) == 2
 
 
-def test_a_finer_resolution_has_half_the_cells_size_everywhere():
-    own = Resolution(3, 1.44, 0.3)
-    finer = own.finer()
-    assert (finer.cells, finer.box) == (6, 0.3) and finer.growth**2 == pytest.approx(own.growth)
-
-
 def test_wanted_sizes_are_the_least_of_all_places_and_of_what_is_allowed_inside_the_reach():
     slope, r = 0.25, np.array([0.0, 0.5, 1.0, 2.0, 2.4, 9.0])
     sizes = Sizes((0.5, 2.0), (0.02, 0.1), slope, 0.3, 3.0)
@@ -237,7 +231,7 @@ def test_a_smaller_first_depth_takes_smaller_cells_at_an_apex_and_a_layer_has_a_
 
 
 def test_a_contact_radius_lies_on_straight_lines_between_solved_depths_and_ends_with_them():
-    touch = Touch(np.array([1.0, 2.0]), np.array([2.0, 3.0]), np.array([False, True]))
+    touch = Touch(np.array([1.0, 2.0]), np.array([2.0, 3.0]))
     found = touch.radius_at(np.array([0.0, 0.5, 1.5, 2.0, 2.1]))
     assert found[:4] == pytest.approx([0.0, 1.0, 2.5, 3.0]) and np.isnan(found[4])
 

@@ -8,7 +8,7 @@ import pytest
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.shaped_problem import shaped_problem
-from dummydesign.pad.fem.section import SectionElements
+from dummydesign.pad.fem.mixed_solid import SectionElements
 
 
 @pytest.fixture(scope="module")

@@ -13,10 +13,11 @@ from dummydesign.geometry.shapes.boned import Boned
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.geometry.shapes.slab import Slab
+from dummydesign.pad.axisymmetric import shaped_pad as plane
 from dummydesign.pad.axisymmetric.shaped_pad import EDGE_ERROR, LEFT_TO_SHARP
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import ForcePath
-from dummydesign.pad.spatial import round_twin, shaped_pad
+from dummydesign.pad.spatial import shaped_pad
 from dummydesign.pad.spatial.shaped_pad import (
     GridFineness,
     Load,
@@ -186,21 +187,21 @@ def test_a_round_pad_is_asked_in_a_meridian_plane_under_the_circle_of_the_punch_
         at = lambda depths: made(depths, force * depths[depths <= ends["reached"]])  # noqa: E731
         return SimpleNamespace(path=path, reached=ends["reached"], at=at)
 
-    monkeypatch.setattr(round_twin, "climb", climb)
+    monkeypatch.setattr(plane, "climb", climb)
     here, depths = load(half=(7.0, 7.0), is_round=is_round), np.array([0.05, 0.11, 0.3])
-    twin = shaped_pad._round_twin(here, depths)
+    twin = shaped_pad.round_twin(here, depths)
     assert twin.depths == pytest.approx(depths) and twin.stop is None
     assert twin.force == pytest.approx(1.1 * depths * 1.1**LEFT_TO_SHARP)
     assert twin.case.radius == pytest.approx(1.4 * (1.0 if is_round else 2.0 / np.sqrt(np.pi)))
     assert twin.case.extent == pytest.approx(2.0 * np.sqrt(6.0 * 4.8 / np.pi)) and twin.case.thickness_mm == 5.0
     ends.update(stop="no equilibrium", reached=0.2)
-    assert shaped_pad._round_twin(here, depths).stop is None
-    ends.update(stop=f"{round_twin.FOLDED[0]} folds")
-    folded = shaped_pad._round_twin(here, depths)
+    assert shaped_pad.round_twin(here, depths).stop is None
+    ends.update(stop=f"{plane.FOLDED[0]} folds")
+    folded = shaped_pad.round_twin(here, depths)
     assert folded.depths == pytest.approx(depths[:2]) and "folds" in folded.stop
     ends.update(reached=0.0)
     with pytest.raises(NoAnswerError):
-        shaped_pad._round_twin(here, depths)
+        shaped_pad.round_twin(here, depths)
     count = len(asked)
     for other in (
         load(half=(7.0, 7.0), offset=(1.0, 0.0)),
@@ -208,7 +209,7 @@ def test_a_round_pad_is_asked_in_a_meridian_plane_under_the_circle_of_the_punch_
         load(Crowned(10.0, 2.0, ridge=1.0), half=(7.0, 7.0)),
         load(half=(7.0, 7.0), slab=(9.2, 9.2)),
     ):
-        assert shaped_pad._round_twin(other, depths) is None
+        assert shaped_pad.round_twin(other, depths) is None
     assert len(asked) == count
 
 
@@ -217,7 +218,7 @@ def test_a_round_pad_is_corrected_by_what_like_cells_do_in_the_plane_and_states_
     depths = np.array([0.1, 0.3])
     twin = SimpleNamespace(depths=depths, stop=None, case=SimpleNamespace(radius=1.58, extent=6.0, scale=1.0))
     twin.change_on = lambda lines, cells, rim, step: np.full(2, np.log(2.0))
-    monkeypatch.setattr(shaped_pad, "_round_twin", lambda load, depths: twin)
+    monkeypatch.setattr(shaped_pad, "round_twin", lambda load, depths: twin)
     monkeypatch.setattr(shaped_pad, "solve_path", lambda load, wanted, grid: made(wanted, wanted))
     pad = Pad(5.0, 0.03, 7.9, geometry=CROWN)
     disc, square = (

@@ -104,7 +104,7 @@ def test_a_departure_adds_to_the_table_at_first_touch_and_beyond_and_doubts_a_ha
     found = Departure(table, 0.01, np.array([0.004, 0.002, 0.0]), samples, np.array([0.003, -0.001]))
     depth, share = np.array([0.1, 0.4]), np.array([0.25, 1.0])
     further = share * (0.004 + 0.002 * (2.0 * share - 1.0))
-    value = found.log_stiffness(depth, np.array(0.8)) - table.log_stiffness(depth, 0.8)[0]
+    value = found.log_stiffness(depth, np.array(0.8)) - table.log(depth, 0.8)
     assert value == pytest.approx(0.01 + further)
     error = found.error(depth, 0.8) - table.solved_error(depth, 1.0, 0.8)
     assert error == pytest.approx(2.0 * np.array([0.003, 0.001]) + 0.5 * np.abs(further))
@@ -174,7 +174,7 @@ def curve(monkeypatch, depths, table=True, reached=9.0):
     def solve(case, grid, ladder, resolution):
         asked.append((grid, ladder))
         depth, rim = (one.ravel() for one in np.meshgrid(grid[grid <= reached], ladder))
-        value = np.exp(load_table().log_stiffness(depth, case.radius)[0])
+        value = np.exp(load_table().log(depth, case.radius))
         samples = Samples(depth, np.full(len(depth), case.radius), rim, value)
         return samples, [made(grid, grid, "it folds")]
 

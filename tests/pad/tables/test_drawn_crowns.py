@@ -27,7 +27,7 @@ class Held:
         h = RADIUS_MM * pads[:, 0][row]
         a, tip = np.full(h.shape, RADIUS_MM), pads[row, 3] * pads[row, 2] ** 2 * RADIUS_MM**2 / (pads[row, 1] * h)
         limit = table.depth_limit(pads)[row] * h
-        area, _ = table.area_and_slope(pads, row, x * h, limit, h, a, tip)
+        area = table.area_mm2(pads, row, x * h, limit, h, a, tip)
         self.x, self.miss = x, area / RADIUS_MM**2 / solved - 1.0
         self.stated = table.force_error(pads, row, x * h, h, a)
         self.past_edge = x - table.response.edge(table.coordinates(pads))[:, None]

@@ -30,12 +30,6 @@ def test_a_larger_fillet_carries_less_at_small_depth():
     assert np.all(np.diff(forces) < 0.0)
 
 
-def test_stiffness_is_the_slope_of_the_force():
-    table, depth = load_filleted("bonded", 0.07), np.array([0.01, 0.3, 2.0, 5.0])
-    low, high = (table.force(depth * f, 10.0, 0.025, RADIUS_MM) for f in (1.0 - 1e-5, 1.0 + 1e-5))
-    assert table.stiffness(depth, 10.0, 0.025, RADIUS_MM) == pytest.approx((high - low) / (2e-5 * depth), rel=1e-4)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("thickness", "fillet", "base"), [(6.5, 0.4, "bonded"), (13.0, 0.9, "sliding")])
 def test_a_fillet_between_those_of_the_table_is_within_its_stated_error(thickness, fillet, base):

@@ -76,17 +76,6 @@ def test_a_solve_of_another_shape_agrees_within_the_stated_error(kind):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_stiffness_is_the_derivative_of_the_force(kind):
-    law, step = TabulatedShapeLaw(SHAPES[kind]), 1e-5
-    depth = np.array([0.3, 1.0, 2.2, 3.9])
-    force, stiffness = law.force_and_stiffness(depth, 9.0, 0.03, RADIUS_MM)
-    up, down = (law.force(depth + sign * step, 9.0, 0.03, RADIUS_MM) for sign in (1.0, -1.0))
-    assert stiffness == pytest.approx((up - down) / (2.0 * step), rel=1e-4)
-    assert np.array_equal(law.force(depth, 9.0, 0.03, RADIUS_MM), force)
-    assert np.array_equal(law.stiffness(depth, 9.0, 0.03, RADIUS_MM), stiffness)
-
-
-@pytest.mark.parametrize("kind", KINDS)
 def test_a_law_broadcasts_scales_and_ends(kind):
     law = TabulatedShapeLaw(SHAPES[kind])
     thickness, depth = np.array([8.0, 9.0, 10.0]), np.array([0.0, -1.0, 0.5, 2.0])
@@ -108,8 +97,8 @@ def test_a_crown_starts_as_hertz_says_with_exponent_three_halves():
     depth = 1e-5
     hertz = 16.0 / 9.0 * 0.03 * np.sqrt(10.0) * depth**1.5
     assert law.force(depth, 9.0, 0.03, RADIUS_MM) == pytest.approx(hertz, rel=3e-3)
-    force, stiffness = law.force_and_stiffness(depth, 9.0, 0.03, RADIUS_MM)
-    assert depth * stiffness / force == pytest.approx(1.5, abs=3e-3)
+    low, high = law.force(depth * np.array([0.99, 1.01]), 9.0, 0.03, RADIUS_MM)
+    assert np.log(high / low) / np.log(1.01 / 0.99) == pytest.approx(1.5, abs=3e-3)
 
 
 def test_only_ratios_count():

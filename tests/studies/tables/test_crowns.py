@@ -91,7 +91,7 @@ def test_a_crown_that_is_known_in_closed_form_is_found_again_in_its_pieces():
     surface = fit_crowns(Curves(inputs, x, y, added, inputs[:, 1], doubt, np.full(n, 0.7)))
     assert surface.edge(new) == pytest.approx(new[:, 1], rel=0.01)
     depth = np.linspace(0.05, 0.58, 30) + np.zeros((60, 1))
-    value, _ = surface.along(new, np.broadcast_to(np.arange(60)[:, None], depth.shape), depth)
+    value = surface.along(new, np.broadcast_to(np.arange(60)[:, None], depth.shape), depth)
     # The step in the truth from one kind of foot to the other is no smooth function.
     clear = np.abs(new[:, 2] - np.log(0.8)) > 0.3
     miss = np.abs(value - truth(new, depth))[clear]

@@ -236,9 +236,14 @@ OTHERS = {
 
 def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> None:
     """Fields for what was really cast, a map of where it is gauged, and the verdict of the record."""
-    moulds = [one for one in reversed(project_index.moulds(root)) if project_index.gauge_points(root / one.folder)]
-    if not moulds:
+    every = project_index.moulds(root)[::-1]
+    moulds = [one for one in every if project_index.gauge_points(root / one.folder)]
+    if lacking := [one.folder for one in every if one not in moulds]:
+        words = '<p class="note" data-test="no-points">No gauge points in {}. {}, then record its pad.</p>'
+        html(words, f"{', '.join(lacking)} (spec.json)", page_link("/mould", "Make the mould again"))
+    elif not moulds:
         html('<p class="note">No mould in this project yet: {}.</p>', page_link("/mould", "make one"))
+    if not moulds:
         return
     known = {one.folder: f"{one.folder}: {one.label}" for one in moulds}
     first = next((one for one in moulds if one.is_of(kept.state)), moulds[0]).folder

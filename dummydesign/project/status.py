@@ -13,6 +13,7 @@ from typing import Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import read_json
+from dummydesign.core.levels import level_name
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.user_library import find
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
@@ -34,6 +35,24 @@ class ProjectFile:
     command: str
     date: str = ""
     summary: dict[str, Any] | None = None
+
+    @property
+    def line(self) -> str:
+        """What is known of it, in a few words."""
+        summary = self.summary or {}
+        if "pressed" in summary:
+            left = f", {summary['wrong']} problem{'s' * (summary['wrong'] > 1)}" if summary["wrong"] else ""
+            return f"{summary['pressed']} of {summary['pressed'] + summary['missing']} presses are there{left}"
+        if {"thickness_mm", "ratio", "shape"} <= set(summary):
+            verdict = f": {level_name(summary['verdict'])}" if summary.get("verdict") else ""
+            return f"{summary['thickness_mm']:g} mm {summary['shape']}, ratio {summary['ratio']:g}{verdict}"
+        if "traces" in summary:
+            return f"{summary['traces']} presses"
+        if {"effects", "verdict"} <= set(summary):
+            return f"{summary['verdict']}: {', '.join(summary['effects']) or 'no effect'}"
+        return str(summary.get("text") or self.command) or (
+            "as measured" if self.folder.startswith("measured/") else ""
+        )
 
 
 @dataclass(frozen=True)

@@ -50,9 +50,7 @@ class ProjectFile:
             return f"{summary['traces']} presses"
         if {"effects", "verdict"} <= set(summary):
             return f"{summary['verdict']}: {', '.join(summary['effects']) or 'no effect'}"
-        return str(summary.get("text") or self.command) or (
-            "as measured" if self.folder.startswith("measured/") else ""
-        )
+        return str(summary.get("text") or self.command or "as measured" * self.folder.startswith("measured/"))
 
 
 @dataclass(frozen=True)

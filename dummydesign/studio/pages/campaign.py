@@ -257,6 +257,10 @@ def _day(row: Mapping[str, Any]) -> str:
     return f"the day at {age:g} days of age" if isinstance(age, int | float) else ""
 
 
+PAD = ("pads", "shape", "pad", "resin", "ratio")
+"""Fields of pads that are typed; those of moulds have theirs."""
+
+
 class PlanForm:
     """Fields of a plan and the command that makes it."""
 
@@ -270,32 +274,27 @@ class PlanForm:
         known = {
             one.folder: f"{one.folder.partition('/')[2]}: {one.label}" for one in reversed(project_index.moulds(root))
         }
-        with widgets.fields():
-            laid: dict[str, ui.element] = {
-                "name": ui.input("Name", value=select_options.free_name(root, "campaigns", "first"))
-            }
-            laid["name"].set_visibility(not replaced)
-        self.moulds = widgets.select_several(
-            "Pads of these moulds (none: type the pads)", known, usual, f"{name}-moulds"
-        )
-        self.moulds.set_visibility(bool(known))
-        with widgets.fields() as self.typed:
-            laid |= {
+        self.form = widgets.Form(
+            "replan" if replaced else "plan",
+            lambda: {
+                "name": ui.input("Name", value=select_options.free_name(root, "campaigns", "first")),
+                "moulds": widgets.select_several(
+                    "Pads of these moulds (none: type the pads)", known, usual, f"{name}-moulds"
+                ),
                 "pads": ui.input("Pads, thickness [mm]", value=given["pads"]),
                 "shape": ui.input("Shape with its lengths", value=given["shape"]),
                 "pad": ui.input("Outline, length x width [mm]", value=given["pad"]),
                 "resin": widgets.select("Resin", select_options.resins(), given["resin"]),
                 "ratio": NumberField("Ratio", given["ratio"]),
-            }
-        with widgets.fields():
-            laid |= {
                 "speeds": ui.input("Speeds [mm/s]", value=given["speeds"]),
                 "forces": ui.input("Steady forces [N]", value=given["forces"]),
                 "repeats": NumberField("Repeats", given["repeats"], 1, 9),
                 "ages": ui.input("Age of the pads on each day [days]", value=given["ages"]),
                 "hold": NumberField("Hold [s]", given["hold"], 1, 600),
-            }
-        self.form = widgets.Form("replan" if replaced else "plan", laid)
+            },
+        )
+        self.form.fields["name"].set_visibility(not replaced)
+        self.form.fields["moulds"].set_visibility(bool(known))
         self.work = JobPanel(
             root,
             name,
@@ -306,12 +305,12 @@ class PlanForm:
             needs="trials",
         )
         self.form.on_change(self.renew)
-        widgets.on_change(self.renew, self.moulds)
         self.renew()
 
     def renew(self) -> None:
         """Something was chosen."""
-        self.typed.set_visibility(not self.moulds.value)
+        for name in PAD:
+            self.form.fields[name].set_visibility(not self.form.fields["moulds"].value)
         self.work.renew()
 
     def words(self) -> list[str]:
@@ -319,7 +318,7 @@ class PlanForm:
         given = self.form.filled(repeats="repeats", ratio="ratio")
         if given["repeats"] % 1.0:
             raise InputError(f"repeats = {given['repeats']:g}: type a whole number", "malformed", "repeats")
-        given |= {"moulds": self.moulds.value, "punch": self.punch}
+        given["punch"] = self.punch
         folder = self.replaced or f"campaigns/{file_transfer.plain_name((given['name'] or '').strip())}"
         return [
             "campaign",

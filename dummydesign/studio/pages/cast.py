@@ -250,15 +250,19 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
     before = kept.own.get(MOULD, "")
     typed = {name.removeprefix(TYPED): text for name, text in kept.own.items()}
     chosen = widgets.select("Mould it was cast in", known, before if before in known else first, "record-mould")
-    gauged = widgets.Form("gauge", {}, typed)
     with ui.element("div").classes("pair"):
         map_of = html("")
         with ui.element("div"):
             html("<b>Thickness at each point</b>")
-            points = widgets.fields()
-            with widgets.fields():
-                laid = {name: NumberField(label, hint=hint) for name, (label, hint) in OTHERS.items()}
-                others = widgets.Form("record", {**laid, "note": ui.input("Note").props('hint="optional"')}, typed)
+            gauged = widgets.Form("gauge", kept=typed)
+            others = widgets.Form(
+                "record",
+                lambda: {
+                    **{name: NumberField(label, hint=hint) for name, (label, hint) in OTHERS.items()},
+                    "note": ui.input("Note").props('hint="optional"'),
+                },
+                typed,
+            )
             button = ui.element("div")
 
     def words() -> list[str]:
@@ -307,13 +311,12 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
         )
 
     def new_mould() -> None:
-        with widgets.fresh(points):
-            gauged.lay(
-                {
-                    one.name: NumberField(f"{n} {one.name} [mm]", hint=f"{one.low_mm:.4g} to {one.high_mm:.4g}")
-                    for n, one in enumerate(project_index.gauge_points(root / chosen.value), 1)
-                }
-            )
+        gauged.lay(
+            lambda: {
+                one.name: NumberField(f"{n} {one.name} [mm]", hint=f"{one.low_mm:.4g} to {one.high_mm:.4g}")
+                for n, one in enumerate(project_index.gauge_points(root / chosen.value), 1)
+            }
+        )
         gauged.on_change(renew)
         draw_map()
         list_records()

@@ -72,8 +72,8 @@ class MeasuredPage:
             lambda job, mine: self._list_imports(),
             needs="files",
         )
-        with widgets.fold("Columns, units and signs (only where a reading asks for them)"), widgets.fields():
-            self._open = widgets.Form("open", {name: ui.input(text) for name, text in OPEN.items()})
+        with widgets.fold("Columns, units and signs (only where a reading asks for them)"):
+            self._open = widgets.Form("open", lambda: {name: ui.input(text) for name, text in OPEN.items()})
         self._change = widgets.fold("Delete files", "change-files", self._list_files)
         self._choose(chosen)
         self._open.on_change(self._renew)

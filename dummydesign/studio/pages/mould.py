@@ -35,18 +35,19 @@ class MouldPage:
         length_mm, width_mm = (mine[-1].length_mm, mine[-1].width_mm) if mine else OUTLINE_MM
         preset = mine[-1].preset if mine and mine[-1].preset in project_index.PRESETS else "open"
         with ui.element("div").classes("pair"):
-            fields, self.section = widgets.fields(), html("")
-        with fields:
-            laid = {
-                "thickness": NumberField("Thickness [mm]", state.thickness_mm, *THICKNESS_MM, test="thickness"),
-                "length": NumberField("Length [mm]", length_mm, *OUTLINES_MM),
-                "width": NumberField("Width [mm]", width_mm, *OUTLINES_MM),
-                "ratio": NumberField("Ratio", state.ratio),
-                "shape": ui.input("Shape", value=state.shape),
-                "resin": widgets.select("Resin", select_options.resins(), state.resin),
-                "preset": widgets.select("Kind of mould", project_index.PRESETS, preset),
-            }
-        self.form = widgets.Form("mould", laid)
+            self.form = widgets.Form(
+                "mould",
+                lambda: {
+                    "thickness": NumberField("Thickness [mm]", state.thickness_mm, *THICKNESS_MM, test="thickness"),
+                    "length": NumberField("Length [mm]", length_mm, *OUTLINES_MM),
+                    "width": NumberField("Width [mm]", width_mm, *OUTLINES_MM),
+                    "ratio": NumberField("Ratio", state.ratio),
+                    "shape": ui.input("Shape", value=state.shape),
+                    "resin": widgets.select("Resin", select_options.resins(), state.resin),
+                    "preset": widgets.select("Kind of mould", project_index.PRESETS, preset),
+                },
+            )
+            self.section = html("")
         self.work = JobPanel(
             self.root,
             "mould",

@@ -37,13 +37,14 @@ def make_new(root: Path) -> None:
         "<p>Turn presses on people into a pad that feels the same: its resin, its shape and its mould. "
         "A project is a folder with everything about one such pad.</p>"
     )
-    with widgets.fields():
-        laid = {
+    form = widgets.Form(
+        "new",
+        lambda: {
             "name": ui.input("Name", value=root.name).props("data-test=name"),
             "tissue": widgets.select("Tissue", {"": "decide later", **select_options.tissues(root)}, "", "tissue"),
             "resin": widgets.select("Resin", select_options.resins(), STANDARD_RESIN),
-        }
-    form = widgets.Form("new", laid)
+        },
+    )
 
     def given() -> dict[str, str | None]:
         return {name: text or None for name, text in form.kept().items()}

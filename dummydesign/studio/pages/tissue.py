@@ -151,13 +151,14 @@ def fit_panel(page: TissuePage) -> None:
         "Presses of one subject", known, [path for path in start if path in known], "traces"
     )
     picked.set_enabled(bool(known))
-    with widgets.fields():
-        laid = {
+    form = widgets.Form(
+        "fit",
+        lambda: {
             "name": ui.input("Name of the tissue", value=start_name),
             "contact": widgets.select("Where each press touched", CONTACT, touched),
             "lowpass": ui.input(LOWPASS),
-        }
-    form = widgets.Form("fit", laid)
+        },
+    )
 
     def words() -> list[str]:
         if not picked.value:
@@ -304,14 +305,15 @@ class _People:
                 name = ui.input(f"Person of {words}", value=start.get(path, "")).style("width:100%")
                 self._fields[path] = name.props('dense data-test="person"')
                 name.props["data-press"] = words
-        with widgets.fields():
-            laid = {
+        self._form = widgets.Form(
+            "people",
+            lambda: {
                 "name": ui.input("Name of the tissue", value=start_name),
                 "elements": widgets.select("Elements of the law", ELEMENTS, "5"),
                 "lowpass": ui.input(LOWPASS),
                 "replace": ui.checkbox("Replace my tissue of this name"),
-            }
-        self._form = widgets.Form("people", laid)
+            },
+        )
         self._work = JobPanel(
             page.root,
             "people",

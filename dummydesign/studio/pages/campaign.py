@@ -69,7 +69,7 @@ class CampaignPresses:
             lambda: TrialTable(root, self.campaign, self.renew),
         )
         self.change = widgets.area()
-        manage(root, self.campaign, "plan", lambda old, new: open_page("/campaign", state.changed(campaign=new)))
+        manage(root, self.campaign, "plan")
         status = check_campaign(self.folder)
         self.show(status)
         if not status.pressed and incoming.plan_of(root, self.campaign):
@@ -234,7 +234,7 @@ class TrialTable:
             raise InputError(message, "changed_meanwhile", "campaign.trials")
         with bin.kept_before(self.root, self.path) as before:
             write_trial_values(self.folder, changes)
-        undo_bar(self.root).offer(before, lambda old, new: self.back(), focus=False)
+        undo_bar(self.root).offer(before, self.back, focus=False)
         for row, values in changes.items():
             self.rows[row].update(values)
         with self.message:

@@ -239,8 +239,11 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
     every = project_index.moulds(root)[::-1]
     moulds = [one for one in every if project_index.gauge_points(root / one.folder)]
     if lacking := [one.folder for one in every if one not in moulds]:
-        words = '<p class="note" data-test="no-points">No gauge points in {}. {}, then record its pad.</p>'
-        html(words, f"{', '.join(lacking)} (spec.json)", page_link("/mould", "Make the mould again"))
+        html(
+            '<p class="note" data-test="no-points">No gauge points in {} (spec.json). {}, then record its pad.</p>',
+            ", ".join(lacking),
+            page_link("/mould", "Make the mould again"),
+        )
     elif not moulds:
         html('<p class="note">No mould in this project yet: {}.</p>', page_link("/mould", "make one"))
     if not moulds:

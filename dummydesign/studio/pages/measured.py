@@ -52,7 +52,7 @@ class MeasuredPage:
     def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
         self._root, self._state = project.root, state
         self._folder = self._root / "measured"
-        self._let_go: set[str] = set()
+        self._let_go: list[str] = []
         wanted, last = query.get("files"), jobs.latest(self._root, "import")
         chosen = wanted.split(SEPARATOR) if wanted else [Path(name).name for name in _sources(last)] if last else []
         for name in chosen:
@@ -138,12 +138,11 @@ class MeasuredPage:
             for name in names:
                 thing(filled("<span>{}</span>", name), self._root, f"measured/{name}", "file", self._moved)
 
-    def _moved(self, old: str, new: str) -> None:
-        """Follow a file that was deleted or brought back: one that was chosen is chosen again."""
-        name, chosen = Path(old).name, list(self._chosen.value)
-        if name in chosen and not new:
-            self._let_go.add(name)
-        self._choose([*chosen, name] if new and name in self._let_go and name not in chosen else chosen)
+    def _moved(self) -> None:
+        """Follow files that were deleted or brought back: one that was chosen is chosen again."""
+        chosen, there = [*self._chosen.value, *self._let_go], self._names()
+        self._let_go = [name for name in chosen if name not in there]
+        self._choose(chosen)
         self._renew()
         self._list_files()
 
@@ -159,7 +158,7 @@ class MeasuredPage:
 
     def _open_import(self, path: Path) -> None:
         inner = f"measured/{path.name}"
-        manage(self._root, inner, "import", lambda old, new: self._list_imports())
+        manage(self._root, inner, "import", self._list_imports)
         if (path / "preview.html").is_file():
             widgets.shown_file(f"/files/{inner}/preview.html", f"presses of {path.name}")
 

@@ -19,7 +19,7 @@ from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, holds_answer, options
 from dummydesign.studio.markup import Markup, filled, joined
 from dummydesign.studio.state import State, design_state, design_summary, page_link
-from dummydesign.studio.widgets import NumberField, html, keep_state, open_page
+from dummydesign.studio.widgets import NumberField, html, keep_state
 
 OUTLINE_MM, OUTLINES_MM = (150.0, 120.0), (20.0, 300.0)
 OPTIONS = ("thickness", "length", "width", "shape", "preset", "resin", "ratio")
@@ -118,7 +118,7 @@ class MouldPage:
     def _files(self, folder: str, label: str = "", test: str = "") -> None:
         """Buttons, solids, files and checks of a mould; of a pad that must not be cast, folded away."""
         words = filled('<h2 data-test="{}">{}</h2><p>{}</p>', test, folder, label)
-        thing(words, self.root, folder, "mould", lambda old, new: open_page("/mould", self.chosen()))
+        thing(words, self.root, folder, "mould")
         widgets.tell_changes(self.root, f"{folder}/manifest.json", "Make the mould again before you weigh.")
         if red := verdict_of(self.root, self.chosen()):
             html('<p class="problem" data-test="do-not-cast">Do not cast. {}</p>', red)

@@ -153,11 +153,11 @@ class DesignList:
         self.renew()
         ui.timer(2.0, self.renew)
 
-    def moved(self, old: str, new: str) -> None:
-        """Follow a design that was renamed, deleted or brought back; the pad stays under the sliders."""
+    def moved(self) -> None:
+        """Follow a design that was deleted or brought back; the pad stays under the sliders."""
         state = self.state()
-        if state.design == old:
-            open_page("/design", replace(state, design=new))
+        if state.design and not (self.root / state.design).is_dir():
+            open_page("/design", replace(state, design=""))
         else:
             self.renew()
 

@@ -97,12 +97,8 @@ class TissuePage:
         self._chosen.set_options(known, value=self.tissue)
         with widgets.fresh(self._shown):
             if self.tissue.startswith("tissue/") and (self.root / self.tissue).is_file():
-                manage(self.root, self.tissue, "tissue", self._moved)
+                manage(self.root, self.tissue, "tissue")
             _show_tissue(self.root, self.tissue)
-
-    def _moved(self, old: str, new: str) -> None:
-        """A tissue that was deleted stays chosen: the page says at its top that it is gone."""
-        open_page("/tissue", self.kept.state)
 
 
 def _show_tissue(root: Path, name: str) -> None:

@@ -339,7 +339,6 @@ class PlanForm:
         html('<p data-test="planned">{} presses planned in {}</p>', len(answer["trials"]), folder)
         if power := answer.get("power"):
             html("<p>Effects that this plan can detect: {}.</p>", ", ".join(power["seen"]) or "none")
-        widgets.warnings(answer)
         widgets.go("/campaign", "Go on to the presses", self.state.changed(campaign=folder), "presses")
 
 

@@ -201,7 +201,6 @@ class PressComparison:
                 html("<p>{}</p>", one.get("reason") or "no verdict")
         names = {path.rpartition("/")[2] for path in pad.files}
         widgets.records(ERRORS, (one for one in answer["trials"] if one["file"] in names))
-        widgets.warnings(answer)
 
     def show(self, job: Job) -> None:
         """Verdict, what to do with the pad, each press, and the report of a comparison."""
@@ -219,7 +218,6 @@ class PressComparison:
             plots = figures.compared_plots(self.root / path)
             html('<div data-test="compared-plots">{}</div>', Markup(plots_html(plots)))
         widgets.records(COMPARED, answer.get("by_trace", []))
-        widgets.warnings(answer)
         widgets.show_report(self.root, files, "report of the comparison")
 
 
@@ -371,13 +369,15 @@ def show_record(answer: Mapping[str, Any]) -> None:
     force = answer.get("force_percent")
     more = "" if force is None else f" Its force at a given depth is {force:+.1f} % off the designed pad's."
     widgets.tell_verdict(light, text + more, test="verdict")
-    rows = []
-    for one in answer["limits"]:
-        allowed, unlimited = allowed_words(one["low"], one["high"]), one["high"] is None
-        state = "missed" if one["missed"] else "" if unlimited else "kept"
-        advice = one["advice"] if one["missed"] or unlimited else ""
-        rows.append([one["what"], one["value"], one["unit"], allowed, state, advice])
-    widgets.table(["what", "value", "", "allowed", "", "what to do"], rows, words=True)
+    columns: dict[str, str | Callable[[Any], object]] = {
+        "what": "what",
+        "value": "value",
+        "unit": "unit",
+        "allowed": lambda one: allowed_words(one["low"], one["high"]),
+        "result": lambda one: "missed" if one["missed"] else "" if one["high"] is None else "kept",
+        "what to do": lambda one: one["advice"] * (one["missed"] or one["high"] is None),
+    }
+    widgets.records(columns, answer["limits"], words=True)
 
 
 LIGHTS = {"pass": "green", "undecided": "amber", "fail": "red"}
@@ -515,5 +515,4 @@ def show_people(root: Path, answer: Mapping[str, Any]) -> None:
     widgets.table(*people.press_table(result))
     if rows := people.limit_rows(result):
         widgets.records(LIMIT_COLUMNS, ({"press": file, **row} for row, file in rows), words=True)
-    widgets.warnings(answer)
     widgets.show_report(root, files, "report of the presses on people")

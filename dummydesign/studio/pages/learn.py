@@ -134,7 +134,6 @@ class LearnPage:
         with ui.element("div").classes("links"):
             kind = "go more" if self._again(answer["calibration_file"]) else "go"
             html('<a class="{}" href="#next">Plan the next measurement</a>', kind)
-        widgets.warnings(answer)
         _curves(self.root, folder)
 
     def _again(self, calibration: str) -> bool:

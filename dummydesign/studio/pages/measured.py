@@ -71,6 +71,7 @@ class MeasuredPage:
             self._belongs,
             lambda job, mine: self._list_imports(),
             needs="files",
+            warn=False,
         )
         with widgets.fold("Columns, units and signs (only where a reading asks for them)"):
             self._open = widgets.Form("open", lambda: {name: ui.input(text) for name, text in OPEN.items()})

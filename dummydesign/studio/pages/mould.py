@@ -108,7 +108,6 @@ class MouldPage:
         widgets.facts(poured(answer["batch"], answer["pour"]))
         if folder:
             self._files(folder)
-        widgets.warnings(answer)
         html(
             "<p>Cast the pads, then {} or {}.</p>",
             page_link("/cast", "check a cast pad"),

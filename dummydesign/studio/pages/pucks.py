@@ -109,7 +109,6 @@ class PuckPage:
             html('<p class="note">{} has this puck already. Nothing was changed.</p>', name)
         if answer.get("before"):
             html('<p class="note">The puck was known at {}. It was replaced.</p>', answer["before"])
-        widgets.warnings(answer)
         html("<p>The resin is in your own library, for all projects. Add further pucks under its name.</p>")
         if not problem:
             widgets.button(f"Use {name} for this project", lambda: self._use(name), "use-resin", main=True)

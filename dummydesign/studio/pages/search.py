@@ -92,6 +92,7 @@ class Search:
                 lambda: sliders.stamp_of(self.root, self.state()),
                 "recommendation",
                 found=found,
+                warn=False,
             )
         self.kinds.on_value_change(self.work.renew)
 
@@ -234,7 +235,6 @@ class SolvedPad:
         return list(job.words) == words and not jobs.changed_since(files, job.started)
 
     def show(self, job: jobs.Job) -> None:
-        """The presses and warnings of the solved pad."""
-        widgets.warnings(job.answer)
+        """The presses of the solved pad."""
         rows = (job.answer.get("recommendation") or job.answer).get("conditions") or []
         show_presses([one for one in rows if "reads" in one], "the solved presses")

@@ -209,12 +209,14 @@ def test_what_has_the_focus_is_seen(page, studio):
         page.locator(by(test)).focus()
         page.keyboard.press("Shift+Tab")
         page.keyboard.press("Tab")
-        assert page.evaluate("(one) => document.activeElement.matches(one)", by(test)), test
-        page.wait_for_function(
+        page.wait_for_timeout(500)
+        seen = page.evaluate(
             "(() => { const s = getComputedStyle(document.activeElement);"
             "return (s.outlineStyle === 'solid' && parseFloat(s.outlineWidth) >= 2)"
             "|| s.boxShadow.includes('0px 0px 0px 5px'); })()"
         )
+        assert page.evaluate("(one) => document.activeElement.matches(one)", by(test)), test
+        assert seen, test
 
 
 def test_numbers_that_must_not_be_used_stand_under_a_red_light(page, studio):

@@ -13,6 +13,7 @@ from typing import Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import read_json
+from dummydesign.core.levels import level_name
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.user_library import find
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
@@ -34,6 +35,22 @@ class ProjectFile:
     command: str
     date: str = ""
     summary: dict[str, Any] | None = None
+
+    @property
+    def line(self) -> str:
+        """What is known of it, in a few words."""
+        summary = self.summary or {}
+        if "pressed" in summary:
+            left = f", {summary['wrong']} problem{'s' * (summary['wrong'] > 1)}" if summary["wrong"] else ""
+            return f"{summary['pressed']} of {summary['pressed'] + summary['missing']} presses are there{left}"
+        if {"thickness_mm", "ratio", "shape"} <= set(summary):
+            verdict = f": {level_name(summary['verdict'])}" if summary.get("verdict") else ""
+            return f"{summary['thickness_mm']:g} mm {summary['shape']}, ratio {summary['ratio']:g}{verdict}"
+        if "traces" in summary:
+            return f"{summary['traces']} presses"
+        if {"effects", "verdict"} <= set(summary):
+            return f"{summary['verdict']}: {', '.join(summary['effects']) or 'no effect'}"
+        return str(summary.get("text") or self.command or "as measured" * self.folder.startswith("measured/"))
 
 
 @dataclass(frozen=True)
@@ -154,7 +171,7 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
         return _learned(learned, tissue, again=False)
     best = (designs[-1].summary or {}) if designs else {}
     red = best.get("verdict") == "not_representative"
-    first = red or (best.get("verdict") == "not_settled" and not _measured(str(best.get("resin"))))
+    first = red or (best.get("verdict") == "not_settled" and not measured(str(best.get("resin"))))
     if designs and ((first and not files["campaigns"]) or (not pads_of(files) and "mould" not in best)):
         return _after_design(project, designs[-1], len(files["moulds"]) > len(pads_of(files)), tissue)
     open_plans = [one for one in files["campaigns"] if one.summary and (one.summary["missing"] or one.summary["wrong"])]
@@ -215,9 +232,9 @@ def _after_design(project: Project, design: ProjectFile, ring: bool, tissue: str
     if level == "not_representative":
         text = str(step.get("do") or "do not cast this pad")
         return f"{text}; then design again with another resin or test", "dummydesign resins list"
-    if level == "not_settled" and "ratio" in best and not _measured(resin):
+    if level == "not_settled" and "ratio" in best and not measured(resin):
         other = project.resin not in (None, resin)
-        if other or _measured(BATCH, design.date):
+        if other or measured(BATCH, design.date):
             batch = "" if other else f" --resin {BATCH}"
             return "design again with the batch that was measured", f"dummydesign suggest{tissue}{batch} --no-cad"
         size = witness_size()
@@ -230,7 +247,7 @@ def _after_design(project: Project, design: ProjectFile, ring: bool, tissue: str
     return "make the mould", _mould(project, best)
 
 
-def _measured(resin: str, since: str = "") -> bool:
+def measured(resin: str, since: str = "") -> bool:
     """Whether a batch was measured, after a date; of it no other puck is needed. False where it cannot be read."""
     from dummydesign.resin.model.resin_file import KIND, read_resin
 
@@ -265,14 +282,10 @@ DEEPEST = 3
 
 
 @dataclass(frozen=True)
-class PastAnswer:
-    """One answer: its folder from the one named on, command, date and what its manifest sums up."""
+class PastAnswer(ProjectFile):
+    """One answer: its folder from the one named on, command, date, what its manifest sums up, and the version."""
 
-    folder: str
-    command: str
-    date: str
-    version: str
-    summary: dict[str, Any] | None
+    version: str = ""
 
 
 def history_of(folder: Path) -> tuple[PastAnswer, ...]:
@@ -289,10 +302,8 @@ def history_of(folder: Path) -> tuple[PastAnswer, ...]:
     answers = []
     for path in _manifests(folder):
         if content := finished_manifest(path):
-            command, date, version = (str(content.get(key, "")) for key in ("command", "date", "version"))
-            answers.append(
-                PastAnswer(path.parent.relative_to(folder).as_posix(), command, date, version, content["summary"])
-            )
+            made = _made(path.parent.relative_to(folder).as_posix(), content, content["summary"])
+            answers.append(PastAnswer(**vars(made), version=str(content.get("version", ""))))
     return tuple(sorted(answers, key=lambda one: one.date, reverse=True))
 
 

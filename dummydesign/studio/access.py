@@ -79,15 +79,14 @@ class Guard:
         answer = self._answer(HTTPConnection(scope), apart)
         if not apart:
             scope = {**scope, "root_path": self._path}
-        if answer is not None and kind == "http":
-            await answer(scope, receive, send)
-        elif answer is not None:
-            await send({"type": "websocket.close", "code": 4403})
-        elif kind == "websocket":
+        if kind == "http":
+            of_project = scope["path"].removeprefix(self._path).startswith((VIEW, "/files/", "/solid/"))
+            policy = FILE_POLICY if of_project else self._policy
+            await (answer or self._app)(scope, receive, send if answer else _with_policy(send, policy))
+        elif answer is None:
             await self._app(scope, receive, send)
         else:
-            of_project = scope["path"].removeprefix(self._path).startswith((VIEW, "/files/", "/solid/"))
-            await self._count(scope, receive, _with_policy(send, FILE_POLICY if of_project else self._policy))
+            await send({"type": "websocket.close", "code": 4403})
 
     def _answer(self, asked: HTTPConnection, apart: bool) -> Response | None:
         """What to answer here: a refusal, or the welcome to the key; None for what may go on."""
@@ -110,6 +109,8 @@ class Guard:
             return self._welcome(path, urlencode(given), away)
         if not apart and not (path.startswith(f"{self._path}/") and self._knows(heads)):
             return HTMLResponse(NO_KEY, 403, UNKEPT)
+        if "transfer-encoding" in heads:
+            return _refusal(411, "a body must say its length")  # the server counts it; browsers always say it
         length = heads.get("content-length", "0")
         digits = length.isascii() and length.isdigit() and len(length) < 20
         return None if digits and int(length) <= self._allowed else self._too_large
@@ -129,30 +130,6 @@ class Guard:
         """Whether a request brings the cookie; other servers of this machine may have set one of its name."""
         pairs = (pair.strip().partition("=") for text in heads.getlist("cookie") for pair in text.split(";"))
         return any(name == COOKIE and same_secret(value, self._session) for name, _, value in pairs)
-
-    async def _count(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Cut off a body that claims no length and grows too large; it is refused, whatever the server makes of it."""
-        seen, answered = 0, False
-
-        async def counted() -> Message:
-            nonlocal seen
-            message = await receive()
-            seen += len(message.get("body", b""))
-            return {"type": "http.disconnect"} if seen > self._allowed else message
-
-        async def sent(message: Message) -> None:
-            nonlocal answered
-            if seen <= self._allowed or answered:
-                answered = True
-                await send(message)
-
-        try:
-            await self._app(scope, counted, sent)
-        except Exception:
-            if seen <= self._allowed:
-                raise
-        if seen > self._allowed and not answered:
-            await self._too_large(scope, receive, send)
 
 
 def _refusal(status: int, text: str) -> Response:

@@ -156,52 +156,43 @@ def measured_presses(path: Path) -> list[Plot]:
 
 def _measured_press(plot: str, rows: Sequence[Mapping[str, str]]) -> Plot:
     """One plot from the values of a report's plot: series, time, force."""
-    curves = _curves(rows)
-    series = _bands(rows)
-    for name, (time, force) in curves.items():
-        kind = name.partition(", ")[0]
-        if kind == "measured":
-            series.append(Series.dots(kind, time, force, "other"))
-        else:
-            series.append(Series.line(kind, time, force, "aim" if kind == "base" else "main"))
-    seen = [values for name, values in curves.items() if name.startswith("measured")] or list(curves.values())
-    peak = max(float(force.max()) for _, force in seen)
-    rise = min(float(time[int(np.argmax(force))]) for time, force in seen)
-    last = max(float(time.max()) for time, _ in curves.values())
+    series = _series(rows, lambda name: name.partition(", ")[0])
+    curves = [one for one in series if one.kind != "band"]
+    seen = [one for one in curves if one.kind == "dots"] or curves
+    peak = max(float(one.y.max()) for one in seen)
+    rise = min(float(one.x[int(np.argmax(one.y))]) for one in seen)
+    last = max(float(one.x.max()) for one in curves)
     title = _condition_of(plot)
     alt = f"Measured force and the model's over time on a logarithmic axis, {title}; measured peak {peak:.3g} N."
     return press_plot(plot, title, alt, series, (min(log_start(rise), 0.5 * last), last))
 
 
-def _bands(rows: Sequence[Mapping[str, str]]) -> list[Series]:
-    """The bands of a plot of a report, from its values."""
-    bands: dict[str, list[Mapping[str, str]]] = {}
+def _series(rows: Sequence[Mapping[str, str]], label_of: Callable[[str], str] = str) -> list[Series]:
+    """The series of a plot of a report, from its values, bands first; measured ones are dots."""
+    by_name: dict[str, list[Mapping[str, str]]] = {}
     for row in rows:
-        if row["low"] and row["high"]:
-            bands.setdefault(row["series"], []).append(row)
-    made = []
-    for name, one in bands.items():
-        sideways, style = not one[0]["x"], "extra" if "extrapolated" in name else "band"
-        at, low, high = ([float(row[key]) for row in one] for key in ("y" if sideways else "x", "low", "high"))
-        made.append(Series.band(name, at, low, high, sideways=sideways, style=style))
-    return made
+        if (row["x"] and row["y"]) or (row["low"] and row["high"]):  # a pad does not reach every force
+            by_name.setdefault(row["series"], []).append(row)
+    bands, curves = [], []
+    for name, own in by_name.items():
+        x, y, low, high = (np.array([float(row[key] or "nan") for row in own]) for key in ("x", "y", "low", "high"))
+        label, sideways = label_of(name), not np.isfinite(x).any()
+        if np.isfinite(low).any():
+            style = "extra" if "extrapolated" in name else "band"
+            bands.append(Series.band(name, y if sideways else x, low, high, sideways=sideways, style=style))
+        elif label == "measured":
+            curves.append(Series.dots(label, x, y, "other"))
+        else:
+            curves.append(Series.line(label, x, y, "aim" if label == "base" else "main"))
+    return [*bands, *curves]
 
 
 def compared_plots(path: Path) -> list[Plot]:
     """Steady force over depth, then the presses, of a report that compares a pad with a tissue."""
     rows = (figure_values(path) if path.is_file() else {}).get("steady", [])
-    lines = [Series.line(name, x, y) for name, (x, y) in _curves(rows).items() if len(x) > 1]
-    steady = steady_plot("Steady force over depth of the pad and of the subjects.", [*_bands(rows), *lines])
+    series = [one for one in _series(rows) if one.kind == "band" or len(one.x) > 1]
+    steady = steady_plot("Steady force over depth of the pad and of the subjects.", series)
     return [replace(steady, name="compared")] * bool(rows) + measured_presses(path)
-
-
-def _curves(rows: Sequence[Mapping[str, str]]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Time and force of each series of a plot, in its order; bands are left out."""
-    curves: dict[str, list[tuple[float, float]]] = {}
-    for row in rows:
-        if row["x"] and row["y"]:
-            curves.setdefault(row["series"], []).append((float(row["x"]), float(row["y"])))
-    return {name: (np.array(rows)[:, 0], np.array(rows)[:, 1]) for name, rows in curves.items()}
 
 
 def _condition_of(plot: str) -> str:
@@ -277,10 +268,8 @@ def pad_page(shape: PadShape, thickness_mm: float) -> str:
             )
             for one in (high, low)
         )
-        walls = []
-        for side in (np.s_[::-1, 0], np.s_[:, -1], np.s_[0], np.s_[-1, ::-1]):
-            top, foot = over[side], under[side]
-            walls += [np.stack([top[:-1], foot[1:], foot[:-1]], 1), np.stack([top[:-1], top[1:], foot[1:]], 1)]
+        sides = (np.s_[::-1, 0], np.s_[:, -1], np.s_[0], np.s_[-1, ::-1])
+        walls = (_faces(np.stack([under[side], over[side]])) for side in sides)
         faces = np.concatenate([_faces(over), _faces(under)[:, ::-1], *walls])
         return faces[np.ptp(faces[:, :, 2], axis=1) + np.ptp(faces[:, :, 1], axis=1) > 0.0]
 

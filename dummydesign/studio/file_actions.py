@@ -33,24 +33,24 @@ STILL_OFFERED_S = 60.0
 REJECTED = "(entries) => emit(performance.now(), entries.map((e) => [e.file.name, e.failedPropValidation]))"
 ADDED = "(files) => emit(performance.now())"
 
-Then = Callable[[str, str], None]
+Then = Callable[[], object]
 
 
-def manage(root: Path, path: str, kind: str, then: Then) -> None:
-    """Add a button that deletes a thing of the project."""
+def manage(root: Path, path: str, kind: str, then: Then = ui.navigate.reload) -> None:
+    """Add a button that deletes a thing of the project; ``then`` is called after that, and after it is taken back."""
     name, bar = path.rpartition("/")[2], undo_bar(root)
 
     def remove() -> None:
         with widgets.problems_in(refused):
             bar.offer(bin.delete(root, path), then)
-            bar.run(lambda: then(path, ""))
+            bar.run(then)
 
     made = widgets.button("Delete", remove, "delete", f"Delete the {kind} {name}").props("dense")
     made.props["data-name"] = name
     refused = ui.element("div")
 
 
-def thing(words: Markup, root: Path, path: str, kind: str, then: Then) -> ui.element:
+def thing(words: Markup, root: Path, path: str, kind: str, then: Then = ui.navigate.reload) -> ui.element:
     """Add a row with a thing of the project and its button."""
     with ui.element("div").classes("thing") as row:
         html("{}", words)
@@ -66,7 +66,7 @@ class DropList:
         self,
         root: Path,
         take: Callable[[str, bytes], bin.Taken],
-        then: Callable[[], None],
+        then: Then,
         words: str = "",
         test: str = "presses",
     ) -> None:
@@ -110,7 +110,7 @@ class DropList:
             return
         self.tell(taken.text)
         if taken.gone is not None:
-            self._bar.offer(taken.gone, lambda old, new: self._then(), focus=False)
+            self._bar.offer(taken.gone, self._then, focus=False)
         self._then()
 
     def tell(self, sentence: str, refused: bool = False) -> None:
@@ -138,9 +138,9 @@ class UndoBar:
             self._area = widgets.area("undo", live=True).classes("undo")
         newest = next(iter(bin.deleted(root)), None)
         if newest is not None and newest.why != "undone" and time.time() - newest.time < STILL_OFFERED_S:
-            self.offer(newest, lambda old, new: ui.navigate.reload(), focus=False)
+            self.offer(newest, focus=False)
 
-    def run(self, change: Callable[[], None]) -> None:
+    def run(self, change: Then) -> None:
         """Run a change of the page that may take away the button that was pressed."""
         with self._content:
             change()
@@ -153,18 +153,18 @@ class UndoBar:
             widgets.button("Close", self._area.clear, label="Close this message").props("dense")
         return line
 
-    def offer(self, gone: bin.Deleted, then: Then, focus: bool = True) -> None:
+    def offer(self, gone: bin.Deleted, then: Then = ui.navigate.reload, focus: bool = True) -> None:
         """Show what was deleted, with its button; the button that deleted it is gone, so this one gets the focus."""
         name = gone.path.rpartition("/")[2]
 
         def undo() -> None:
             try:
-                back = bin.restore(self._root, gone)
+                bin.restore(self._root, gone)
             except InputError as problem:
                 self.say(f"{problem}.")
                 return
             self.say(f"{gone.path} is back.")
-            self.run(lambda: then(gone.path, back))
+            self.run(then)
 
         with self.say(f"The earlier {name} was replaced." if gone.why == "replaced" else f"{name} was deleted."):
             back = widgets.button("Undo", undo, "undo-last", f"Undo: bring back {name}", main=True).props("dense")

@@ -40,23 +40,25 @@ class JobPanel:
         check: Callable[[], object] = lambda: None,
         found: ui.element | None = None,
         main: bool = True,
+        warn: bool = True,
     ) -> None:
         """Build it.
 
         ``belongs`` is given a job and the command that is chosen (empty when that is refused), ``ended`` a job that
         ended and whether it belongs to what is chosen; what is shown is renewed when ``stamp`` changes. Answers without
         the key ``needs`` are not shown. The commands of ``first`` run before. ``check`` refuses what is chosen before
-        anything is started. What was found stands in ``found``, else under the button, which is the ``main`` one.
+        anything is started. What was found stands in ``found``, else under the button, which is the ``main`` one; what
+        the command warned of follows it, unless ``show`` shows that itself (``warn`` False).
         """
         self.root, self.name = root, name
         self._commands: Callable[[], Steps] = lambda: [*first(), words()]
         self._show, self._belongs, self._ended, self._stamp = show, belongs, ended, stamp
-        self._needs, self._check, self.main = needs, check, main
+        self._needs, self._check, self.main, self._warn = needs, check, main, warn
         self._seen: object = None
         self.shown: jobs.Job | None = None
         self._watched = ""
         self._usual: tuple[Path | None, float | None] = None, None
-        self._pressed = self.running = self.answered = False
+        self._pressed = self.running = False
         with ui.element("section").classes("work"):
             with ui.element("div").classes("state"):
                 self._button = widgets.button(label, self.begin, f"run-{name}", main=main)
@@ -116,7 +118,6 @@ class JobPanel:
             self._pressed = False
             _move_focus(self._stop, self._button)
         answer = next((one for one in reversed(every) if belongs(one, words) and one.has_answer), None)
-        self.answered = answer is not None
         self.shown = answer if answer is not None and self._needs in ("", *answer.answer) else None
         if newest is not None and self.running:
             self._watched = newest.folder.name
@@ -141,6 +142,7 @@ class JobPanel:
                     html('<p class="source">Result of {}: <code>{}</code></p>', when, answer.begun)
                 if self.shown is not None:
                     self._show(answer)
+                    widgets.warnings(answer.answer if self._warn else {})
         if newest is not None and not self.running and newest.folder.name == self._watched:
             self._watched = ""
             if self._ended is not None and newest.answer:

@@ -18,7 +18,7 @@ from dummydesign.geometry.shape_registry import read_shape, shape_kinds
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.measurement.campaign_file import read_campaign_toml
 from dummydesign.measurement.campaign_from_files import read_trials
-from dummydesign.project.status import finished_manifest, things_in
+from dummydesign.project.status import finished_manifest, measured, things_in
 from dummydesign.studio import file_transfer, select_options
 from dummydesign.studio.jobs import changed_inputs
 from dummydesign.studio.state import State, absolute, design_state, design_summary
@@ -114,11 +114,7 @@ def wants_puck(root: Path, state: State) -> bool:
 
 def measured_resin(root: Path, state: State) -> bool:
     """Whether a puck of the resin that is chosen was measured."""
-    from dummydesign.resin import load_resin
-
-    with suppress(InputError):
-        return load_resin(absolute(root, state.resin)).measured
-    return False
+    return measured(absolute(root, state.resin))
 
 
 @dataclass(frozen=True)

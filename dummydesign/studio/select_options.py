@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.levels import level_name
 from dummydesign.core.user_library import entries
-from dummydesign.project.status import ProjectFile
 from dummydesign.studio.file_transfer import numbered
 
 
@@ -95,22 +92,3 @@ def calibrations(root: Path) -> dict[str, str]:
 def campaigns(root: Path) -> dict[str, str]:
     """Campaigns of the project by folder, the newest last."""
     return {one: one for one in folders(root, "campaigns", "campaign.toml")}
-
-
-def file_line(one: ProjectFile) -> str:
-    """One thing that lies in the project, in a line."""
-    name, summary = one.folder.partition("/")[2], _summary_line(one.summary or {})
-    return f"{name}: {summary}" if summary else name
-
-
-def _summary_line(summary: dict[str, Any]) -> str:
-    if "pressed" in summary:
-        left = f", {summary['wrong']} problem{'s' * (summary['wrong'] > 1)}" if summary["wrong"] else ""
-        return f"{summary['pressed']} of {summary['pressed'] + summary['missing']} presses are there{left}"
-    if {"thickness_mm", "ratio", "shape"} <= set(summary):
-        verdict = level_name(summary.get("verdict", ""))
-        pad = f"{summary['thickness_mm']:g} mm {summary['shape'].partition(':')[0]}, ratio {summary['ratio']:g}"
-        return f"{pad}, {verdict}" if verdict else pad
-    if "traces" in summary:
-        return f"{summary['traces']} presses"
-    return str(summary.get("text", ""))

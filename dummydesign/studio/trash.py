@@ -18,6 +18,7 @@ from pathlib import Path
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import read_json, unwritable, write_bytes, write_text, writing
 from dummydesign.core.manifest import NAME as MANIFEST
+from dummydesign.core.manifest import read_manifest
 from dummydesign.project.folder import FILE as PROJECT
 from dummydesign.project.folder import FOLDERS, Project, change_project
 from dummydesign.studio import jobs
@@ -155,8 +156,11 @@ def parts_of(root: Path, path: str) -> list[Path]:
         raise InputError(f"'{path}' is not there (any more)", "file_not_found", "path", path)
     if not (path.startswith("tissue/") and path.endswith(".toml")):
         return [target]
-    report = target.with_name(f"{target.stem}-report")
-    return [target, report] if (report / MANIFEST).is_file() else [target]
+    # before 2.0.0 the manifest and the files that it lists lay beside the tissue
+    report, old = (target.with_name(f"{target.stem}-{name}") for name in ("report", MANIFEST))
+    listed = sorted(earlier.sha256) if (earlier := read_manifest(old)) else ()
+    beside = [target.with_name(name) for name in listed if "/" not in name and not name.endswith(".toml")]
+    return [target, *[report] * (report / MANIFEST).is_file(), *(one for one in (old, *beside) if one.is_file())]
 
 
 def _move(pairs: Sequence[tuple[Path, Path]]) -> None:

@@ -244,16 +244,19 @@ class NumberField(ui.input):
 
 
 class Form:
-    """Fields by name, laid out where they are made, each with a name for tests."""
+    """Fields by name, beside each other where there is room, each with a name for tests."""
 
-    def __init__(self, test: str, laid: Mapping[str, ui.element], kept: Mapping[str, str] | None = None) -> None:
-        self._test, self._kept = test, kept or {}
-        self.lay(laid)
+    def __init__(
+        self, test: str, make: Callable[[], Mapping[str, ui.element]] = dict, kept: Mapping[str, str] | None = None
+    ) -> None:
+        self._test, self._kept, self._place = test, kept or {}, fields()
+        self.lay(make)
 
-    def lay(self, laid: Mapping[str, ui.element]) -> None:
-        """Take these fields in the place of all others; what is kept for one takes the place of its value."""
-        self.fields: dict[str, Any] = dict(laid)
-        for name, field in laid.items():
+    def lay(self, make: Callable[[], Mapping[str, ui.element]]) -> None:
+        """Make these fields in the place of all others; what is kept for one takes the place of its value."""
+        with fresh(self._place):
+            self.fields: dict[str, Any] = dict(make())
+        for name, field in self.fields.items():
             field.props.setdefault("data-test", f"{self._test}-{name}")
             if name in self._kept:
                 cast(ValueElement, field).set_value(self._kept[name])
@@ -321,7 +324,7 @@ def select(label: str, known: Mapping[str, str], value: str, test: str = "") -> 
 def select_several(label: str, known: Mapping[str, str], value: Sequence[str], test: str) -> ui.select:
     """Add a field to choose several of value to words."""
     added = ui.select(dict(known), multiple=True, value=list(value), label=label)
-    return added.props(f'use-chips data-test="{test}"')
+    return added.props(f'use-chips data-test="{test}"').style("grid-column:1/-1")
 
 
 def marked(text: str) -> Markup:

@@ -73,6 +73,24 @@ def test_a_tissue_goes_and_comes_back_with_its_report_and_leaves_others_alone(ro
     assert names(root / "tissue") == ["mine-report", "mine.toml", "minerva.toml"]
 
 
+def test_a_tissue_of_before_2_0_goes_with_the_files_that_its_manifest_beside_it_lists(root):
+    tissue, before = (
+        root / "tissue",
+        ("mine-report.html", "mine-report.csv", "mine_residuals.csv", "mine_residuals.png"),
+    )
+    for name in before:
+        (tissue / name).write_text(name)
+    (tissue / "minerva-report.html").write_text("of another")
+    listed = (*before, "mine.toml", "minerva.toml", "../project.toml", "import-a/gone.csv")
+    sums = dict.fromkeys(listed, "0" * 64)
+    (tissue / "mine-manifest.json").write_text(json.dumps({"command": "fit", "sha256": sums}))
+    there = names(tissue)
+    gone = bin.delete(root, "tissue/mine.toml")
+    assert names(tissue) == ["minerva-report.html", "minerva.toml"] and (root / "project.toml").is_file()
+    assert bin.restore(root, gone) == "tissue/mine.toml"
+    assert names(tissue) == there and (tissue / "mine-report.csv").read_text() == "mine-report.csv"
+
+
 def test_things_of_one_name_deleted_in_one_second_are_all_kept(root):
     for text in ("1", "2", "3"):
         (root / "measured" / "a.csv").write_text(text)

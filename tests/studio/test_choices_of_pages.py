@@ -12,10 +12,12 @@ from dummydesign.core.manifest import sha256_of
 from dummydesign.project.folder import make_project
 from dummydesign.project.status import ProjectFile
 from dummydesign.studio.jobs import changed_inputs
-from dummydesign.studio.pages import learn
+from dummydesign.studio.pages import cast, learn
 from dummydesign.studio.pages.design import Bar
 from dummydesign.studio.pages.pucks import PuckPage, pucks
 from dummydesign.studio.state import State
+from dummydesign.studio.widgets import Kept
+from tests.support import lab_project as lab
 from tests.support.refusal import raises_code
 
 HEAD = "time_s,displacement_mm,force_N\n"
@@ -82,6 +84,26 @@ def test_a_campaign_that_is_not_pressed_is_not_learned_from_first(tmp_path, clie
     assert not page.work.main
     (said,) = [one.content for one in page.lacking.descendants() if "missing" in getattr(one, "content", "")]
     assert "3 presses of this campaign are missing" in said
+
+
+def test_moulds_without_gauge_points_are_named_and_none_at_all_is_said_only_without_moulds(tmp_path, client):
+    project, state = make_project(tmp_path, None, tissue="palm"), State("palm")
+
+    def said():
+        page = cast.record_form(project.root, Kept(state), lambda: None)
+        assert page is None
+        words = " ".join(getattr(one, "content", "") for one in client.elements.values())
+        client.content.clear()
+        return words
+
+    assert "No mould in this project" in said()
+    for name in ("bare", "whole"):
+        lab.mould(tmp_path, name, 6.0)
+    words = said()
+    assert "No mould" not in words and "moulds/bare" in words and "moulds/whole" in words
+    lab.gauged(tmp_path / "moulds" / "whole", 6.0)
+    words = said()
+    assert "moulds/bare (spec.json)" in words and "moulds/whole (spec.json)" not in words and "gauge-map" in words
 
 
 def test_a_slider_is_not_answered_by_the_server():

@@ -96,6 +96,17 @@ def test_measured_presses_are_read_from_the_files_of_a_report(tmp_path, name, ti
     assert len({one.style for one in plot.series}) == len({one.partition(", ")[0] for one in series})
 
 
+def test_forces_that_a_pad_does_not_reach_and_single_points_are_not_drawn_of_a_comparison(tmp_path):
+    force, depth = np.array([5.0, 10.0, 15.0]), np.array([1.0, 1.5, np.nan])
+    people = Series.band("subjects", force, depth - 0.1, depth + 0.1, sideways=True)
+    drawn = [people, Series.line("pad", depth, force), Series.dots("measured", [1.0], [5.0])]
+    made = Plot("steady", "t", "a", "depth [mm]", "force [N]", "depth_mm", "force_N", drawn)
+    (tmp_path / "report.csv").write_text(csv_text(COLUMNS, made.rows()), encoding="utf-8")
+    (plot,) = figures.compared_plots(tmp_path / "report.csv")
+    assert [(one.label, one.kind, len(one.y)) for one in plot.series] == [("subjects", "band", 2), ("pad", "line", 2)]
+    assert np.array_equal(plot.series[0].y, force[:2]) and np.allclose(plot.series[0].high, depth[:2] + 0.1)
+
+
 def test_the_script_of_the_plots_is_an_element_of_the_head():
     text = page_head()
     assert f"<script>{plots_js()}</script>" in text

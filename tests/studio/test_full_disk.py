@@ -12,8 +12,8 @@ from dummydesign.core.files import acquire_lock, is_locked
 from dummydesign.core.files import os as files_os
 from dummydesign.project.folder import make_project
 from dummydesign.studio import file_transfer, jobs
-from dummydesign.studio import incoming_presses as incoming
 from dummydesign.studio import trash as bin
+from dummydesign.studio.pages import campaign as incoming
 from tests.support import lab_project as lab
 from tests.support.refusal import raises_code
 from tests.support.studio import browser, running
@@ -85,7 +85,7 @@ def test_a_press_that_cannot_take_the_place_of_another_leaves_it_there(tmp_path,
     before = content_of(root)
     full("entry.json")
     with pytest.raises(InputError):
-        incoming.take(root, "campaigns/first", names[0], content)
+        incoming.take_press(root, "campaigns/first", names[0], content)
     assert content_of(root) == before
 
 
@@ -98,7 +98,7 @@ def test_no_room_to_read_a_press_is_a_sentence(tmp_path, monkeypatch):
 
     monkeypatch.setattr(file_transfer.tempfile, "TemporaryDirectory", refuse)
     with raises_code("file_unreadable", "trace"):
-        incoming.take(root, "campaigns/second", name, b"1,2,3\n")
+        incoming.take_press(root, "campaigns/second", name, b"1,2,3\n")
 
 
 def test_a_file_in_the_place_of_a_folder_is_a_sentence(tmp_path):

@@ -68,14 +68,14 @@ def panel(monkeypatch):
 def test_an_answer_to_what_is_chosen_is_shown_and_one_to_another_choice_is_not(panel):
     panel.every.append(job("1", "done", answer={"tissue": 1}))
     panel.panel.update()
-    assert panel.log["shown"] == ["1"] and panel.panel.answered and panel.panel.shown is panel.every[0]
+    assert panel.log["shown"] == ["1"] and panel.panel.shown is panel.every[0]
     assert panel.panel._status.text == "done in 3 s"
     # nothing has changed: nothing is drawn anew
     panel.panel.update()
     assert panel.log["shown"] == ["1"]
     panel.chosen["words"] = ["fit", "b.csv"]
     panel.panel.update()
-    assert panel.panel.shown is None and not panel.panel.answered and panel.panel._status.text == ""
+    assert panel.panel.shown is None and panel.panel._status.text == ""
     panel.chosen["words"] = None
     panel.panel.update()
     assert panel.panel.shown is None
@@ -84,7 +84,7 @@ def test_an_answer_to_what_is_chosen_is_shown_and_one_to_another_choice_is_not(p
 def test_an_answer_without_what_is_needed_is_no_answer_to_show(panel):
     panel.every.append(job("1", "done", answer={"rows": 1}))
     panel.panel.update()
-    assert panel.panel.answered and panel.panel.shown is None and panel.log["shown"] == []
+    assert panel.panel.shown is None and panel.log["shown"] == []
 
 
 def test_while_it_runs_it_can_be_stopped_and_not_started(panel):

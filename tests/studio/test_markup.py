@@ -72,7 +72,7 @@ def test_a_name_is_the_label_of_its_buttons_whatever_letters_it_has(name, monkey
     monkeypatch.setattr(file_actions, "undo_bar", lambda studio: None)
     client = Client(page(""), request=None)
     with client:
-        file_actions.manage(Path(), f"designs/{name}", "design", lambda old, new: None)
+        file_actions.manage(Path(), f"designs/{name}", "design")
     given = [dict(one.props) for one in client.elements.values() if isinstance(one, ui.button)]
     client.delete()
     assert {one["data-name"] for one in given} == {name}

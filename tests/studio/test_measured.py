@@ -215,7 +215,7 @@ def test_the_page_with_all_that_it_offers_fits_a_phone_and_the_keyboard(page, st
     page.locator(f'{by("delete")}[data-name="{EXPORTS[2]}"]').click()
     page.wait_for_selector(by("undo-last"))
     page.set_viewport_size({"width": 390, "height": 844})
-    page.wait_for_timeout(800)
+    page.wait_for_function("document.documentElement.clientWidth <= 390")
     for held in page.locator("iframe").all():
         if held.is_visible():
             held.scroll_into_view_if_needed()

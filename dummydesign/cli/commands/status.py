@@ -7,7 +7,6 @@ from typing import Any
 
 from dummydesign.cli.text import labelled, screen
 from dummydesign.core.errors import InputError
-from dummydesign.core.levels import level_name
 
 HELP = "Show the state of a project: what was measured, designed, made and learned, and what to do next."
 
@@ -42,25 +41,11 @@ def render_details(result: dict[str, Any]) -> str:
 
 
 def _listing(result: dict[str, Any]) -> list[str]:
+    from dummydesign.project.status import ProjectFile
+
     given = ", ".join(f"{name} {value}" for name, value in result["given"].items()) or "nothing given"
     lines = [f"project '{result['name']}' ({given})", ""]
     for room, items in result["found"].items():
         lines.append(f"{room}/".ljust(15) + ("-" if not items else ""))
-        lines += [f"  {one['folder'].partition('/')[2]:<32} {status_line(one)}".rstrip() for one in items]
+        lines += [f"  {one['folder'].partition('/')[2]:<32} {ProjectFile(**one).line}".rstrip() for one in items]
     return [*lines, *(f"cannot be read: {problem}" for problem in result["problems"])]
-
-
-def status_line(one: dict[str, Any]) -> str:
-    """What is known of one thing found, in a few words."""
-    summary = one["summary"] or {}
-    if "pressed" in summary:
-        left = f", {summary['wrong']} problem{'s' * (summary['wrong'] > 1)}" if summary["wrong"] else ""
-        return f"{summary['pressed']} of {summary['pressed'] + summary['missing']} presses are there{left}"
-    if "thickness_mm" in summary and "ratio" in summary:
-        verdict = f": {level_name(summary['verdict'])}" if summary.get("verdict") else ""
-        return f"{summary['thickness_mm']:g} mm {summary['shape']}, ratio {summary['ratio']:g}{verdict}"
-    if "traces" in summary:
-        return f"{summary['traces']} presses"
-    if "effects" in summary:
-        return f"{summary['verdict']}: {', '.join(summary['effects']) or 'no effect'}"
-    return str(one["command"] or "as measured" if one["folder"].startswith("measured/") else one["command"])

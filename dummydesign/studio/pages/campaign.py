@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from nicegui import background_tasks, events, run, ui
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import read_json
+from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.measurement.campaign_file import FILE
 from dummydesign.measurement.campaign_from_files import read_trials, write_trial_values
 from dummydesign.measurement.campaign_status import CampaignStatus, check_campaign
 from dummydesign.project.folder import Project
 from dummydesign.studio import file_transfer, jobs, project_index, select_options, widgets
-from dummydesign.studio import incoming_presses as incoming
 from dummydesign.studio import trash as bin
 from dummydesign.studio.file_actions import DropList, manage, undo_bar
 from dummydesign.studio.job_panel import JobPanel
@@ -69,16 +71,16 @@ class CampaignPresses:
             lambda: TrialTable(root, self.campaign, self.renew),
         )
         self.change = widgets.area()
-        manage(root, self.campaign, "plan", lambda old, new: open_page("/campaign", state.changed(campaign=new)))
+        manage(root, self.campaign, "plan")
         status = check_campaign(self.folder)
         self.show(status)
-        if not status.pressed and incoming.plan_of(root, self.campaign):
+        if not status.pressed and plan_of(root, self.campaign):
             with self.change, widgets.fold("Change this plan: nothing was pressed yet", "replan"):
                 PlanForm(root, state, self.campaign)
 
     def take(self, name: str, content: bytes) -> bin.Taken:
         """Take a file that was dropped."""
-        taken = incoming.take(self.root, self.campaign, name, content, self.press.value)
+        taken = take_press(self.root, self.campaign, name, content, self.press.value)
         self.press.set_value("")
         return taken
 
@@ -104,6 +106,30 @@ class CampaignPresses:
         with widgets.fresh(self.status_area):
             widgets.command_line(["campaign", "check", self.campaign])
             _show_status(status, self.state)
+
+
+def take_press(root: Path, campaign: str, name: str, content: bytes, planned: str = "") -> bin.Taken:
+    """Take a press under its planned name: that which is chosen, else that of the file."""
+    file_transfer.plain_name(name)
+    folder = file_transfer.inside(root, campaign)
+    plan = {trial["file"]: trial for trial in read_trials(root / campaign)}
+    target = planned or name
+    if target not in plan:
+        raise InputError(
+            f"{name} is not a planned name: choose the press that it is, then drop it again",
+            "unknown_name",
+            "campaign.trials",
+            name,
+            tuple(plan),
+        )
+    file_transfer.plain_name(target)  # a plan can name another file of its folder as a press, such as itself
+    file_transfer.check_press(name, content, plan[target].get("velocity_mm_s"))
+    for other in plan:
+        if other != target and file_transfer.holds(folder / other, content):
+            message = f"{name} is the same as {other}, which is there: press it again"
+            raise InputError(message, "duplicate", "trace", name)
+    taken = bin.keep_file(root, folder, target, content)
+    return taken if target == name else replace(taken, text=f"{name} is now {target}. {taken.text}")
 
 
 def _show_status(status: CampaignStatus, chosen: State) -> None:
@@ -234,7 +260,7 @@ class TrialTable:
             raise InputError(message, "changed_meanwhile", "campaign.trials")
         with bin.kept_before(self.root, self.path) as before:
             write_trial_values(self.folder, changes)
-        undo_bar(self.root).offer(before, lambda old, new: self.back(), focus=False)
+        undo_bar(self.root).offer(before, self.back, focus=False)
         for row, values in changes.items():
             self.rows[row].update(values)
         with self.message:
@@ -257,45 +283,119 @@ def _day(row: Mapping[str, Any]) -> str:
     return f"the day at {age:g} days of age" if isinstance(age, int | float) else ""
 
 
+FIELDS: dict[str, Any] = {
+    "pads": "5,15,20",
+    "speeds": "10,250",
+    "forces": "5,10,15",
+    "ages": "9,14,29",
+    "repeats": 2,
+    "hold": 10.0,
+    "shape": "slab",
+    "pad": "150x120",
+}
+
+
+def usual_moulds(root: Path, state: State) -> list[str]:
+    """Moulds whose pads one campaign can press: of one outline, resin and ratio, each of its own thickness.
+
+    Those of the pad that is chosen, else those of the newest mould.
+    """
+    # The chosen pad's stand last: of each thickness the last one counts.
+    own = sorted(project_index.moulds(root), key=lambda one: one.is_of(state))
+    kept = {one.pad["thickness_mm"]: one.folder for one in own if _kind(one) == _kind(own[-1])}
+    return [kept[thickness] for thickness in sorted(kept)]
+
+
+def _kind(mould: project_index.Mould) -> tuple[Any, ...]:
+    pad = mould.pad
+    return mould.length_mm, mould.width_mm, pad["resin"], pad["ratio"], project_index.shape_key(pad["shape"])
+
+
+def plan_of(root: Path, campaign: str) -> dict[str, Any]:
+    """The fields of a plan that ``campaign new`` wrote, by its manifest; empty where it cannot be read."""
+    try:
+        manifest = read_json(root / campaign / MANIFEST)
+        pads, set_up = manifest["inputs"]["design"], manifest["inputs"]["set_up"]
+        if manifest["command"] != "campaign new" or pads["by_depth"]:
+            return {}
+        plan: dict[str, Any] = {
+            "pads": _list(pads["pads_mm"]),
+            "speeds": _list(pads["velocities_mm_s"]),
+            "forces": _list(pads["targets"]),
+            "ages": _list(pads["ages_days"]),
+            "repeats": int(pads["repeats"]),
+            "hold": float(pads["hold_s"]),
+            "shape": str(set_up.get("shape", "slab")),
+            "pad": str(set_up["pad"]),
+            "resin": set_up.get("resin"),
+            "ratio": set_up.get("ratio"),
+            "punch": str(set_up["punch"]),
+        }
+    except (AttributeError, ValueError, KeyError, TypeError, OverflowError):
+        return {}
+    return plan if plan["resin"] and plan["ratio"] else {}
+
+
+def _list(values: Sequence[float]) -> str:
+    return ",".join(f"{value:g}" for value in values)
+
+
+def plan_options(given: Mapping[str, Any]) -> dict[str, object]:
+    """Options of ``campaign new`` for the fields of a plan; pads come from moulds where some are named."""
+    presses = {
+        "velocity": given["speeds"],
+        "force": given["forces"],
+        "repeats": given["repeats"],
+        "ages": given["ages"],
+        "hold": given["hold"],
+    }
+    if given.get("moulds"):
+        return {"from-mould": ",".join(given["moulds"]), **presses, "punch": given["punch"]}
+    pads = {
+        key: "" if key in ("shape", "pad") and given[key] == FIELDS[key] else given[key]
+        for key in ("pads", "shape", "pad")
+    }
+    return {**pads, **presses, **{key: given[key] for key in ("resin", "ratio", "punch")}}
+
+
+PAD = ("pads", "shape", "pad", "resin", "ratio")
+"""Fields of pads that are typed; those of moulds have theirs."""
+
+
 class PlanForm:
     """Fields of a plan and the command that makes it."""
 
     def __init__(self, root: Path, state: State, replaced: str = "") -> None:
         self.root, self.state, self.replaced = root, state, replaced
         name = "replan" if replaced else "campaign"
-        usual = [] if replaced else incoming.usual_moulds(root, state)
-        given = {**incoming.FIELDS, "resin": state.resin, "ratio": state.ratio, "punch": state.punch}
-        given |= incoming.plan_of(root, replaced) if replaced else {}
+        usual = [] if replaced else usual_moulds(root, state)
+        given = {**FIELDS, "resin": state.resin, "ratio": state.ratio, "punch": state.punch}
+        given |= plan_of(root, replaced) if replaced else {}
         self.punch = given["punch"]
         known = {
             one.folder: f"{one.folder.partition('/')[2]}: {one.label}" for one in reversed(project_index.moulds(root))
         }
-        with widgets.fields():
-            laid: dict[str, ui.element] = {
-                "name": ui.input("Name", value=select_options.free_name(root, "campaigns", "first"))
-            }
-            laid["name"].set_visibility(not replaced)
-        self.moulds = widgets.select_several(
-            "Pads of these moulds (none: type the pads)", known, usual, f"{name}-moulds"
-        )
-        self.moulds.set_visibility(bool(known))
-        with widgets.fields() as self.typed:
-            laid |= {
+        self.form = widgets.Form(
+            "replan" if replaced else "plan",
+            lambda: {
+                "name": ui.input("Name", value=select_options.free_name(root, "campaigns", "first")),
+                "moulds": widgets.select_several(
+                    "Pads of these moulds (none: type the pads)", known, usual, f"{name}-moulds"
+                ),
                 "pads": ui.input("Pads, thickness [mm]", value=given["pads"]),
                 "shape": ui.input("Shape with its lengths", value=given["shape"]),
                 "pad": ui.input("Outline, length x width [mm]", value=given["pad"]),
                 "resin": widgets.select("Resin", select_options.resins(), given["resin"]),
                 "ratio": NumberField("Ratio", given["ratio"]),
-            }
-        with widgets.fields():
-            laid |= {
                 "speeds": ui.input("Speeds [mm/s]", value=given["speeds"]),
                 "forces": ui.input("Steady forces [N]", value=given["forces"]),
                 "repeats": NumberField("Repeats", given["repeats"], 1, 9),
                 "ages": ui.input("Age of the pads on each day [days]", value=given["ages"]),
                 "hold": NumberField("Hold [s]", given["hold"], 1, 600),
-            }
-        self.form = widgets.Form("replan" if replaced else "plan", laid)
+            },
+        )
+        self.form.fields["name"].set_visibility(not replaced)
+        self.form.fields["moulds"].set_visibility(bool(known))
         self.work = JobPanel(
             root,
             name,
@@ -306,12 +406,12 @@ class PlanForm:
             needs="trials",
         )
         self.form.on_change(self.renew)
-        widgets.on_change(self.renew, self.moulds)
         self.renew()
 
     def renew(self) -> None:
         """Something was chosen."""
-        self.typed.set_visibility(not self.moulds.value)
+        for name in PAD:
+            self.form.fields[name].set_visibility(not self.form.fields["moulds"].value)
         self.work.renew()
 
     def words(self) -> list[str]:
@@ -319,13 +419,13 @@ class PlanForm:
         given = self.form.filled(repeats="repeats", ratio="ratio")
         if given["repeats"] % 1.0:
             raise InputError(f"repeats = {given['repeats']:g}: type a whole number", "malformed", "repeats")
-        given |= {"moulds": self.moulds.value, "punch": self.punch}
+        given["punch"] = self.punch
         folder = self.replaced or f"campaigns/{file_transfer.plain_name((given['name'] or '').strip())}"
         return [
             "campaign",
             "new",
             folder,
-            *jobs.options(incoming.plan_options(given) | {"replace": bool(self.replaced)}),
+            *jobs.options(plan_options(given) | {"replace": bool(self.replaced)}),
         ]
 
     def belongs(self, job: jobs.Job, words: list[str]) -> bool:
@@ -340,7 +440,6 @@ class PlanForm:
         html('<p data-test="planned">{} presses planned in {}</p>', len(answer["trials"]), folder)
         if power := answer.get("power"):
             html("<p>Effects that this plan can detect: {}.</p>", ", ".join(power["seen"]) or "none")
-        widgets.warnings(answer)
         widgets.go("/campaign", "Go on to the presses", self.state.changed(campaign=folder), "presses")
 
 

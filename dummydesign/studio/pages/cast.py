@@ -201,7 +201,6 @@ class PressComparison:
                 html("<p>{}</p>", one.get("reason") or "no verdict")
         names = {path.rpartition("/")[2] for path in pad.files}
         widgets.records(ERRORS, (one for one in answer["trials"] if one["file"] in names))
-        widgets.warnings(answer)
 
     def show(self, job: Job) -> None:
         """Verdict, what to do with the pad, each press, and the report of a comparison."""
@@ -219,7 +218,6 @@ class PressComparison:
             plots = figures.compared_plots(self.root / path)
             html('<div data-test="compared-plots">{}</div>', Markup(plots_html(plots)))
         widgets.records(COMPARED, answer.get("by_trace", []))
-        widgets.warnings(answer)
         widgets.show_report(self.root, files, "report of the comparison")
 
 
@@ -236,24 +234,36 @@ OTHERS = {
 
 def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> None:
     """Fields for what was really cast, a map of where it is gauged, and the verdict of the record."""
-    moulds = [one for one in reversed(project_index.moulds(root)) if project_index.gauge_points(root / one.folder)]
-    if not moulds:
+    every = project_index.moulds(root)[::-1]
+    moulds = [one for one in every if project_index.gauge_points(root / one.folder)]
+    if lacking := [one.folder for one in every if one not in moulds]:
+        html(
+            '<p class="note" data-test="no-points">No gauge points in {} (spec.json). {}, then record its pad.</p>',
+            ", ".join(lacking),
+            page_link("/mould", "Make the mould again"),
+        )
+    elif not moulds:
         html('<p class="note">No mould in this project yet: {}.</p>', page_link("/mould", "make one"))
+    if not moulds:
         return
     known = {one.folder: f"{one.folder}: {one.label}" for one in moulds}
     first = next((one for one in moulds if one.is_of(kept.state)), moulds[0]).folder
     before = kept.own.get(MOULD, "")
     typed = {name.removeprefix(TYPED): text for name, text in kept.own.items()}
     chosen = widgets.select("Mould it was cast in", known, before if before in known else first, "record-mould")
-    gauged = widgets.Form("gauge", {}, typed)
     with ui.element("div").classes("pair"):
         map_of = html("")
         with ui.element("div"):
             html("<b>Thickness at each point</b>")
-            points = widgets.fields()
-            with widgets.fields():
-                laid = {name: NumberField(label, hint=hint) for name, (label, hint) in OTHERS.items()}
-                others = widgets.Form("record", {**laid, "note": ui.input("Note").props('hint="optional"')}, typed)
+            gauged = widgets.Form("gauge", kept=typed)
+            others = widgets.Form(
+                "record",
+                lambda: {
+                    **{name: NumberField(label, hint=hint) for name, (label, hint) in OTHERS.items()},
+                    "note": ui.input("Note").props('hint="optional"'),
+                },
+                typed,
+            )
             button = ui.element("div")
 
     def words() -> list[str]:
@@ -302,13 +312,12 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
         )
 
     def new_mould() -> None:
-        with widgets.fresh(points):
-            gauged.lay(
-                {
-                    one.name: NumberField(f"{n} {one.name} [mm]", hint=f"{one.low_mm:.4g} to {one.high_mm:.4g}")
-                    for n, one in enumerate(project_index.gauge_points(root / chosen.value), 1)
-                }
-            )
+        gauged.lay(
+            lambda: {
+                one.name: NumberField(f"{n} {one.name} [mm]", hint=f"{one.low_mm:.4g} to {one.high_mm:.4g}")
+                for n, one in enumerate(project_index.gauge_points(root / chosen.value), 1)
+            }
+        )
         gauged.on_change(renew)
         draw_map()
         list_records()
@@ -360,13 +369,15 @@ def show_record(answer: Mapping[str, Any]) -> None:
     force = answer.get("force_percent")
     more = "" if force is None else f" Its force at a given depth is {force:+.1f} % off the designed pad's."
     widgets.tell_verdict(light, text + more, test="verdict")
-    rows = []
-    for one in answer["limits"]:
-        allowed, unlimited = allowed_words(one["low"], one["high"]), one["high"] is None
-        state = "missed" if one["missed"] else "" if unlimited else "kept"
-        advice = one["advice"] if one["missed"] or unlimited else ""
-        rows.append([one["what"], one["value"], one["unit"], allowed, state, advice])
-    widgets.table(["what", "value", "", "allowed", "", "what to do"], rows, words=True)
+    columns: dict[str, str | Callable[[Any], object]] = {
+        "what": "what",
+        "value": "value",
+        "unit": "unit",
+        "allowed": lambda one: allowed_words(one["low"], one["high"]),
+        "result": lambda one: "missed" if one["missed"] else "" if one["high"] is None else "kept",
+        "what to do": lambda one: one["advice"] * (one["missed"] or one["high"] is None),
+    }
+    widgets.records(columns, answer["limits"], words=True)
 
 
 LIGHTS = {"pass": "green", "undecided": "amber", "fail": "red"}
@@ -504,5 +515,4 @@ def show_people(root: Path, answer: Mapping[str, Any]) -> None:
     widgets.table(*people.press_table(result))
     if rows := people.limit_rows(result):
         widgets.records(LIMIT_COLUMNS, ({"press": file, **row} for row, file in rows), words=True)
-    widgets.warnings(answer)
     widgets.show_report(root, files, "report of the presses on people")

@@ -18,7 +18,7 @@ from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, options
 from dummydesign.studio.markup import Markup, filled, joined
 from dummydesign.studio.state import State, design_summary, page_link
-from dummydesign.studio.widgets import html, keep_state, open_page
+from dummydesign.studio.widgets import html, keep_state
 
 INTERVAL = ("value", "low", "high")
 
@@ -134,7 +134,6 @@ class LearnPage:
         with ui.element("div").classes("links"):
             kind = "go more" if self._again(answer["calibration_file"]) else "go"
             html('<a class="{}" href="#next">Plan the next measurement</a>', kind)
-        widgets.warnings(answer)
         _curves(self.root, folder)
 
     def _again(self, calibration: str) -> bool:
@@ -164,7 +163,7 @@ class LearnPage:
             for one in known:
                 above = ": it is shown above" if one.folder == shown else ""
                 words = filled('<span data-test="calibration"><b>{}</b>{}</span>', one.folder, above)
-                thing(words, self.root, one.folder, "calibration", self._moved)
+                thing(words, self.root, one.folder, "calibration")
                 if above:
                     continue
                 self._outdated(one.folder)
@@ -172,12 +171,6 @@ class LearnPage:
                 self._again(one.file)
                 with widgets.fold("Measured and predicted force", opened=not shown and one is known[0]):
                     _curves(self.root, one.folder)
-
-    def _moved(self, old: str, new: str) -> None:
-        """A calibration was renamed, deleted or brought back."""
-        file = f"{new}/calibration.json" if new else ""
-        chosen = self.chosen()
-        open_page("/learn", chosen.changed(calibration=file) if chosen.calibration.startswith(f"{old}/") else chosen)
 
     def show_plan(self, job: Job) -> None:
         """Show what was planned."""

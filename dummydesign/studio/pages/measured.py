@@ -52,7 +52,7 @@ class MeasuredPage:
     def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
         self._root, self._state = project.root, state
         self._folder = self._root / "measured"
-        self._let_go: set[str] = set()
+        self._let_go: list[str] = []
         wanted, last = query.get("files"), jobs.latest(self._root, "import")
         chosen = wanted.split(SEPARATOR) if wanted else [Path(name).name for name in _sources(last)] if last else []
         for name in chosen:
@@ -71,9 +71,10 @@ class MeasuredPage:
             self._belongs,
             lambda job, mine: self._list_imports(),
             needs="files",
+            warn=False,
         )
-        with widgets.fold("Columns, units and signs (only where a reading asks for them)"), widgets.fields():
-            self._open = widgets.Form("open", {name: ui.input(text) for name, text in OPEN.items()})
+        with widgets.fold("Columns, units and signs (only where a reading asks for them)"):
+            self._open = widgets.Form("open", lambda: {name: ui.input(text) for name, text in OPEN.items()})
         self._change = widgets.fold("Delete files", "change-files", self._list_files)
         self._choose(chosen)
         self._open.on_change(self._renew)
@@ -138,12 +139,11 @@ class MeasuredPage:
             for name in names:
                 thing(filled("<span>{}</span>", name), self._root, f"measured/{name}", "file", self._moved)
 
-    def _moved(self, old: str, new: str) -> None:
-        """Follow a file that was deleted or brought back: one that was chosen is chosen again."""
-        name, chosen = Path(old).name, list(self._chosen.value)
-        if name in chosen and not new:
-            self._let_go.add(name)
-        self._choose([*chosen, name] if new and name in self._let_go and name not in chosen else chosen)
+    def _moved(self) -> None:
+        """Follow files that were deleted or brought back: one that was chosen is chosen again."""
+        chosen, there = [*self._chosen.value, *self._let_go], self._names()
+        self._let_go = [name for name in chosen if name not in there]
+        self._choose(chosen)
         self._renew()
         self._list_files()
 
@@ -159,7 +159,7 @@ class MeasuredPage:
 
     def _open_import(self, path: Path) -> None:
         inner = f"measured/{path.name}"
-        manage(self._root, inner, "import", lambda old, new: self._list_imports())
+        manage(self._root, inner, "import", self._list_imports)
         if (path / "preview.html").is_file():
             widgets.shown_file(f"/files/{inner}/preview.html", f"presses of {path.name}")
 

@@ -19,7 +19,7 @@ from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, holds_answer, options
 from dummydesign.studio.markup import Markup, filled, joined
 from dummydesign.studio.state import State, design_state, design_summary, page_link
-from dummydesign.studio.widgets import NumberField, html, keep_state, open_page
+from dummydesign.studio.widgets import NumberField, html, keep_state
 
 OUTLINE_MM, OUTLINES_MM = (150.0, 120.0), (20.0, 300.0)
 OPTIONS = ("thickness", "length", "width", "shape", "preset", "resin", "ratio")
@@ -35,18 +35,19 @@ class MouldPage:
         length_mm, width_mm = (mine[-1].length_mm, mine[-1].width_mm) if mine else OUTLINE_MM
         preset = mine[-1].preset if mine and mine[-1].preset in project_index.PRESETS else "open"
         with ui.element("div").classes("pair"):
-            fields, self.section = widgets.fields(), html("")
-        with fields:
-            laid = {
-                "thickness": NumberField("Thickness [mm]", state.thickness_mm, *THICKNESS_MM, test="thickness"),
-                "length": NumberField("Length [mm]", length_mm, *OUTLINES_MM),
-                "width": NumberField("Width [mm]", width_mm, *OUTLINES_MM),
-                "ratio": NumberField("Ratio", state.ratio),
-                "shape": ui.input("Shape", value=state.shape),
-                "resin": widgets.select("Resin", select_options.resins(), state.resin),
-                "preset": widgets.select("Kind of mould", project_index.PRESETS, preset),
-            }
-        self.form = widgets.Form("mould", laid)
+            self.form = widgets.Form(
+                "mould",
+                lambda: {
+                    "thickness": NumberField("Thickness [mm]", state.thickness_mm, *THICKNESS_MM, test="thickness"),
+                    "length": NumberField("Length [mm]", length_mm, *OUTLINES_MM),
+                    "width": NumberField("Width [mm]", width_mm, *OUTLINES_MM),
+                    "ratio": NumberField("Ratio", state.ratio),
+                    "shape": ui.input("Shape", value=state.shape),
+                    "resin": widgets.select("Resin", select_options.resins(), state.resin),
+                    "preset": widgets.select("Kind of mould", project_index.PRESETS, preset),
+                },
+            )
+            self.section = html("")
         self.work = JobPanel(
             self.root,
             "mould",
@@ -107,7 +108,6 @@ class MouldPage:
         widgets.facts(poured(answer["batch"], answer["pour"]))
         if folder:
             self._files(folder)
-        widgets.warnings(answer)
         html(
             "<p>Cast the pads, then {} or {}.</p>",
             page_link("/cast", "check a cast pad"),
@@ -117,7 +117,7 @@ class MouldPage:
     def _files(self, folder: str, label: str = "", test: str = "") -> None:
         """Buttons, solids, files and checks of a mould; of a pad that must not be cast, folded away."""
         words = filled('<h2 data-test="{}">{}</h2><p>{}</p>', test, folder, label)
-        thing(words, self.root, folder, "mould", lambda old, new: open_page("/mould", self.chosen()))
+        thing(words, self.root, folder, "mould")
         widgets.tell_changes(self.root, f"{folder}/manifest.json", "Make the mould again before you weigh.")
         if red := verdict_of(self.root, self.chosen()):
             html('<p class="problem" data-test="do-not-cast">Do not cast. {}</p>', red)

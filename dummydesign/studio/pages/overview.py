@@ -11,7 +11,7 @@ from nicegui import ui
 
 from dummydesign.core.levels import LEVELS, LIGHTS, level_name
 from dummydesign.project.folder import Project, make_example, make_project
-from dummydesign.project.status import STANDARD_RESIN, ProjectStatus, pads_of, status_of
+from dummydesign.project.status import STANDARD_RESIN, ProjectFile, ProjectStatus, pads_of, status_of
 from dummydesign.studio import figures, jobs, project_index, select_options, widgets
 from dummydesign.studio.file_actions import deleted_files
 from dummydesign.studio.markup import Markup, filled, joined
@@ -37,13 +37,14 @@ def make_new(root: Path) -> None:
         "<p>Turn presses on people into a pad that feels the same: its resin, its shape and its mould. "
         "A project is a folder with everything about one such pad.</p>"
     )
-    with widgets.fields():
-        laid = {
+    form = widgets.Form(
+        "new",
+        lambda: {
             "name": ui.input("Name", value=root.name).props("data-test=name"),
             "tissue": widgets.select("Tissue", {"": "decide later", **select_options.tissues(root)}, "", "tissue"),
             "resin": widgets.select("Resin", select_options.resins(), STANDARD_RESIN),
-        }
-    form = widgets.Form("new", laid)
+        },
+    )
 
     def given() -> dict[str, str | None]:
         return {name: text or None for name, text in form.kept().items()}
@@ -87,7 +88,7 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
         widgets.tell_problem(problem)
     links, cards = links_of(project.root, status, state), []
     for room, (path, words) in ROOMS.items():
-        lines = [[links.get(one.folder) or select_options.file_line(one)] for one in reversed(status.files[room])]
+        lines = [[links.get(one.folder) or line_of(one)] for one in reversed(status.files[room])]
         first, rest = (joined("<li>{}</li>", some) for some in (lines[:8], lines[8:]))
         folded = (
             filled("<details><summary>{} more</summary><ul>{}</ul></details>", len(lines) - 8, rest) if rest else ""
@@ -168,6 +169,11 @@ def _show_newest(root: Path, status: ProjectStatus, state: State) -> None:
     html("{}", figures.section_html(root, newest))
 
 
+def line_of(one: ProjectFile) -> str:
+    """One thing that lies in the project, with what is known of it."""
+    return f"{one.folder.partition('/')[2]}: {one.line}".removesuffix(": ")
+
+
 def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, Markup]:
     """Links by folder: each opens its page with that design, mould, campaign, calibration, tissue or pad chosen."""
     states: dict[str, tuple[str, State]] = {}
@@ -185,11 +191,9 @@ def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, Marku
             states[learned.folder] = ("/learn", state.changed(campaign=one.folder, calibration=learned.file))
     for one in status.files["tissue"]:
         states[one.folder] = ("/tissue", state.changed(tissue=one.folder, aim="average"))
-    known = {one.folder: one for room in status.files.values() for one in room}
+    words_of = {one.folder: line_of(one) for room in status.files.values() for one in room}
     return {
-        folder: page_link(
-            path, select_options.file_line(known[folder]), of, f"open-{folder}", more=tabs.get(folder, "")
-        )
+        folder: page_link(path, words_of[folder], of, f"open-{folder}", more=tabs.get(folder, ""))
         for folder, (path, of) in states.items()
-        if folder in known
+        if folder in words_of
     }

@@ -44,17 +44,18 @@ class PuckPage:
         base = start.get("resin", "")
         name = start.get("name") or select_options.free_library_name("resin", "my-batch")
         shown = select_options.offered(known, first, f"{first} (missing)" if first else "choose it")
-        with widgets.fields():
-            laid = {
+        self._form = widgets.Form(
+            "puck",
+            lambda: {
                 "press": widgets.select("Press of the puck", shown, first, "puck"),
                 "diameter": NumberField("Diameter [mm]", None, *SIZES_MM),
                 "height": NumberField("Height [mm]", None, *SIZES_MM),
                 "ratio": NumberField("Mixing ratio", state.ratio),
                 "name": ui.input("Name of the batch", value=name),
                 "resin": widgets.select("Resin whose law is updated", bases, base if base in bases else ""),
-            }
-        kept = {field: text for field, text in start.items() if field in ("diameter", "height", "ratio")}
-        self._form = widgets.Form("puck", laid, kept)
+            },
+            {field: text for field, text in start.items() if field in ("diameter", "height", "ratio")},
+        )
         self._work = JobPanel(
             project.root,
             "puck",
@@ -108,7 +109,6 @@ class PuckPage:
             html('<p class="note">{} has this puck already. Nothing was changed.</p>', name)
         if answer.get("before"):
             html('<p class="note">The puck was known at {}. It was replaced.</p>', answer["before"])
-        widgets.warnings(answer)
         html("<p>The resin is in your own library, for all projects. Add further pucks under its name.</p>")
         if not problem:
             widgets.button(f"Use {name} for this project", lambda: self._use(name), "use-resin", main=True)

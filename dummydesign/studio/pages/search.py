@@ -92,6 +92,7 @@ class Search:
                 lambda: sliders.stamp_of(self.root, self.state()),
                 "recommendation",
                 found=found,
+                warn=False,
             )
         self.kinds.on_value_change(self.work.renew)
 
@@ -153,11 +154,11 @@ class DesignList:
         self.renew()
         ui.timer(2.0, self.renew)
 
-    def moved(self, old: str, new: str) -> None:
-        """Follow a design that was renamed, deleted or brought back; the pad stays under the sliders."""
+    def moved(self) -> None:
+        """Follow a design that was deleted or brought back; the pad stays under the sliders."""
         state = self.state()
-        if state.design == old:
-            open_page("/design", replace(state, design=new))
+        if state.design and not (self.root / state.design).is_dir():
+            open_page("/design", replace(state, design=""))
         else:
             self.renew()
 
@@ -234,7 +235,6 @@ class SolvedPad:
         return list(job.words) == words and not jobs.changed_since(files, job.started)
 
     def show(self, job: jobs.Job) -> None:
-        """The presses and warnings of the solved pad."""
-        widgets.warnings(job.answer)
+        """The presses of the solved pad."""
         rows = (job.answer.get("recommendation") or job.answer).get("conditions") or []
         show_presses([one for one in rows if "reads" in one], "the solved presses")

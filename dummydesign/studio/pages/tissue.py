@@ -12,6 +12,7 @@ from typing import Any
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.serialise import parameter_rows
 from dummydesign.project.folder import Project, project_of
 from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, file_transfer, jobs, project_index, select_options, widgets
@@ -97,12 +98,8 @@ class TissuePage:
         self._chosen.set_options(known, value=self.tissue)
         with widgets.fresh(self._shown):
             if self.tissue.startswith("tissue/") and (self.root / self.tissue).is_file():
-                manage(self.root, self.tissue, "tissue", self._moved)
+                manage(self.root, self.tissue, "tissue")
             _show_tissue(self.root, self.tissue)
-
-    def _moved(self, old: str, new: str) -> None:
-        """A tissue that was deleted stays chosen: the page says at its top that it is gone."""
-        open_page("/tissue", self.kept.state)
 
 
 def _show_tissue(root: Path, name: str) -> None:
@@ -151,13 +148,14 @@ def fit_panel(page: TissuePage) -> None:
         "Presses of one subject", known, [path for path in start if path in known], "traces"
     )
     picked.set_enabled(bool(known))
-    with widgets.fields():
-        laid = {
+    form = widgets.Form(
+        "fit",
+        lambda: {
             "name": ui.input("Name of the tissue", value=start_name),
             "contact": widgets.select("Where each press touched", CONTACT, touched),
             "lowpass": ui.input(LOWPASS),
-        }
-    form = widgets.Form("fit", laid)
+        },
+    )
 
     def words() -> list[str]:
         if not picked.value:
@@ -241,7 +239,6 @@ def _show(page: TissuePage, job: jobs.Job) -> None:
             "Check whose they are, and fit each person alone."
         )
     page.use_button(tissue)
-    widgets.warnings(answer)
     show_curves(root, answer)
     parameter_table(
         ("value", "95 % low", "95 % high", ""), answer["parameters"], lambda one: "at bound" if one["at_bound"] else ""
@@ -264,21 +261,19 @@ def parameter_table(
     head: Sequence[str], parameters: Mapping[str, Any], note_of: Callable[[Mapping[str, Any]], object]
 ) -> None:
     """Show a tissue's parameters in words, with a note each where they differ; their symbols under the pointer."""
-    rows, symbols, notes, arms = [], [], [], arm_names(parameters)
-    for label, entry in parameters.items():
-        for speed, one in {"": entry}.items() if "value" in entry else entry.items():
-            words, unit = parameter_words(label, arms) or project_index.name_and_unit(label)
-            rows.append([f"{words} at {speed} mm/s" if speed else words, unit, one["value"], one["low"], one["high"]])
-            symbols.append(label)
-            notes.append(str(note_of(one)))
-    shown = list(head[:3])
-    if all(low == value == high for *_, value, low, high in rows):
-        rows, shown = [row[:3] for row in rows], ["value"]
-    if differ := len(set(notes)) > 1:
-        rows, shown = [[*row, note] for row, note in zip(rows, notes)], [*shown, head[3]]
-    widgets.table(["parameter", "", *shown], rows, symbols=symbols)
-    if notes and notes[0] and not differ:
-        html("<p class=source>All values: {}.</p>", notes[0])
+    listed, arms = parameter_rows(parameters), arm_names(parameters)
+    rows = []
+    for label, one in listed:
+        name, at, speed = label.partition(" at ")
+        words, unit = parameter_words(name, arms) or project_index.name_and_unit(name)
+        rows.append([f"{words}{at}{speed}", unit, one["value"], one["low"], one["high"], str(note_of(one))])
+    exact, notes = all(one["low"] == one["value"] == one["high"] for _, one in listed), {row[-1] for row in rows}
+    heads = ["parameter", "", "value" if exact else head[0], *head[1:]]
+    kept = [0, 1, 2, *[3, 4] * (not exact), *[5] * (len(notes) > 1)]
+    shown = [[row[column] for column in kept] for row in rows]
+    widgets.table([heads[column] for column in kept], shown, symbols=[label for label, _ in listed])
+    if len(notes) == 1 and notes != {""}:
+        html("<p class=source>All values: {}.</p>", *notes)
 
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
@@ -304,14 +299,15 @@ class _People:
                 name = ui.input(f"Person of {words}", value=start.get(path, "")).style("width:100%")
                 self._fields[path] = name.props('dense data-test="person"')
                 name.props["data-press"] = words
-        with widgets.fields():
-            laid = {
+        self._form = widgets.Form(
+            "people",
+            lambda: {
                 "name": ui.input("Name of the tissue", value=start_name),
                 "elements": widgets.select("Elements of the law", ELEMENTS, "5"),
                 "lowpass": ui.input(LOWPASS),
                 "replace": ui.checkbox("Replace my tissue of this name"),
-            }
-        self._form = widgets.Form("people", laid)
+            },
+        )
         self._work = JobPanel(
             page.root,
             "people",
@@ -399,7 +395,7 @@ class _People:
         return persons, last.words[2]
 
     def _show(self, job: jobs.Job) -> None:
-        answer, name = job.answer, job.answer["name"]
+        name = job.answer["name"]
         fits = [job.answer_of(number) for number in range(1, len(job.commands))]
         if not jobs.is_last(self._root, job, lambda one: str(one.answer.get("name") or "")):
             html('<p class="note">The tissue {} was made anew since, from other presses.</p>', name)
@@ -413,7 +409,6 @@ class _People:
             [Path(fit["inputs"]["out"]).stem, len(fit["by_trace"]), fit["rmse_N"], fit["noise_floor_N"]] for fit in fits
         ]
         widgets.table(["person", "presses", "residual N rms", "noise N"], rows)
-        widgets.warnings(answer)
         for fit in fits:
             widgets.tell_changes(self._root, fit["files"].get("manifest", ""), "Fit all again.")
             widgets.fold(

@@ -15,6 +15,7 @@ from dummydesign.cli import suggest_text
 from dummydesign.cli.commands import campaign, doctor, history, init, resins, status, studio
 from dummydesign.core.errors import InputError
 from dummydesign.project import folder as projects
+from dummydesign.project.status import ProjectFile
 from tests.support.refusal import raises_code
 
 PAD = {"thickness_mm": 5.0, "shape": "slab", "ratio": 15.0}
@@ -119,7 +120,7 @@ def test_init_makes_a_project_with_the_names_that_are_known_and_refuses_others(t
     ],
 )
 def test_status_says_what_is_known_of_each_thing(summary, words):
-    assert status.status_line({"summary": summary, "command": "suggest", "folder": "designs/a"}) == words
+    assert ProjectFile("designs/a", "suggest", "", summary).line == words
 
 
 def test_status_needs_a_project(tmp_path, monkeypatch):

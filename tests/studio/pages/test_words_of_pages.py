@@ -229,11 +229,11 @@ def test_what_is_chosen_and_gone_stands_at_the_head():
     [
         (None, "a"),
         ({"pressed": 2, "missing": 1, "wrong": 2}, "a: 2 of 3 presses are there, 2 problems"),
-        ({**PAD, "verdict": "not_settled"}, "a: 5 mm slab, ratio 15, Measure first"),
+        ({**PAD, "verdict": "not_settled"}, "a: 5 mm slab, ratio 15: Measure first"),
         (PAD, "a: 5 mm slab, ratio 15"),
         ({"traces": 3}, "a: 3 presses"),
         ({"text": "so"}, "a: so"),
     ],
 )
 def test_a_thing_is_named_with_what_is_known_of_it(summary, words):
-    assert select_options.file_line(SimpleNamespace(folder="designs/a", summary=summary)) == words
+    assert overview.line_of(ProjectFile("designs/a", "", "", summary)) == words

@@ -6,8 +6,8 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import make_project
-from dummydesign.studio import incoming_presses as incoming
 from dummydesign.studio import trash as bin
+from dummydesign.studio.pages import campaign as incoming
 from tests.support.refusal import raises_code
 
 PLAN = """schema = 1
@@ -40,8 +40,8 @@ FOLDER = "campaigns/first"
 
 
 def test_a_press_under_its_planned_name_replaces_the_bad_one_which_can_come_back(root):
-    assert incoming.take(root, FOLDER, "a.csv", trace(2.0)).gone is None
-    taken = incoming.take(root, FOLDER, "a.csv", trace(3.0))
+    assert incoming.take_press(root, FOLDER, "a.csv", trace(2.0)).gone is None
+    taken = incoming.take_press(root, FOLDER, "a.csv", trace(3.0))
     place = root / FOLDER / "a.csv"
     assert place.read_bytes() == trace(3.0)
     assert taken.gone is not None and "bin" in taken.text
@@ -55,38 +55,38 @@ def test_a_press_under_its_planned_name_replaces_the_bad_one_which_can_come_back
 
 @pytest.mark.parametrize("content", [b"", b"no numbers\n", b"time_s,displacement_mm\n0,1\n"])
 def test_a_file_that_is_no_trace_is_refused_and_the_good_one_stays(root, content):
-    incoming.take(root, FOLDER, "a.csv", trace())
+    incoming.take_press(root, FOLDER, "a.csv", trace())
     with raises_code("missing"):
-        incoming.take(root, FOLDER, "a.csv", content)
+        incoming.take_press(root, FOLDER, "a.csv", content)
     with raises_code("missing"):
-        incoming.take(root, FOLDER, "odd.csv", content, "a.csv")
+        incoming.take_press(root, FOLDER, "odd.csv", content, "a.csv")
     assert (root / FOLDER / "a.csv").read_bytes() == trace()
 
 
 def test_a_file_of_another_name_becomes_the_press_that_is_chosen(root):
     with raises_code("unknown_name", "campaign.trials"):
-        incoming.take(root, FOLDER, "run 7.csv", trace(9.0))
+        incoming.take_press(root, FOLDER, "run 7.csv", trace(9.0))
     assert [path.name for path in (root / FOLDER).iterdir()] == ["campaign.toml"]
-    incoming.take(root, FOLDER, "b.csv", trace(8.5))
-    taken = incoming.take(root, FOLDER, "run 7.csv", trace(9.0), "b.csv")
+    incoming.take_press(root, FOLDER, "b.csv", trace(8.5))
+    taken = incoming.take_press(root, FOLDER, "run 7.csv", trace(9.0), "b.csv")
     assert (root / FOLDER / "b.csv").read_bytes() == trace(9.0) and "run 7.csv" in taken.text
     bin.restore(root, taken.gone)
     assert (root / FOLDER / "b.csv").read_bytes() == trace(8.5)
 
 
 def test_the_same_press_is_not_taken_twice(root):
-    incoming.take(root, FOLDER, "a.csv", trace())
+    incoming.take_press(root, FOLDER, "a.csv", trace())
     with raises_code("duplicate", "trace"):
-        incoming.take(root, FOLDER, "b.csv", trace())
+        incoming.take_press(root, FOLDER, "b.csv", trace())
     assert not (root / FOLDER / "b.csv").exists()
-    same = incoming.take(root, FOLDER, "a.csv", trace())
+    same = incoming.take_press(root, FOLDER, "a.csv", trace())
     assert same.gone is None and not bin.deleted(root)
 
 
 def test_only_planned_presses_can_be_chosen(root):
     for name in ("c.csv", "../a.csv", "campaign.toml"):
         with pytest.raises(InputError):
-            incoming.take(root, FOLDER, "run.csv", trace(), name)
+            incoming.take_press(root, FOLDER, "run.csv", trace(), name)
     assert [path.name for path in (root / FOLDER).iterdir()] == ["campaign.toml"]
 
 
@@ -95,7 +95,7 @@ def test_a_plan_that_names_itself_as_a_press_stays(root):
     place.write_text(PLAN.replace("b.csv", "campaign.toml"), encoding="utf-8")
     before = place.read_bytes()
     with pytest.raises(InputError):
-        incoming.take(root, FOLDER, "run.csv", trace(), "campaign.toml")
+        incoming.take_press(root, FOLDER, "run.csv", trace(), "campaign.toml")
     assert place.read_bytes() == before and not bin.deleted(root)
 
 
@@ -103,7 +103,7 @@ def test_a_plan_that_names_itself_as_a_press_stays(root):
 def test_a_plan_cannot_name_a_press_in_another_folder(root, file):
     (root / FOLDER / "campaign.toml").write_text(PLAN.replace("b.csv", file), encoding="utf-8")
     with pytest.raises(InputError):
-        incoming.take(root, FOLDER, "run.csv", trace(), file)
+        incoming.take_press(root, FOLDER, "run.csv", trace(), file)
     assert not (root.parent / "theirs.csv").exists()
 
 
@@ -113,5 +113,5 @@ def test_a_campaign_folder_that_leads_out_takes_no_press(root, tmp_path):
     (root / "campaigns" / "far").symlink_to(tmp_path / "theirs")
     for name in ("a.csv", "run.csv"):
         with pytest.raises(InputError):
-            incoming.take(root, "campaigns/far", name, trace())
+            incoming.take_press(root, "campaigns/far", name, trace())
     assert [path.name for path in (tmp_path / "theirs").iterdir()] == ["campaign.toml"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from dummydesign.project.folder import make_project
-from dummydesign.studio import incoming_presses as plan_defaults
+from dummydesign.studio.pages import campaign as plan_defaults
 from dummydesign.studio.pages.campaign import ALL, days_of, rows_of, table_html
 from dummydesign.studio.state import read_state
 from dummydesign.studio.widgets import number_of

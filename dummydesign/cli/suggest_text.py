@@ -5,23 +5,24 @@ from __future__ import annotations
 from typing import Any
 
 from dummydesign.cli import text
-from dummydesign.cli.text import columns_of, file_lines, fitted, labelled, number, table, tissue_lines, verdict_lines
+from dummydesign.cli.text import file_lines, fitted, labelled, number, tissue_lines, verdict_lines
+from dummydesign.core.tables import Table
 from dummydesign.design.request import base_words
 from dummydesign.design.scoring.verdict import OUTCOMES, whole_percents
 from dummydesign.report import suggest_facts as facts
 from dummydesign.report.sections.conformity import budget_lines
 
-SMALL = [("N", "force_N", "<6g"), ("depth mm", "depth_mm", "<10.2f"), ("tissue mm", "span", "<1")]
-OTHERS = [
-    ("mm", "thickness_mm", "<6g"),
-    ("ratio", "ratio", "<7g"),
-    ("kPa", "young", "<7.3g"),
-    ("total", "total", "<6.2f"),
-    ("steady", "steady_state_range", "<7.2f"),
-    ("force-time", "force_variation_range", "<11.2f"),
-    ("aim", "aim", "<5.2f"),
-    ("below 5 N", "low_force_range", "<1.2f"),
-]
+SMALL = {"N": "force_N:<6g", "depth mm": "depth_mm:<10.2f", "tissue mm": "span:<1"}
+OTHERS = {
+    "mm": "thickness_mm:<6g",
+    "ratio": "ratio:<7g",
+    "kPa": "young:<7.3g",
+    "total": "total:<6.2f",
+    "steady": "steady_state_range:<7.2f",
+    "force-time": "force_variation_range:<11.2f",
+    "aim": "aim:<5.2f",
+    "below 5 N": "low_force_range:<1.2f",
+}
 
 
 def details(result: dict[str, Any]) -> str:
@@ -64,7 +65,7 @@ def details(result: dict[str, Any]) -> str:
         for row in best["low_force"]
     ]
     lines += ["", *facts.people_lines(result["people"])]
-    lines += ["", f"  small forces ({words}):", *table(small, SMALL, "  ")]
+    lines += ["", f"  small forces ({words}):", *Table.of(small, SMALL).lines()]
     lines += _shapes(result) + _parameters(best) + _more_details(result)
     return "\n".join(lines)
 
@@ -152,7 +153,7 @@ def _parameters(best: dict[str, Any]) -> list[str]:
 def _more_details(result: dict[str, Any]) -> list[str]:
     """Alternatives, tolerance, verification, files, and what the answer rests on."""
     others = [{**other, **other["scores"], "young": other["young_kPa"]["value"]} for other in result["alternatives"]]
-    lines = ["", "alternatives:", *table(others, OTHERS, "  ")] if others else []
+    lines = ["", "alternatives:", *Table.of(others, OTHERS).lines()] if others else []
     tolerance = result["sensitivity"]
     limits, slope = tolerance["tolerances"], 100 * tolerance["d_ln_young_per_percent_ratio"]
     lines += [
@@ -229,8 +230,7 @@ def render(result: dict[str, Any]) -> str:
         _files(result),
         labelled("MORE", more),
     ]
-    columns, rows = facts.press_rows(result)
-    presses = columns_of((columns, *rows), (8, 5, 8, 8, 10, 12, 0), "  ")
+    presses = facts.press_rows(result).lines("<8 <5 <8 <8 <10 <12 <1".split(), "  ")
     return "\n".join(fitted(head, presses, tail, (6, 5), "  ... and {} more presses: --details"))
 
 

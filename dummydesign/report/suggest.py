@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.serialise import percent_below_limit
+from dummydesign.core.tables import Table
 from dummydesign.design.plot_data import THICKNESS_GRID_MM, PressPictures, SuggestionCurves
 from dummydesign.design.request import base_words
 from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_view, view_script
 from dummydesign.report import suggest_facts
-from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel
 from dummydesign.report.pad_drawing import pad_section
-from dummydesign.report.page import STYLES, Section, Table, solid_section, write_report
+from dummydesign.report.page import STYLES, Section, solid_section, write_report
 from dummydesign.report.plot import Plot, Series, press_plot, steady_plot
 from dummydesign.report.sections.conformity import budget_section
 from dummydesign.report.sections.curves import curves_section
@@ -235,7 +236,7 @@ def suggestion_front(answer: Suggestion, result: dict[str, Any], presses: Sequen
         read_punch(given["punch"]),
         base_words(given["base"]),
     )
-    head, rows = suggest_facts.press_rows(result)
+    table = suggest_facts.press_rows(result)
     steps, risk = suggest_facts.next_steps(result), suggest_facts.risk_text(result)
     blocks = [
         ("Correction", [full_sentence(line) for line in suggest_facts.correction_lines(result)]),
@@ -250,9 +251,9 @@ def suggestion_front(answer: Suggestion, result: dict[str, Any], presses: Sequen
         facts_title="Recipe",
         facts=_recipe_facts(result),
         panels_title="Force [N] over time since contact",
-        panels=[_panel(plot, row, cells) for plot, row, cells in zip(presses, best["conditions"], rows)],
+        panels=[_panel(plot, row, cells) for plot, row, cells in zip(presses, best["conditions"], table.rows)],
         keys=[("band", "subjects"), ("main", "this pad"), ("aim", f"aim: {given['aim']}")],
-        table=Grid(head, rows, frozenset(n for n, cells in enumerate(rows) if cells[-1] != "inside")),
+        table=table,
         blocks=[(title, texts) for title, texts in blocks if texts],
         notes=suggest_facts.warning_texts(result),
         steps=[step if step.startswith("dummydesign ") else full_sentence(step) for step in steps],

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from dummydesign.cli.entry import run
+from dummydesign.core.tables import Table
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.report.front_page import Fact, FrontPage, Grid, Panel, lay_out
+from dummydesign.report.front_page import Fact, FrontPage, Panel, lay_out
 from dummydesign.report.pad_drawing import SIZE, pad_section
 from dummydesign.report.plot import Series, press_plot
 from tests.support.pdf_paths import pages_mm
@@ -149,7 +150,7 @@ def some_page(presses=6, long=False):
         "Force",
         [Panel(plot, f"press {n} {words}", words, level="a") for n, plot in enumerate(plots)],
         [("band", "people"), ("main", "pad")],
-        Grid(("steady N", "mm/s", "depth mm", "people N", ""), rows),
+        Table(("steady N", "mm/s", "depth mm", "people N", ""), rows),
         [(words, [words] * 2)] * 3,
         [words] * (8 if long else 1),
         [words, f"dummydesign suggest --out {'x' * (400 if long else 4)}", words],
@@ -178,7 +179,7 @@ def test_nothing_leaves_the_sheet_and_no_text_covers_another(presses, long):
 )
 def test_a_name_is_written_as_it_is(name):
     page = some_page(1)
-    table = Grid(("steady N", name), [[name, "2.64"]])
+    table = Table(("steady N", name), [[name, "2.64"]])
     page = replace(
         page, title=name, facts=[Fact(name, name, True)], table=table, steps=[name], notes=[name], foot=f"{name};"
     )

@@ -6,7 +6,8 @@ import argparse
 from typing import Any
 
 from dummydesign.cli.common_options import add_options, call_in_steps
-from dummydesign.cli.text import file_lines, files_block, labelled, number, screen, table, warning_block, warning_lines
+from dummydesign.cli.text import file_lines, files_block, labelled, number, screen, warning_block, warning_lines
+from dummydesign.core.tables import Table
 
 HELP = "Fit the nonlinear 3, 5 or 7 element law to traces of one tissue or dummy."
 
@@ -61,25 +62,25 @@ def _parameters(result: dict[str, Any], wide: int, form: str, at_bound: str, ind
         {"label": label, **one, "state": f" {at_bound}" if one["at_bound"] else ""}
         for label, one in parameter_rows(result["parameters"])
     ]
-    columns = [
-        ("parameter", "label", f"<{wide}"),
-        ("value", "value", form),
-        ("95 % low", "low", form),
-        ("95 % high", "high", form),
-        ("", "state", "<1"),
-    ]
-    return table(rows, columns, indent)
+    columns = {
+        "parameter": f"label:<{wide}",
+        "value": f"value:{form}",
+        "95 % low": f"low:{form}",
+        "95 % high": f"high:{form}",
+        "": "state:<1",
+    }
+    return Table.of(rows, columns).lines(indent=indent)
 
 
-TRACES = [
-    ("trace", "file", "<28.28"),
-    ("mm/s", "velocity_mm_s", ">7.4g"),
-    ("mm", "depth_mm", ">7.3f"),
-    ("steady N", "steady_force_N", ">9.3f"),
-    ("peak N", "peak_force_N", ">8.3f"),
-    ("rms N", "rmse_N", ">8.4f"),
-    ("worst N", "max_residual_N", ">8.4f"),
-]
+TRACES = {
+    "trace": "file:<28.28",
+    "mm/s": "velocity_mm_s:>7.4g",
+    "mm": "depth_mm:>7.3f",
+    "steady N": "steady_force_N:>9.3f",
+    "peak N": "peak_force_N:>8.3f",
+    "rms N": "rmse_N:>8.4f",
+    "worst N": "max_residual_N:>8.4f",
+}
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -97,7 +98,7 @@ def render_details(result: dict[str, Any]) -> str:
         lines.append(f"{count:<9} {row['rmse_N']:>9.4g} {above:>11} {number(row['heldout_rmse_N'], '.4g'):>15}")
     tried = result["starts"]
     lines.append(f"{tried['same_optimum']} of {tried['tried']} starts ended in the same optimum")
-    lines += table(result["by_trace"], TRACES)
+    lines += Table.of(result["by_trace"], TRACES).lines(indent="")
     lines += [
         f"{row['file'][:28]:<28} touched {row['value_mm']:+.3f} mm before its zero "
         f"({row['low_mm']:+.3f} to {row['high_mm']:+.3f})"

@@ -6,7 +6,8 @@ import argparse
 from typing import Any
 
 from dummydesign.cli.common_options import add_options, call
-from dummydesign.cli.text import labelled, screen, table, tissue_lines, verdict_lines, warning_block, warning_lines
+from dummydesign.cli.text import labelled, screen, tissue_lines, verdict_lines, warning_block, warning_lines
+from dummydesign.core.tables import Table
 
 HELP = "Force of one pad: static, under a motion, in a ramp and hold, or as it stops a free mass."
 SHOWN = 25
@@ -189,7 +190,7 @@ def _curve_lines(result: dict[str, Any], shown: int = SHOWN) -> list[str]:
         rows = _spread_in_time(rows, result["peak_time_s"], shown)
     else:
         rows = rows[:: max(1, -(-len(rows) // shown))]
-    return lines + table((dict(zip(forms, row)) for row in rows), [(name, name, form) for name, form in forms.items()])
+    return lines + Table([*forms], rows, [*forms.values()]).lines(indent="")
 
 
 def _spread_in_time(rows: list[tuple[float, ...]], peak_s: float, shown: int) -> list[tuple[float, ...]]:

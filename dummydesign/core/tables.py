@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 Column = str | Callable[[Any], Any]
 """A key of the rows, ``key:form``, or what a function makes of a row."""
 
 
-@dataclass(frozen=True)
-class Table:
+class Table(NamedTuple):
     """Head and rows of values; a row may end early.
 
     A form, such as ``>9.3f``, says how the numbers of a column are written; on the terminal it is also the column's

@@ -6,11 +6,13 @@ import argparse
 from typing import Any
 
 from dummydesign.cli import text
-from dummydesign.cli.common_options import add_options, call_in_steps
+from dummydesign.cli.common_options import add_options, named_by
 from dummydesign.cli.text import file_lines, labelled, tissue_lines, verdict_lines, warning_lines
 from dummydesign.core.tables import Table
 
 HELP = "Compare the traces of a cast dummy with a tissue: parameters, steady-state range, force variation range."
+CALL = "traces.compare"
+default_out = named_by("compare", "tissue")
 
 OWN_TEST = "punch edge_radius_mm condition force_N velocity_mm_s hold_s deceleration_mm_s2".split()
 """How the presses are chosen and judged."""
@@ -18,30 +20,14 @@ OWN_TEST = "punch edge_radius_mm condition force_N velocity_mm_s hold_s decelera
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    from dummydesign.api.traces import compare
-
-    add_options(parser, compare, OWN_TEST)
+    add_options(parser, CALL, OWN_TEST)
     words = "as in 'suggest'; without them every press is used as measured. Numbers may carry a unit"
     test = parser.add_argument_group("your own test", words)
-    add_options(test, compare)
+    add_options(test, CALL)
 
 
 ABOUT_STEPS = 13
 """Steps of a usual comparison: those of the fit, and the tissue's ranges."""
-
-
-def run(options: argparse.Namespace) -> dict[str, Any]:
-    """Read, compare, write tables and report."""
-    from dummydesign.api.traces import compare
-
-    return call_in_steps(ABOUT_STEPS, compare, options).to_dict()
-
-
-def default_out(options: argparse.Namespace) -> str:
-    """Name of the folder when none is typed."""
-    from pathlib import Path
-
-    return f"compare-{Path(options.tissue).stem}"
 
 
 def render(result: dict[str, Any]) -> str:

@@ -2,32 +2,17 @@
 
 from __future__ import annotations
 
-import argparse
 from typing import Any
 
-from dummydesign.cli.common_options import add_options, call_in_steps
 from dummydesign.cli.text import file_lines, files_block, labelled, number, screen, warning_block, warning_lines
 from dummydesign.core.tables import Table
 
 HELP = "Fit the nonlinear 3, 5 or 7 element law to traces of one tissue or dummy."
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    from dummydesign.api.traces import fit
-
-    add_options(parser, fit)
+CALL = "traces.fit"
 
 
 ABOUT_STEPS = 12
 """Steps of a usual fit: three numbers of elements, presses left out, seven intervals, the contact."""
-
-
-def run(options: argparse.Namespace) -> dict[str, Any]:
-    """Read the traces, fit, and write the requested files."""
-    from dummydesign.api.traces import fit
-
-    return call_in_steps(ABOUT_STEPS, fit, options, out=options.out or None).to_dict()
 
 
 def render(result: dict[str, Any]) -> str:

@@ -12,6 +12,7 @@ from dummydesign.cli.text import labelled, screen, warning_block
 from dummydesign.core.errors import InputError
 from dummydesign.core.tables import Table
 
+CALL = "traces.import_traces"
 HELP = "Read test-machine files: one trace for each press, tared, zero at contact, compression positive."
 FILES = "text in any usual form, or a workbook (extra xlsx)"
 ROLES = ("time", "displacement", "force")
@@ -19,11 +20,9 @@ ROLES = ("time", "displacement", "force")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    from dummydesign.api.traces import import_traces
-
     parser.add_argument("files", nargs="*", metavar="FILE|FOLDER", help=FILES)
     parser.add_argument("--list", action="store_true", help="show the profiles")
-    add_options(parser, import_traces)
+    add_options(parser, CALL)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
@@ -35,13 +34,11 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         return {"inputs": {"list": True}, "profiles": rows}
     if not options.files:
         raise InputError("import needs a FILE or FOLDER (or --list for the profiles)", "missing", "files")
-    from dummydesign.api.traces import import_traces
-
     if options.skip is not None and options.skip < 0:
         message = f"--skip {options.skip} is not a whole number of lines from 0"
         raise InputError(message, "not_a_number", "skip", options.skip)
     return call(
-        import_traces,
+        CALL,
         options,
         columns=None if options.columns is None else pairs("columns", options.columns),
         units=None if options.units is None else pairs("units", options.units),

@@ -3,33 +3,18 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
 from textwrap import wrap
 from typing import Any
 
-from dummydesign.cli.common_options import add_options, call_in_steps
 from dummydesign.cli.text import file_lines, files_block, labelled, screen, warning_block, warning_lines
 from dummydesign.core.tables import Table
 
 HELP = "Find which effect the model lacks in a measured campaign, correct the model, and plan what to measure next."
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    from dummydesign.api.campaigns import calibrate
-
-    add_options(parser, calibrate)
+CALL = "campaigns.calibrate"
 
 
 ABOUT_STEPS = 18
 """Steps of a usual campaign: base, single effects, one more of them, the residual, the next measurement."""
-
-
-def run(options: argparse.Namespace) -> dict[str, Any]:
-    """Run the loop and write report and calibration."""
-    from dummydesign.api.campaigns import calibrate
-
-    return call_in_steps(ABOUT_STEPS, calibrate, options).to_dict()
 
 
 def default_out(options: argparse.Namespace) -> str:
@@ -44,7 +29,7 @@ def render(result: dict[str, Any]) -> str:
     from dummydesign.loop.result import answer_rows, answer_words, read_as_words
 
     answer = answer_rows(result)
-    answer = replace(answer, rows=[[*row[:6], *(f" {word}" for word in row[6:])] for row in answer.rows])
+    answer = answer._replace(rows=[[*row[:6], *(f" {word}" for word in row[6:])] for row in answer.rows])
     coming, read_as = result["next_measurement"], read_as_words(result)
     return screen(
         [*labelled("RESULT", answer_words(result), 9), ""],

@@ -2,38 +2,18 @@
 
 from __future__ import annotations
 
-import argparse
 import re
 from typing import Any
 
-from dummydesign.cli.common_options import add_options, call_in_steps
+from dummydesign.cli.common_options import named_by
 from dummydesign.cli.text import INDENT, WIDTH, files_block, fitted, labelled, step_lines, warning_block
 from dummydesign.core.tables import Table
 
 HELP = "Compute what a press measured on a pad would have been on people; compare it with your limits."
+default_out = named_by("on-person", "tissue")
+CALL = "traces.on_person"
 ABOUT_STEPS = 6
 NUMBER_UNIT = re.compile(r"(?<=\d) (?=(?:%|N|mm|mJ|kg|s|mm/s|N/mm|N/cm2|times)(?:[\s.,;:)]|$))")
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    from dummydesign.api.traces import on_person
-
-    add_options(parser, on_person)
-
-
-def run(options: argparse.Namespace) -> dict[str, Any]:
-    """Read the traces, press people, write curves and report."""
-    from dummydesign.api.traces import on_person
-
-    return call_in_steps(ABOUT_STEPS, on_person, options).to_dict()
-
-
-def default_out(options: argparse.Namespace) -> str:
-    """Name of the folder when none is typed."""
-    from pathlib import Path
-
-    return f"on-person-{Path(options.tissue).stem}"
 
 
 def render(result: dict[str, Any]) -> str:

@@ -5,27 +5,19 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.common_options import add_options, call
+from dummydesign.cli.common_options import call
 from dummydesign.cli.text import labelled, screen, tissue_lines, verdict_lines, warning_block, warning_lines
 from dummydesign.core.tables import Table
 
+CALL = "predictions.predict"
 HELP = "Force of one pad: static, under a motion, in a ramp and hold, or as it stops a free mass."
 SHOWN = 25
 NO_RELAXATION = "no_relaxation"
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the pad, the material and what is done to it."""
-    from dummydesign.api.predictions import predict
-
-    add_options(parser, predict)
-
-
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Predict, write the curve if asked, and return it."""
-    from dummydesign.api.predictions import predict
-
-    return call(predict, options, progress=_progress(options)).to_dict()
+    return call(CALL, options, progress=_progress(options)).to_dict()
 
 
 def _progress(options: argparse.Namespace) -> Any:

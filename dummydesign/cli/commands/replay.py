@@ -2,34 +2,19 @@
 
 from __future__ import annotations
 
-import argparse
 import shlex
 from typing import Any
 
-from dummydesign.cli.common_options import add_options, call_in_steps
 from dummydesign.cli.text import labelled, screen, verdict_lines, warning_block, warning_lines
 from dummydesign.core.levels import level_name
 from dummydesign.core.tables import Table
 
 HELP = "Predict a campaign with a calibration written by 'loop', and compare with what was measured."
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    from dummydesign.api.campaigns import replay
-
-    add_options(parser, replay)
+CALL = "campaigns.replay"
 
 
 ABOUT_STEPS = 4
 """Presses, with what was found, with the base model; pads that are solved come on top."""
-
-
-def run(options: argparse.Namespace) -> dict[str, Any]:
-    """Read both, predict, compare."""
-    from dummydesign.api.campaigns import replay
-
-    return call_in_steps(ABOUT_STEPS, replay, options).to_dict()
 
 
 def render(result: dict[str, Any]) -> str:

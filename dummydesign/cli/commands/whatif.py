@@ -6,30 +6,22 @@ import argparse
 from typing import Any
 
 from dummydesign.cli import text
-from dummydesign.cli.common_options import add_options, call
+from dummydesign.cli.common_options import call
 from dummydesign.cli.progress import Count
 from dummydesign.cli.text import labelled, screen, tissue_lines, warning_lines
 from dummydesign.core.tables import Table
 
+CALL = "designs.whatif"
 HELP = "Compute many pads at once: depth, stiffness, local exponent, peak over steady, score for a tissue."
 SHOWN = 40
 BOTH = 7  # ratios up to which depths and peaks both fit one screen
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add what can be varied; ranges are START:STOP:STEP with STOP included."""
-    from dummydesign.api.designs import whatif
-
-    add_options(parser, whatif)
-
-
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Work out the study, write rows and report, and return the rows."""
-    from dummydesign.api.designs import whatif
-
     count = Count("designs")
     try:
-        return call(whatif, options, progress=count).to_dict()
+        return call(CALL, options, progress=count).to_dict()
     finally:
         count.clear()
 

@@ -50,6 +50,8 @@ def made(tmp_path_factory, request):
 def box_of(text):
     """What the words cover, with descenders. [mm]"""
     size = text.size_pt * MM
+    if text.upright:
+        return text.x_mm - 0.73 * size, text.y_mm - text.width_mm, text.x_mm + 0.21 * size, text.y_mm
     return text.x_mm, text.y_mm - 0.73 * size, text.x_mm + text.width_mm, text.y_mm + 0.21 * size
 
 
@@ -253,8 +255,8 @@ def test_a_section_is_to_scale_and_has_the_lengths_of_its_shape(shape, thickness
     words = set(re.findall(">([^<>]+)</text>", drawing["svg"]))
     assert lengths <= words
     scale = float(re.search(r"scale ([\d.]+):1", " ".join(words))[1])
-    runs = re.findall(r' d="M([^"Z]+)', drawing["svg"])
-    gel, *others = (np.array([point.split() for point in run.split("L")], float) for run in runs)
+    runs = re.findall(r' points="([^"]+)', drawing["svg"])
+    gel, *others = (np.array([point.split(",") for point in run.split()], float) for run in runs)
     assert np.ptp(gel[:, 1]) == pytest.approx(scale * thickness, abs=1e-3)
     x, z = (gel[:-2, 0] - gel[:-2, 0].mean()) / scale, (gel[-1, 1] - gel[:-2, 1]) / scale
     still = np.zeros_like(x)

@@ -85,11 +85,6 @@ def fitted(
     return [*head, *rows, *(line for block in blocks for line in block)]
 
 
-def number(value: float | None, form: str = ".2f") -> str:
-    """A number as it is printed; a dash where there is none."""
-    return "-" if value is None else format(value, form)
-
-
 def step_lines(steps: Sequence[str], one: int | None = None, several: int | None = None) -> list[str]:
     """What to do now: the steps in their order, or the only one; at most so many lines."""
     if len(steps) == 1:

@@ -143,21 +143,24 @@ def press_rows(result: dict[str, Any]) -> Table:
         if row["depth_mm"] is None:
             rows.append([*test, "out of reach"])
             continue
-        people = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
-        reads = row["reads"] if row["reads"] == "inside" else f"{row['percent_outside']:.0f} % {row['reads']}"
         rows.append(
             [
                 *test,
                 f"{row['depth_mm']:.2f}",
                 f"{100 * row['gel_compression']:.0f} %",
                 f"{row['peak_force_N']:.1f}",
-                people,
-                reads,
+                *press_texts(row),
             ]
         )
     head = ["steady N", "mm/s", "depth mm", "% of gel", "pad peak N", "subjects N", ""]
     outside = frozenset(number for number, cells in enumerate(rows) if cells[-1] != "inside")
     return Table(head, rows, marked=outside)
+
+
+def press_texts(row: dict[str, Any]) -> tuple[str, str]:
+    """The subjects' peaks in a press, and how the pad reads beside them."""
+    people = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
+    return people, row["reads"] if row["reads"] == "inside" else f"{row['percent_outside']:.0f} % {row['reads']}"
 
 
 def people_text(people: dict[str, Any]) -> str:

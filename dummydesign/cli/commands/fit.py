@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from dummydesign.cli.text import file_lines, files_block, labelled, number, screen, warning_block, warning_lines
+from dummydesign.cli.text import file_lines, files_block, labelled, screen, warning_block, warning_lines
 from dummydesign.core.tables import Table
 
 HELP = "Fit the nonlinear 3, 5 or 7 element law to traces of one tissue or dummy."
@@ -75,12 +75,19 @@ def render_details(result: dict[str, Any]) -> str:
         f"{result['rmse_N']:.4g} N (noise floor {result['noise_floor_N']:.3g} N), largest "
         f"{result['max_residual_N']:.3g} N",
         *_parameters(result, 30, ">11.5g", "at bound"),
-        f"{'elements':<9} {'rms N':>9} {'AICc above':>11} {'held-out rms N':>15}",
     ]
     lowest = min(row["aicc"] for row in result["comparison"].values())
-    for count, row in result["comparison"].items():
-        above = f"{row['aicc'] - lowest:.1f}" if row["aicc"] - lowest < 1000 else "> 1000"
-        lines.append(f"{count:<9} {row['rmse_N']:>9.4g} {above:>11} {number(row['heldout_rmse_N'], '.4g'):>15}")
+    rivals = [
+        [
+            count,
+            row["rmse_N"],
+            f"{row['aicc'] - lowest:.1f}" if row["aicc"] - lowest < 1000 else "> 1000",
+            row["heldout_rmse_N"],
+        ]
+        for count, row in result["comparison"].items()
+    ]
+    heads = ["elements", "rms N", "AICc above", "held-out rms N"]
+    lines += Table(heads, rivals).lines("<9 >9.4g >11 >15.4g".split(), indent="")
     tried = result["starts"]
     lines.append(f"{tried['same_optimum']} of {tried['tried']} starts ended in the same optimum")
     lines += Table.of(result["by_trace"], TRACES).lines(indent="")

@@ -110,17 +110,23 @@ def _files_written(result: dict[str, Any]) -> list[str]:
 
 
 def _tissue_presses(result: dict[str, Any]) -> list[str]:
-    """Each press beside the subjects' range."""
-    lines = ["  steady N  mm/s   depth mm  pad peak N  subjects N"]
-    for row in result["conditions"]:
-        head = f"  {row['steady_force_N']:<9g} {row['velocity_mm_s']:<6g} "
-        if row["depth_mm"] is None:
-            lines.append(head + row["out_of_reach"])
-            continue
-        subjects = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
-        reads = row["reads"] if row["reads"] == "inside" else f"{row['percent_outside']:.0f} % {row['reads']}"
-        lines.append(f"{head}{row['depth_mm']:<9.2f} {row['peak_force_N']:<11.1f} {subjects:<14}{reads}")
-    return lines
+    """Each press beside the subjects' range; one out of reach ends after its test."""
+    from dummydesign.report.suggest_facts import press_texts
+
+    rows = [
+        [
+            row["steady_force_N"],
+            row["velocity_mm_s"],
+            *(
+                [row["out_of_reach"]]
+                if row["depth_mm"] is None
+                else [row["depth_mm"], row["peak_force_N"], *press_texts(row)]
+            ),
+        ]
+        for row in result["conditions"]
+    ]
+    head = ["steady N", "mm/s", "depth mm", "pad peak N", "subjects N", ""]
+    return Table(head, rows).lines("<9g <6g <9.2f <11.1f <13 <1".split())
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -151,16 +157,21 @@ def render_details(result: dict[str, Any]) -> str:
 
 
 def _press_lines(presses: list[dict[str, Any]]) -> list[str]:
-    """A table of several presses."""
-    lines = ["  steady N    mm/s   depth mm    peak N   peak over steady"]
-    for row in presses:
-        head = f"{row['steady_force_N']:>10.4g} {row['velocity_mm_s']:>7.4g}"
-        if row["depth_mm"] is None:
-            lines.append(f"{head}   out of reach: {row['out_of_reach'].partition(': ')[2].partition(';')[0]}")
-            continue
-        ratio = row["peak_force_N"] / row["steady_force_N"]
-        lines.append(f"{head} {row['depth_mm']:>10.3f} {row['peak_force_N']:>9.3f} {ratio:>18.2f}")
-    return lines
+    """A table of several presses; one out of reach ends after its test."""
+    rows = [
+        [
+            row["steady_force_N"],
+            row["velocity_mm_s"],
+            *(
+                [f"  out of reach: {row['out_of_reach'].partition(': ')[2].partition(';')[0]}"]
+                if row["depth_mm"] is None
+                else [row["depth_mm"], row["peak_force_N"], row["peak_force_N"] / row["steady_force_N"]]
+            ),
+        ]
+        for row in presses
+    ]
+    head = ["steady N", "mm/s", "depth mm", "peak N", "peak over steady"]
+    return Table(head, rows).lines(">10.4g >7.4g >10.3f >9.3f >18.2f".split(), indent="")
 
 
 MOVED = {"time_s": ">10.4f", "displacement_mm": ">16.3f", "force_N": ">10.3f"}

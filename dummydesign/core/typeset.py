@@ -7,7 +7,7 @@ import re
 import unicodedata
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 PACKAGE = Path(__file__).parents[1]
 """A template reads files below it: ``#import "/core/sheet.typ": *``."""
@@ -18,7 +18,7 @@ NO_LETTERS = frozenset(map(chr, (*range(9), *range(11, 32), *range(0xD800, 0xE00
 UNDRAWN = re.compile(r'the text `"(?:\\u\{(\w+)\}|(.))"` could not be displayed')
 
 
-def typeset(template: Path, data: Mapping[str, Any], form: str = "pdf") -> bytes:
+def typeset(template: Path, data: Mapping[str, Any], form: Literal["pdf", "png"] = "pdf") -> bytes:
     """Set a template with its data as tagged PDF (PDF/UA-1) or as a picture; equal inputs give equal bytes.
 
     Parameters
@@ -28,7 +28,7 @@ def typeset(template: Path, data: Mapping[str, Any], form: str = "pdf") -> bytes
     data : mapping
         Texts, numbers, and lists and mappings of them.
     form : str
-        ``pdf``, or of a single page ``png`` or ``svg``.
+        ``pdf``, or ``png`` of a single page.
 
     Returns
     -------

@@ -16,14 +16,14 @@ from dummydesign.report.plot import Plot, Series, thin
 MOST_DOTS, MOST_ACROSS, MOST_NAMES = 40, 5, 12
 
 
-def picture(title: str, plots: Sequence[Plot], form: str = "png") -> bytes:
-    """Plots side by side as PNG or SVG."""
+def picture(title: str, plots: Sequence[Plot]) -> bytes:
+    """Plots side by side, their areas named, as PNG."""
     areas = (dict.fromkeys(part.label for part in one.series if part.kind == "band" and part.seen) for one in plots)
     shown = [
         {"title": f"{one.title}; area: {'; '.join(names)}" if names else one.title, **plot_drawing(one)}
         for one, names in zip(plots, areas)
     ]
-    return typeset(Path(__file__).with_name("plots.typ"), {"title": title, "plots": shown}, form)
+    return typeset(Path(__file__).with_name("plots.typ"), {"title": title, "plots": shown}, "png")
 
 
 def plot_drawing(plot: Plot) -> dict[str, Any]:

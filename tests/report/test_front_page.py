@@ -2,6 +2,7 @@
 
 import json
 import re
+import struct
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +16,7 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.report.front_page import Fact, FrontPage, Panel, lay_out
 from dummydesign.report.pad_drawing import SIZE, pad_section
 from dummydesign.report.plot import Series, press_plot
+from dummydesign.report.plot_drawing import picture
 from tests.support.pdf_paths import pages_mm
 from tests.support.pdf_texts import MM, objects, pdf_text, pdf_texts, placed_texts
 
@@ -268,3 +270,11 @@ def test_a_section_is_to_scale_and_has_the_lengths_of_its_shape(shape, thickness
         replace(some_page(0), drawing=("Pad", pad_section(pad, thickness, (150.0, 120.0), read_punch(punch))))
     )
     assert lengths <= set(pdf_texts(data))
+
+
+def test_plots_are_one_picture_and_equal_plots_equal_bytes():
+    plots = [panel.plot for panel in some_page(6).panels]
+    few, many = (picture("presses", plots[:count]) for count in (1, 6))
+    assert few[:8] == b"\x89PNG\r\n\x1a\n" and many == picture("presses", plots)
+    (wide, high), (wider, higher) = (struct.unpack(">II", data[16:24]) for data in (few, many))
+    assert 3.5 * wide < wider < 4.5 * wide and 1.5 * high < higher < 2.5 * high  # four a row

@@ -52,12 +52,15 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
 
 
 def commands_page() -> str:
-    """Every command with its own help, as a page."""
-    from dummydesign.cli.entry import COMMANDS, parser_of
+    """Every command and its actions with their own help, as a page."""
+    from dummydesign.cli.entry import COMMANDS, actions_of, parser_of
 
     parts = ["# Commands", "Every command takes `--json`; the exit status is 0, 1 (no answer) or 2 (bad input)."]
     for name in COMMANDS:
-        parts += [f"## {name}", f"```text\n{parser_of(name).format_help()}```"]
+        parser = parser_of(name)
+        helps = {name: parser} | {f"{name} {action}": below for action, below in actions_of(parser).items()}
+        for title, one in helps.items():
+            parts += [f"##{'#' * (one is not parser)} {title}", f"```text\n{one.format_help()}```"]
     return "\n\n".join(parts) + "\n"
 
 

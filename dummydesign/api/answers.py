@@ -6,18 +6,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from copy import deepcopy
 from dataclasses import dataclass, field
-from html import escape
 from os import fspath
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import FilePath
-from dummydesign.core.manifest import Question
 from dummydesign.core.serialise import Serialised, parameter_rows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from dummydesign.core.manifest import Question
     from dummydesign.core.outputs import Output
     from dummydesign.design.assessment.decision import Choice
     from dummydesign.design.assessment.pad_castings import Shares
@@ -57,6 +56,8 @@ class Values:
 
     def _repr_html_(self) -> str:
         """The first screen of the command."""
+        from html import escape
+
         from dummydesign.cli.entry import screen_of
 
         command = COMMAND.get(self.call, self.call.replace("_", "-"))
@@ -234,6 +235,7 @@ def question(
     named : mapping, optional
         Files by what they are, such as those of weights and limits.
     """
+    from dummydesign.core.manifest import Question
     from dummydesign.core.user_library import find
 
     library = (

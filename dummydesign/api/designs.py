@@ -198,12 +198,12 @@ def _answer(request: Request, folder: Path | None, replace: bool, progress: Call
         cad = request.cad and suggestion.verdict.acceptable
         inputs = {**inputs, "cad": cad, "out": str(output.folder)}
         progress("mould and report" if cad else "report")
-        drawn: list[tuple[Any, PressPictures]] = []
+        drawn: list[PressPictures] = []
 
         def draw() -> None:
-            from dummydesign.design.plot_data import press_pictures, suggestion_curves
+            from dummydesign.design.plot_data import press_pictures
 
-            drawn.append((suggestion_curves(suggestion), press_pictures(suggestion)))
+            drawn.append(press_pictures(suggestion))
 
         if child is not None:
             child.meanwhile = draw
@@ -248,32 +248,33 @@ def _mould(suggestion: Suggestion, output: Output) -> tuple[dict[str, Any] | Non
     return mould, None
 
 
-def _written(
-    suggestion: Suggestion, result: dict[str, Any], output: Output, drawn: tuple[Any, PressPictures]
-) -> dict[str, Any]:
+def _written(suggestion: Suggestion, result: dict[str, Any], output: Output, pictures: PressPictures) -> dict[str, Any]:
     """Write the report and the answer, and return the answer with all files."""
     from dummydesign.report.suggest import write_suggestion
 
-    curves, pictures = drawn
-    report = write_suggestion(output.work, suggestion, result, curves, pictures)
+    report = write_suggestion(output.work, suggestion, result, pictures)
     result = {**result, "files": {**result["files"], **report}}
-    return output.answer({**result, "files": {**result["files"], "json": str(_write_answer(output, result, curves))}})
+    return output.answer(
+        {**result, "files": {**result["files"], "json": str(_write_answer(output, result, suggestion))}}
+    )
 
 
-def _write_answer(output: Output, result: dict[str, Any], curves: Any) -> Path:
+def _write_answer(output: Output, result: dict[str, Any], suggestion: Suggestion) -> Path:
     """Keep the answer with its steady curve; files are named from the folder, so that it can be moved."""
     from dummydesign.core.files import write_text
     from dummydesign.core.serialise import json_text
+    from dummydesign.design.plot_data import force_grids
     from dummydesign.design.request import ANSWER
 
-    low, high = curves.subjects_measured_mm
+    grids = force_grids(suggestion.targets.protocol)
+    low, high = suggestion.targets.depth_range_mm(grids.measured)
     kept = output.settled({key: value for key, value in result.items() if key != "files"})
     kept["inputs"] = {key: value for key, value in kept["inputs"].items() if key != "out"}
     kept["files"] = {role: Path(file).relative_to(output.work).as_posix() for role, file in result["files"].items()}
     kept["steady_curve"] = {
-        "force_N": curves.forces_N.pad,
-        "depth_mm": curves.pad_depth_mm,
-        "subjects": {"force_N": curves.forces_N.measured, "depth_low_mm": low, "depth_high_mm": high},
+        "force_N": grids.pad,
+        "depth_mm": suggestion.best.steady_depth_mm(grids.pad),
+        "subjects": {"force_N": grids.measured, "depth_low_mm": low, "depth_high_mm": high},
     }
     return write_text(output.path(ANSWER), json_text("suggest", kept) + "\n")
 

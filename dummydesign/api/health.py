@@ -18,11 +18,10 @@ from dummydesign.core.errors import DummydesignError
 from dummydesign.core.serialise import Serialised
 from dummydesign.core.user_library import user_folder
 
-NEEDED = ("numpy", "scipy", "scikit-fem", "threadpoolctl")
+NEEDED = ("numpy", "scipy", "scikit-fem", "threadpoolctl", "typst", "pillow")
 PARTS = (
     ("mould", ("cadquery", "trimesh", "networkx", "lxml", "ezdxf"), "", "moulds and their DXF"),
-    ("pages", ("typst", "pillow"), "", "first pages of reports, pour sheets, drawings"),
-    ("pictures", ("matplotlib",), "", "pictures of curves"),
+    ("pictures", ("matplotlib",), "", "pictures of stress, plots in Python"),
     ("fields", ("pyvista",), "", "pictures of moulds, fields for ParaView, bones of many triangles"),
     ("studio", ("nicegui",), "dummydesign[studio]", "the pages in the browser"),
     ("tables", ("pandas", "xarray"), "dummydesign[tables]", "data frames in Python"),

@@ -6,6 +6,8 @@ import argparse
 import re
 from collections.abc import Callable, Collection
 from functools import partial
+from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 ENTRY = re.compile(r"^(\w+)(?: : (?:(--[\w-]+) )?(.*?)( \.\.\.)?)?\n((?:    .*\n)+)", re.MULTILINE)
@@ -15,7 +17,20 @@ FOR_SCRIPTS = ("progress", "executor", "set_up", "design")
 READERS = {"float": "read_number", "int": "read_count"}
 
 
-def add_options(parser: argparse._ActionsContainer, call: Callable[..., Any], leave: Collection[str] = ()) -> None:
+Call = str | Callable[..., Any]
+"""What a command calls: a function, or ``module.function`` of :mod:`dummydesign.api`, loaded when it is needed."""
+
+
+def loaded(call: Call) -> Callable[..., Any]:
+    """The function that is meant."""
+    if not isinstance(call, str):
+        return call
+    module, _, name = call.partition(".")
+    function: Callable[..., Any] = getattr(import_module(f"dummydesign.api.{module}"), name)
+    return function
+
+
+def add_options(parser: argparse._ActionsContainer, call: Call, leave: Collection[str] = ()) -> None:
     """Declare the arguments of a call that are not declared yet by its signature and docstring, but for some.
 
     In the docstring stands after a name what is typed: ``MM``, or with the option ``--NAME MM`` where this is not the
@@ -26,8 +41,9 @@ def add_options(parser: argparse._ActionsContainer, call: Callable[..., Any], le
 
     from dummydesign.core.options import flag_of, quantity_of
 
-    parameters, declared = signature(call).parameters, {action.dest for action in parser._actions}
-    for name, flag, metavar, several, about in ENTRY.findall(f"{getdoc(call)}\n"):
+    function, declared = loaded(call), {action.dest for action in parser._actions}
+    parameters = signature(function).parameters
+    for name, flag, metavar, several, about in ENTRY.findall(f"{getdoc(function)}\n"):
         if name not in parameters or name in (*declared, *FOR_SCRIPTS, *leave):
             continue
         default, needed = parameters[name].default, parameters[name].default is Parameter.empty
@@ -83,20 +99,26 @@ def name_of(action: argparse.Action) -> str:
     return flags[-1][2:].replace("-", "_") if flags else action.dest
 
 
-def call(function: Callable[..., Any], options: argparse.Namespace, **more: Any) -> Any:
+def call(function: Call, options: argparse.Namespace, **more: Any) -> Any:
     """Call a function of the Python interface with the options that have the names of its arguments."""
     from inspect import signature
 
-    names = signature(function).parameters
-    return function(**({name: value for name, value in vars(options).items() if name in names} | more))
+    wanted = loaded(function)
+    names = signature(wanted).parameters
+    return wanted(**({name: value for name, value in vars(options).items() if name in names} | more))
 
 
-def call_in_steps(about: int, function: Callable[..., Any], options: argparse.Namespace, **more: Any) -> Any:
+def call_in_steps(about: int, function: Call, options: argparse.Namespace, **more: Any) -> Any:
     """Call a function as :func:`call` does and show its steps, usually ``about`` so many."""
     from dummydesign.cli.progress import steps_shown
 
     with steps_shown(about) as steps:
         return call(function, options, progress=steps, **more)
+
+
+def named_by(command: str, argument: str) -> Callable[[argparse.Namespace], str]:
+    """How the folder of an answer is named when none is typed: by an argument that is a name or a file."""
+    return lambda options: f"{command}-{Path(getattr(options, argument)).stem}"
 
 
 ACTIONS = ("remove", "rename", "path")

@@ -21,7 +21,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from dummydesign._version import __version__
-from dummydesign.cli.common_options import name_of
+from dummydesign.cli.common_options import add_options, call_in_steps, name_of
 from dummydesign.cli.progress import loudness, say, timed
 from dummydesign.core.blas_threads import ONE_THREAD
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, quantity_name, unknown_name
@@ -114,7 +114,11 @@ ELSEWHERE = {"import": "commands.import_", "completion": "completion"}
 
 
 def module_of(command: str) -> ModuleType:
-    """The module of a command (``HELP``, ``add_arguments``, ``run``, ``render``); importing it loads nothing heavy."""
+    """The module of a command; importing it loads nothing heavy.
+
+    It has ``HELP``, ``render``, and ``CALL`` with ``ABOUT_STEPS`` where one call takes the options as they are, else
+    ``add_arguments`` and ``run``.
+    """
     name = ELSEWHERE.get(command, "commands." + command.replace("-", "_"))
     return importlib.import_module(f"dummydesign.cli.{name}")
 
@@ -218,7 +222,7 @@ def parser_of(name: str) -> argparse.ArgumentParser:
     """All options of a command."""
     module = module_of(name)
     parser = _Parser(prog=f"dummydesign {name}", description=module.HELP)
-    module.add_arguments(parser)
+    getattr(module, "add_arguments", lambda parser: add_options(parser, module.CALL))(parser)
     finish(parser, name)
     return parser
 
@@ -274,7 +278,7 @@ def _run(arguments: list[str]) -> int:
         try:
             settle_out(project, name, module, options)
             with timed():
-                result = module.run(options)
+                result = getattr(module, "run", lambda options: _called(module, options))(options)
             verdict = result.get("verdict")
             if isinstance(verdict, dict) and verdict.get("light") == "red":
                 message = "the verdict on the pad is red: do not use it"
@@ -346,6 +350,12 @@ def screen_of(command: str, result: dict[str, Any]) -> str:
 def _render_of(module: Any, options: argparse.Namespace) -> Any:
     """What lays the answer out: one screen, or all of it with --details."""
     return getattr(module, "render_details" if getattr(options, "details", False) else "render", module.render)
+
+
+def _called(module: Any, options: argparse.Namespace) -> dict[str, Any]:
+    """The answer of a command that is one call."""
+    answer: dict[str, Any] = call_in_steps(module.ABOUT_STEPS, module.CALL, options).to_dict()
+    return answer
 
 
 def _loudness(options: argparse.Namespace) -> str:

@@ -5,29 +5,58 @@ from __future__ import annotations
 from typing import Any
 
 from dummydesign.cli import text
-from dummydesign.cli.text import columns_of, file_lines, fitted, labelled, number, table, tissue_lines, verdict_lines
+from dummydesign.cli.text import file_lines, fitted, labelled, tissue_lines, verdict_lines
+from dummydesign.core.tables import Table
 from dummydesign.design.request import base_words
 from dummydesign.design.scoring.verdict import OUTCOMES, whole_percents
 from dummydesign.report import suggest_facts as facts
 from dummydesign.report.sections.conformity import budget_lines
 
-SMALL = [("N", "force_N", "<6g"), ("depth mm", "depth_mm", "<10.2f"), ("tissue mm", "span", "<1")]
-OTHERS = [
-    ("mm", "thickness_mm", "<6g"),
-    ("ratio", "ratio", "<7g"),
-    ("kPa", "young", "<7.3g"),
-    ("total", "total", "<6.2f"),
-    ("steady", "steady_state_range", "<7.2f"),
-    ("force-time", "force_variation_range", "<11.2f"),
-    ("aim", "aim", "<5.2f"),
-    ("below 5 N", "low_force_range", "<1.2f"),
-]
+SMALL = {"N": "force_N:<6g", "depth mm": "depth_mm:<10.2f", "tissue mm": "span:<1"}
+PRESSES = (
+    "steady N",
+    "mm/s",
+    "depth mm",
+    "depth/thickness",
+    "% of gel",
+    "peak N",
+    "tissue peak N",
+    "fraction in range",
+    "reads",
+)
+OTHERS = {
+    "mm": "thickness_mm:<6g",
+    "ratio": "ratio:<7g",
+    "kPa": "young:<7.3g",
+    "total": "total:<6.2f",
+    "steady": "steady_state_range:<7.2f",
+    "force-time": "force_variation_range:<11.2f",
+    "aim": "aim:<5.2f",
+    "below 5 N": "low_force_range:<1.2f",
+}
 
 
 def details(result: dict[str, Any]) -> str:
     """Lay all of the answer out as tables."""
     best = result["recommendation"]
     young = best["young_kPa"]
+    presses = [
+        [
+            row["steady_force_N"],
+            row["velocity_mm_s"],
+            *(
+                [row["out_of_reach"]]
+                if row["depth_mm"] is None
+                else [
+                    *(row[name] for name in ("depth_mm", "depth_over_thickness", "gel_compression", "peak_force_N")),
+                    facts.press_texts(row)[0],
+                    row["inside_fraction"],
+                    row["reads"],
+                ]
+            ),
+        ]
+        for row in best["conditions"]
+    ]
     lines = [
         *verdict_lines(result["verdict"]),
         *tissue_lines(result),
@@ -50,8 +79,7 @@ def details(result: dict[str, Any]) -> str:
             for name, value in best["scores"].items()
         ),
         "",
-        "  steady N  mm/s   depth mm  depth/thickness  % of gel  peak N   tissue peak N   fraction in range  reads",
-        *(_condition(row) for row in best["conditions"]),
+        *Table(PRESSES, presses).lines("<9g <6g <9.2f <16.2f <9.2f <8.1f <15 <18.2f <1".split()),
     ]
     no_law = any(item["code"] == text.NO_LAW for item in result["warnings"])
     words = (
@@ -64,7 +92,7 @@ def details(result: dict[str, Any]) -> str:
         for row in best["low_force"]
     ]
     lines += ["", *facts.people_lines(result["people"])]
-    lines += ["", f"  small forces ({words}):", *table(small, SMALL, "  ")]
+    lines += ["", f"  small forces ({words}):", *Table.of(small, SMALL).lines()]
     lines += _shapes(result) + _parameters(best) + _more_details(result)
     return "\n".join(lines)
 
@@ -82,23 +110,26 @@ def _shapes(result: dict[str, Any]) -> list[str]:
     if not result["shapes"]:
         return []
     low, high, shown = _forces(result)
-    lines = [
+    words = [
         "",
         f"  shapes side by side (misfit: rms of ln F from {0.1 * low:g} to {high:g} N; range: fraction of the steady "
         f"curve in range;\n  exponent d ln F / d ln x, tissue {result['tissue_exponent']:.3g}):",
-        f"  misfit  range <{low:g} N  range >{low:g} N  exponent {'/'.join(shown)} N  d/h    total  pad",
     ]
-    for row in result["shapes"]:
-        if row["shape"] is None:
-            lines.append(f"  {row['kind']}: {row['reason']}")
-            continue
-        misfit, depth = (number(row[name]) for name in ("misfit_rms_ln_force", "depth_over_thickness"))
-        powers = " / ".join(number(row["exponent_at_N"][force], ".1f") for force in shown)
-        lines.append(
-            f"  {misfit:<7} {row['share_below_5N']:<11.2f} {row['share_above_5N']:<11.2f} {powers:<18} {depth:<6} "
-            f"{row['total']:<6.2f} {row['thickness_mm']:g} mm {row['shape']}, ratio {row['ratio']:g}"
-        )
-    return [*lines, *_passed_over(result)]
+    ranges, exponent = (f"range <{low:g} N", f"range >{low:g} N"), f"exponent {'/'.join(shown)} N"
+    rows = [
+        [f"{row['kind']}: {row['reason']}"]
+        if row["shape"] is None
+        else [
+            *(row[name] for name in ("misfit_rms_ln_force", "share_below_5N", "share_above_5N")),
+            " / ".join("-" if (one := row["exponent_at_N"][force]) is None else f"{one:.1f}" for force in shown),
+            row["depth_over_thickness"],
+            row["total"],
+            f"{row['thickness_mm']:g} mm {row['shape']}, ratio {row['ratio']:g}",
+        ]
+        for row in result["shapes"]
+    ]
+    table = Table(["misfit", *ranges, exponent, "d/h", "total", "pad"], rows)
+    return [*words, *table.lines("<7.2f <11.2f <11.2f <18 <6.2f <6.2f <1".split()), *_passed_over(result)]
 
 
 def _passed_over(result: dict[str, Any]) -> list[str]:
@@ -125,17 +156,6 @@ def _pad_details(result: dict[str, Any]) -> str:
     return f"{best['thickness_mm']:g} mm thick, {length:g} x {width:g} mm {best['shape']}, {base_words(given['base'])}"
 
 
-def _condition(row: dict[str, Any]) -> str:
-    head = f"  {row['steady_force_N']:<9g} {row['velocity_mm_s']:<6g}"
-    if row["depth_mm"] is None:
-        return f"{head} {row['out_of_reach']}"
-    span = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
-    return (
-        f"{head} {row['depth_mm']:<9.2f} {row['depth_over_thickness']:<16.2f} {row['gel_compression']:<9.2f} "
-        f"{row['peak_force_N']:<8.1f} {span:<15} {row['inside_fraction']:<18.2f} {row['reads']}"
-    )
-
-
 def _parameters(best: dict[str, Any]) -> list[str]:
     if best["parameters"] is None:
         return []
@@ -152,7 +172,7 @@ def _parameters(best: dict[str, Any]) -> list[str]:
 def _more_details(result: dict[str, Any]) -> list[str]:
     """Alternatives, tolerance, verification, files, and what the answer rests on."""
     others = [{**other, **other["scores"], "young": other["young_kPa"]["value"]} for other in result["alternatives"]]
-    lines = ["", "alternatives:", *table(others, OTHERS, "  ")] if others else []
+    lines = ["", "alternatives:", *Table.of(others, OTHERS).lines()] if others else []
     tolerance = result["sensitivity"]
     limits, slope = tolerance["tolerances"], 100 * tolerance["d_ln_young_per_percent_ratio"]
     lines += [
@@ -229,8 +249,7 @@ def render(result: dict[str, Any]) -> str:
         _files(result),
         labelled("MORE", more),
     ]
-    columns, rows = facts.press_rows(result)
-    presses = columns_of((columns, *rows), (8, 5, 8, 8, 10, 12, 0), "  ")
+    presses = facts.press_rows(result).lines("<8 <5 <8 <8 <10 <12 <1".split(), "  ")
     return "\n".join(fitted(head, presses, tail, (6, 5), "  ... and {} more presses: --details"))
 
 

@@ -6,7 +6,7 @@ import os
 import re
 import sys
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -83,34 +83,6 @@ def fitted(
     if len(rows) > kept + 1:
         rows = [*rows[:kept], more.format(len(rows) - kept)]
     return [*head, *rows, *(line for block in blocks for line in block)]
-
-
-def number(value: float | None, form: str = ".2f") -> str:
-    """A number as it is printed; a dash where there is none."""
-    return "-" if value is None else format(value, form)
-
-
-Columns = Sequence[tuple[str, str, str]]
-"""Head of each column, the key of its values in a row, and their form with its width, such as ``>9.3f``."""
-
-
-def table(rows: Iterable[Mapping[str, Any]], columns: Columns, indent: str = "") -> list[str]:
-    """Heads and a line a row; a dash where a value is None."""
-    wide = [re.sub(r"[+g]|\..*", "", form) for _, _, form in columns]
-    lines = [[format(head, width) for (head, _, _), width in zip(columns, wide)]]
-    for row in rows:
-        lines.append(
-            [
-                format("-", width) if row[key] is None else format(row[key], form)
-                for (_, key, form), width in zip(columns, wide)
-            ]
-        )
-    return [f"{indent}{' '.join(cells)}".rstrip() for cells in lines]
-
-
-def columns_of(rows: Iterable[Sequence[str]], widths: Sequence[int], between: str = "") -> list[str]:
-    """A line a row of texts, each as wide as its column."""
-    return ["  " + between.join(f"{cell:<{wide}}" for cell, wide in zip(row, widths)).rstrip() for row in rows]
 
 
 def step_lines(steps: Sequence[str], one: int | None = None, several: int | None = None) -> list[str]:

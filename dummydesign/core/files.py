@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import os
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from secrets import token_hex
 from typing import IO, Any
 
 from dummydesign.core.errors import InputError
@@ -38,7 +34,7 @@ def output_folder(path: str | Path) -> Path:
     folder = Path(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        probe = folder / f".try-{token_hex(8)}"
+        probe = folder / f".try-{os.urandom(8).hex()}"
         probe.touch(exist_ok=False)
         probe.unlink()
     except OSError as problem:
@@ -48,6 +44,8 @@ def output_folder(path: str | Path) -> Path:
 
 def read_json(path: Path) -> dict[str, Any]:
     """What a JSON file holds; empty where it cannot be read or holds something else than keys."""
+    import json
+
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -62,6 +60,9 @@ def write_text(path: str | Path, text: str) -> Path:
 
 def csv_text(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
     """Return a table as the text of a CSV file."""
+    import csv
+    import io
+
     stream = io.StringIO()
     csv.writer(stream, lineterminator="\n").writerows([head, *rows])
     return stream.getvalue()
@@ -74,7 +75,7 @@ def write_bytes(path: str | Path, content: bytes) -> Path:
         message = f"file '{path}' cannot be written: it is a folder; give the name of a file"
         raise InputError(message, "file_unwritable", "file", str(path))
     # a name of its own for each writer: two that shared one renamed each other's half-written file
-    part = final.with_name(f".{final.name[:40]}.{token_hex(8)}.part")
+    part = final.with_name(f".{final.name[:40]}.{os.urandom(8).hex()}.part")
     try:
         with open(part, "xb") as stream:
             stream.write(content)

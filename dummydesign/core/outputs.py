@@ -12,7 +12,6 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass, field
 from itertools import takewhile
 from pathlib import Path
-from secrets import token_hex
 from typing import Any
 
 from dummydesign.core.errors import InputError
@@ -159,7 +158,7 @@ def _written(target: OutputTarget, question: Question) -> Iterator[Output]:
     made = _make(parent)
     head = f".{target.folder.resolve().name}.part-{platform.node()}-"
     _sweep(parent, head)
-    work = parent / f"{head}{os.getpid()}-{token_hex(3)}"
+    work = parent / f"{head}{os.getpid()}-{os.urandom(3).hex()}"
     try:
         with writing("output folder", target.folder, "out"):
             work.mkdir()

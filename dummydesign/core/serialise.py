@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import types
@@ -36,6 +35,8 @@ VERSIONS = {"suggest": 2, "loop": 2}
 
 def json_text(command: str, result: Mapping[str, Any]) -> str:
     """Return the JSON of an answer: schema, version, inputs, warnings and sources first."""
+    import json
+
     head = {"schema": f"dummydesign.{command}/{VERSIONS.get(command, 1)}", "version": __version__}
     for key, empty in (("inputs", {}), ("warnings", []), ("sources", [])):
         head[key] = result.get(key, empty)

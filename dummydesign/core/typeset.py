@@ -7,7 +7,7 @@ import re
 import unicodedata
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 PACKAGE = Path(__file__).parents[1]
 """A template reads files below it: ``#import "/core/sheet.typ": *``."""
@@ -18,8 +18,8 @@ NO_LETTERS = frozenset(map(chr, (*range(9), *range(11, 32), *range(0xD800, 0xE00
 UNDRAWN = re.compile(r'the text `"(?:\\u\{(\w+)\}|(.))"` could not be displayed')
 
 
-def typeset(template: Path, data: Mapping[str, Any]) -> bytes:
-    """Set a template with its data as tagged PDF (PDF/UA-1); equal inputs give equal bytes.
+def typeset(template: Path, data: Mapping[str, Any], form: Literal["pdf", "png"] = "pdf") -> bytes:
+    """Set a template with its data as tagged PDF (PDF/UA-1) or as a picture; equal inputs give equal bytes.
 
     Parameters
     ----------
@@ -27,11 +27,13 @@ def typeset(template: Path, data: Mapping[str, Any]) -> bytes:
         A Typst file. It reads the data with ``json(bytes(sys.inputs.data))``.
     data : mapping
         Texts, numbers, and lists and mappings of them.
+    form : str
+        ``pdf``, or ``png`` of a single page.
 
     Returns
     -------
     bytes
-        The PDF. Letters that the package's font lacks are drawn with fonts of the machine; one that no font has is
+        Letters that the package's font lacks are drawn with fonts of the machine; one that no font has is
         written as its code, such as ``[U+6307]``.
     """
     import typst
@@ -42,7 +44,9 @@ def typeset(template: Path, data: Mapping[str, Any]) -> bytes:
         inputs = {"data": json.dumps(_drawable(data, refused), ensure_ascii=False, allow_nan=False)}
         try:
             return bytes(
-                typst.compile(template, root=PACKAGE, font_paths=fonts, sys_inputs=inputs, pdf_standards="ua-1")
+                typst.compile(
+                    template, root=PACKAGE, font_paths=fonts, format=form, sys_inputs=inputs, pdf_standards="ua-1"
+                )
             )
         except typst.TypstError as problem:
             found = UNDRAWN.findall(problem.diagnostic)

@@ -116,53 +116,6 @@ def force_grids(protocol: Protocol) -> ForceGrids:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class SuggestionCurves:
-    """Everything that is drawn of a suggestion; NaN where a force is out of reach."""
-
-    forces_N: ForceGrids
-    pad_depth_mm: NDArray
-    castings_mm: tuple[NDArray, NDArray, NDArray]
-    limit_mm: float
-    pad_depth_at_needed_mm: float
-    other_depths_mm: tuple[NDArray, ...]
-    subjects_extrapolated_mm: tuple[NDArray, NDArray]
-    subjects_measured_mm: tuple[NDArray, NDArray]
-    aim_depth_mm: NDArray
-    relative_forces: tuple[NDArray | None, ...]
-    exponent: NDArray
-    exponent_here: tuple[float, ...]
-    ratio_error: float
-    reactions: tuple[Reaction, ...]
-
-
-def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
-    """Work out what a report draws of a suggestion."""
-    targets, here = answer.targets, answer.best.thickness_mm
-    grids = force_grids(targets.protocol)
-    depth = answer.best.steady_depth_mm(grids.pad)
-    exponent = exponent_over_thickness(answer, answer.law, grids)
-    return SuggestionCurves(
-        forces_N=grids,
-        pad_depth_mm=depth,
-        limit_mm=answer.best.limit_mm,
-        castings_mm=answer.castings.few.depth_band_mm(grids.pad),
-        pad_depth_at_needed_mm=float(np.interp(targets.protocol.needed_N, grids.pad, depth)),
-        other_depths_mm=tuple(other.steady_depth_mm(grids.pad) for other in answer.alternatives),
-        subjects_extrapolated_mm=targets.depth_range_mm(grids.extrapolated),
-        subjects_measured_mm=targets.depth_range_mm(grids.measured),
-        aim_depth_mm=targets.aim_depth_mm(grids.aim),
-        relative_forces=tuple(
-            None if item.candidate is None else relative_force(item.candidate, targets, grids)
-            for item in answer.comparisons
-        ),
-        exponent=exponent,
-        exponent_here=tuple(float(np.interp(here, THICKNESS_GRID_MM, column)) for column in exponent.T),
-        ratio_error=ratio_error(answer),
-        reactions=tuple(reactions(answer, answer.cast)),
-    )
-
-
 def relative_force(candidate: DesignCandidate, targets: Targets, grids: ForceGrids) -> NDArray:
     """Steady force of a design over the aim's, at the depths where the aim carries ``grids.relative``."""
     aim, depth = targets.aim_depth_mm(grids.relative), candidate.steady_depth_mm(grids.pad)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.serialise import Serialised, to_plain
+from dummydesign.core.tables import Table
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.budget import Budget
 from dummydesign.loop.model.effect import Effect
@@ -249,8 +250,8 @@ def read_as_words(data: dict[str, Any]) -> list[str]:
     return [*lines, "# where the sheet is right: confirmed = true in place of the last line"]
 
 
-def answer_rows(data: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
-    """Head and rows of errors and parameters before and after; of an effect's parameters its name comes last."""
+def answer_rows(data: dict[str, Any]) -> Table:
+    """Errors and parameters before and after; of an effect's parameters its name comes last."""
     rows, designed = [], data["as_designed"]
     for name, label in (("train", "fitted"), ("heldout", "left out")):
         models = (designed, data["base"], data["after"])
@@ -265,7 +266,7 @@ def answer_rows(data: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
             [name, "-", "-", *(f"{value[end]:.4g}" for end in ("value", "low", "high")), f"({effect['name']})"]
             for name, value in effect["parameters"].items()
         ]
-    return ["", "designed", "base", "corrected", "95 % low", "95 % high"], rows
+    return Table(["", "designed", "base", "corrected", "95 % low", "95 % high"], rows)
 
 
 SHOWN = 4

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 import math
 from pathlib import Path
@@ -12,15 +11,16 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.files import csv_text, write_bytes, write_text
+from dummydesign.core.tables import Table
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
-from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
-from dummydesign.report.page import STYLES, Section, Table, digits, log_start, unique, write_report
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, sentence, warning_texts
+from dummydesign.report.page import STYLES, Section, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, Series, press_plot, steady_plot
-from dummydesign.report.plot_drawing import plot_drawing
+from dummydesign.report.plot_drawing import picture, plot_drawing
 from dummydesign.report.sections.conformity import budget_section
 from dummydesign.report.sections.curves import curves_section
-from dummydesign.tissue.comparison import ComparedPress, Comparison
+from dummydesign.tissue.comparison import Comparison
 from dummydesign.tissue.model.ranges import interpolate_rows
 from dummydesign.tissue.model.tissue import Tissue
 
@@ -33,8 +33,8 @@ FARTHEST = 3.0
 """Parameters are drawn up to this many widths of the band beside it."""
 
 
-def _write_report(folder: Path, comparison: Comparison, tissue: Tissue, answer: dict[str, Any]) -> dict[str, str]:
-    """Write the report of a comparison; see :func:`dummydesign.report.page.write_report`."""
+def write_comparison(comparison: Comparison, tissue: Tissue, folder: Path, answer: dict[str, Any]) -> dict[str, str]:
+    """Write parametric.csv, steady_state.csv, force_variation.csv, ranges.png, compare.json and the report."""
     data, fit = comparison.result, comparison.result["fit"]
     steady, rows = data["steady_state_range"], data["force_variation_range"]
     low, high = steady["span_N"]
@@ -73,7 +73,16 @@ def _write_report(folder: Path, comparison: Comparison, tissue: Tissue, answer: 
         *budget_section(data.get("budget")),
     ]
     title = f"Dummy against {tissue.name}"
-    return write_report(
+    files = {
+        "parametric": write_text(folder / "parametric.csv", _parametric_file(comparison)),
+        "steady_state": write_text(folder / "steady_state.csv", _steady_file(comparison)),
+        "force_variation": write_text(folder / "force_variation.csv", _force_variation(comparison)),
+        "picture": write_bytes(folder / "ranges.png", picture(title, [steady_figure, *presses])),
+        "json": write_text(
+            folder / "compare.json", json.dumps({"verdict": answer["verdict"], **data}, indent=1) + "\n"
+        ),
+    }
+    return {role: str(path) for role, path in files.items()} | write_report(
         folder,
         title,
         lead,
@@ -88,7 +97,7 @@ def _write_report(folder: Path, comparison: Comparison, tissue: Tissue, answer: 
 
 def _front(title: str, data: dict[str, Any], answer: dict[str, Any], steady: Plot, presses: list[Plot]) -> FrontPage:
     """The first page: verdict, steady curve, each press in the subjects' range."""
-    head, rows = press_rows(data)
+    table = press_rows(data)
     facts = [
         Fact("tissue", f"{data['tissue']}, {law_text(data)}", True),
         Fact("part of the steady curve inside the subjects' range", steady_text(data).replace("; ", "\n")),
@@ -103,9 +112,12 @@ def _front(title: str, data: dict[str, Any], answer: dict[str, Any], steady: Plo
         "Comparison",
         [fact for fact in facts if fact.text],
         "Force [N] over time since contact",
-        [Panel(plot, f"{row[0]} N, {row[1]} mm/s", f"{row[3]} N: {row[5]} inside") for plot, row in zip(presses, rows)],
+        [
+            Panel(plot, f"{row[0]} N, {row[1]} mm/s", f"{row[3]} N: {row[5]} inside")
+            for plot, row in zip(presses, table.rows)
+        ],
         [("band", "subjects"), ("main", "this pad")],
-        Grid(head, rows),
+        table,
         notes=warning_texts(data["warnings"]),
         steps=[one if one.startswith("dummydesign ") else sentence(one) for one in next_steps(answer)],
         foot=FOOT,
@@ -271,21 +283,6 @@ def _traces(data: dict[str, Any]) -> Table:
     )
 
 
-def write_comparison(comparison: Comparison, tissue: Tissue, folder: Path, answer: dict[str, Any]) -> dict[str, str]:
-    """Write parametric.csv, steady_state.csv, force_variation.csv, ranges.png, compare.json and the report."""
-    files = {
-        "parametric": write_text(folder / "parametric.csv", _parametric_file(comparison)),
-        "steady_state": write_text(folder / "steady_state.csv", _steady_file(comparison)),
-        "force_variation": write_text(folder / "force_variation.csv", _force_variation(comparison)),
-        "picture": write_bytes(folder / "ranges.png", _picture(comparison, tissue)),
-        "json": write_text(
-            folder / "compare.json", json.dumps({"verdict": answer["verdict"], **comparison.result}, indent=1) + "\n"
-        ),
-    }
-    report = _write_report(folder, comparison, tissue, answer)
-    return {role: str(path) for role, path in files.items()} | report
-
-
 def _parametric_file(comparison: Comparison) -> str:
     keys = ("value", "low", "high", "band_low", "band_high", "inside")
     rows = comparison.result["parametric"].items()
@@ -315,43 +312,6 @@ def _force_variation(comparison: Comparison) -> str:
     return csv_text(("file", "time_s", "force_N", "range_low_N", "range_high_N"), lines)
 
 
-def _picture(comparison: Comparison, tissue: Tissue) -> bytes:
-    """PNG: the steady-state range with the dummy's points, and F(t) in its range per condition."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib.figure import Figure
-
-    shown: dict[tuple[float, int], ComparedPress] = {}
-    for press in comparison.presses:
-        shown.setdefault((press.range.velocity_mm_s, round(press.range.steady_force_N)), press)
-    count = len(shown) + 1
-    columns = min(count, 4)
-    figure = Figure(figsize=(3.6 * columns, 3.2 * -(-count // columns)), layout="constrained")
-    axes = np.ravel(figure.subplots(-(-count // columns), columns, squeeze=False))
-    low, high = comparison.range_mm
-    axes[0].fill_betweenx(comparison.grid_N, low, high, color="0.85", label=tissue.name)
-    axes[0].plot(comparison.steady, comparison.grid_N, lw=1.2, label="dummy")
-    axes[0].plot(comparison.points[:, 0], comparison.points[:, 1], "o", ms=4, label="measured")
-    axes[0].set(xlabel="depth [mm]", ylabel="steady force [N]", title="steady state")
-    axes[0].legend(fontsize=7)
-    for panel, (trace, band, _) in zip(axes[1:], shown.values()):
-        time, force = trace.since_contact
-        panel.fill_between(np.maximum(band.time_s, 1e-4), band.low_N, band.high_N, color="0.85")
-        panel.semilogx(np.maximum(time, 1e-4), force, lw=1.0)
-        panel.set(
-            xlabel="time since contact [s]",
-            ylabel="force [N]",
-            xlim=(0.1 * trace.ramp.rise_time_s, time[-1]),
-            title=f"{band.velocity_mm_s:g} mm/s, {band.steady_force_N:.1f} N",
-        )
-    for panel in axes[count:]:
-        panel.set_visible(False)
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png", dpi=110)
-    return stream.getvalue()
-
-
 def law_text(result: dict[str, Any]) -> str:
     """By what the subjects are known."""
     return "measured curves, no law" if result["law"] == "curves" else f"law {result['law']}"
@@ -367,8 +327,8 @@ def pad_text(result: dict[str, Any]) -> str:
     return f"{pad['thickness_mm']:.2f} +- {pad['thickness_sd_mm']:.2f} mm as cast, {state}{force}"
 
 
-def press_rows(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
-    """Head and rows of the table of presses."""
+def press_rows(result: dict[str, Any]) -> Table:
+    """The table of presses."""
     rows = [
         [
             f"{row['steady_force_N']:.3g}",
@@ -380,7 +340,7 @@ def press_rows(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
         ]
         for row in result["force_variation_range"]
     ]
-    return ["steady N", "mm/s", "depth mm", "pad peak N", "subjects N", "samples inside"], rows
+    return Table(["steady N", "mm/s", "depth mm", "pad peak N", "subjects N", "samples inside"], rows)
 
 
 def steady_text(result: dict[str, Any]) -> str:

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.files import write_bytes, write_text
-from dummydesign.report.page import STYLES, Section, Table, log_start, table_of_parameters, unique, write_report
+from dummydesign.core.tables import Table
+from dummydesign.report.page import STYLES, Section, log_start, table_of_parameters, unique, write_report
 from dummydesign.report.plot import Plot, Series, press_plot
+from dummydesign.report.plot_drawing import picture
 from dummydesign.tissue.fitting.fit import TissueFit, subject_from_fit
-from dummydesign.tissue.fitting.problem import fitted_force, residual_plot, residual_table
+from dummydesign.tissue.fitting.problem import fitted_force, residual_table
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups
 from dummydesign.tissue.model.maxwell_law import law_named
 from dummydesign.tissue.model.tissue import Tissue
@@ -30,9 +32,11 @@ MODES = {
 }
 
 
-def write_fit_report(folder: Path, stem: str, fit: TissueFit, sources: Sequence[str]) -> dict[str, str]:
-    """Write the report of a fit; see :func:`dummydesign.report.page.write_report`."""
-    data = fit.result
+def write_fit(fit: TissueFit, out: str, sources: Sequence[str] = ()) -> dict[str, str]:
+    """Write ``out`` (a tissue TOML of one subject) and a folder beside it: the report, residuals as CSV and PNG."""
+    path, data, residuals = Path(out), fit.result, _residuals(fit)
+    folder = path.with_name(f"{path.stem}-report")
+    folder.mkdir()
     facts = [
         (str(data["elements"]), f"elements ({(data['elements'] - 1) // 2} relaxing arms)"),
         (f"{data['rmse_N']:.3g} N", "rms residual over all samples"),
@@ -55,14 +59,24 @@ def write_fit_report(folder: Path, stem: str, fit: TissueFit, sources: Sequence[
         Section(
             "Residual",
             "Measured minus fitted, in bins. The area is three times the noise floor, up and down.",
-            _residuals(fit),
+            residuals,
         ),
         Section("Parameters", _notes(data), table=table_of_parameters(data["parameters"])),
         *_by_condition(data),
         Section("3, 5 and 7 elements", f"{data['elements']} elements are reported. {RIVALS}", table=_rivals(data)),
         Section("Traces", "", table=_traces(data)),
     ]
-    return write_report(folder, f"Fit {stem}", lead, sections, facts=facts, warnings=data["warnings"], sources=sources)
+    title, warnings = f"Fit {path.stem}", data["warnings"]
+    notes, subjects = tuple(warning["message"] for warning in warnings), (subject_from_fit(path.stem, fit),)
+    tissue = Tissue(path.stem, f"fit of {path.stem}", fit.law, subjects, (), notes, "file")
+    drawn = picture(f"{path.stem}, law {fit.law}, {fit.mode}", residuals)
+    files = {
+        "tissue": write_text(path, tissue_toml(tissue)),
+        "residuals": write_text(folder / "residuals.csv", residual_table(fit.problems)),
+        "residual_plot": write_bytes(folder / "residuals.png", drawn),
+    }
+    report = write_report(folder, title, lead, sections, facts=facts, warnings=warnings, sources=sources)
+    return {role: str(file) for role, file in files.items()} | report
 
 
 def _series(fit: TissueFit) -> Iterable[tuple[ReducedTrace, np.ndarray, np.ndarray, np.ndarray]]:
@@ -211,23 +225,3 @@ def _traces(data: dict[str, Any]) -> Table:
             "at s": "max_residual_time_s",
         },
     )
-
-
-def write_fit(fit: TissueFit, out: str, sources: Sequence[str] = ()) -> dict[str, str]:
-    """Write ``out`` (a tissue TOML of one subject) and a folder beside it: the report, residuals as CSV and PNG."""
-    path = Path(out)
-    folder = path.with_name(f"{path.stem}-report")
-    folder.mkdir()
-    subject = subject_from_fit(path.stem, fit)
-    notes = tuple(warning["message"] for warning in fit.result["warnings"])
-    tissue = Tissue(path.stem, f"fit of {path.stem}", fit.law, (subject,), (), notes, "file")
-    files = {
-        "tissue": path,
-        "residuals": folder / "residuals.csv",
-        "residual_plot": folder / "residuals.png",
-    }
-    write_text(files["tissue"], tissue_toml(tissue))
-    write_text(files["residuals"], residual_table(fit.problems))
-    write_bytes(files["residual_plot"], residual_plot(fit.problems, f"{path.stem}, law {fit.law}, {fit.mode}"))
-    report = write_fit_report(folder, path.stem, fit, sources)
-    return {role: str(file) for role, file in files.items()} | report

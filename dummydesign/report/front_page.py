@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign._version import __version__
+from dummydesign.core.tables import Table
 from dummydesign.core.typeset import typeset
 from dummydesign.report.plot import Plot
 from dummydesign.report.plot_drawing import draw_plot
@@ -50,15 +51,6 @@ class Panel:
 
 
 @dataclass(frozen=True)
-class Grid:
-    """A table of texts; rows in ``marked`` are in the colour of what is outside."""
-
-    head: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    marked: frozenset[int] = frozenset()
-
-
-@dataclass(frozen=True)
 class FrontPage:
     """What stands on the first page.
 
@@ -78,8 +70,8 @@ class FrontPage:
     keys : sequence of (str, str)
         Style (``band``, ``dots``, ``main``, ``aim``, ``other``) and name of each curve; without any, the curves are
         named where they end.
-    table : Grid
-        What stands under the presses.
+    table : Table
+        Texts under the presses; ``marked`` rows are in the colour of what is outside.
     blocks : sequence of (str, sequence of str)
         Heading and paragraphs right of the table.
     notes : sequence of str
@@ -99,7 +91,7 @@ class FrontPage:
     panels_title: str
     panels: Sequence[Panel]
     keys: Sequence[tuple[str, str]]
-    table: Grid
+    table: Table
     blocks: Sequence[tuple[str, Sequence[str]]] = ()
     notes: Sequence[str] = ()
     steps: Sequence[str] = ()

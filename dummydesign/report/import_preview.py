@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.files import write_text
-from dummydesign.report.page import STYLES, Section, Table, page
+from dummydesign.core.tables import Table
+from dummydesign.report.page import STYLES, Section, page
 from dummydesign.report.plot import Plot, Series
 
 if TYPE_CHECKING:

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.tables import Table
 from dummydesign.loop.result import LoopResult, answer_rows, answer_words, listed, named, read_as_words, result_dict
-from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
-from dummydesign.report.page import STYLES, Section, Table, digits, log_start, unique, write_report
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, sentence, warning_texts
+from dummydesign.report.page import STYLES, Section, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, Series, press_plot
 from dummydesign.report.plot_drawing import plot_drawing
 
@@ -291,7 +292,7 @@ def _front(title: str, data: dict[str, Any], presses: list[Plot], trials: Plot) 
     base, after = (data[model]["error"] for model in ("base", "after"))
     young, coming = data["after"]["parameters"]["young_kPa"], data["next_measurement"]
     texts = [plot.title.partition(": ") for plot in presses]
-    head, rows = answer_rows(data)
+    answer = answer_rows(data)
     change = f"{base['train_rmse_N']:.3g} to {after['train_rmse_N']:.3g} N"
     facts = [Fact("rms residual, base to corrected", change, True)]
     if base["heldout_rmse_N"] is not None and after["heldout_rmse_N"] is not None:
@@ -315,7 +316,7 @@ def _front(title: str, data: dict[str, Any], presses: list[Plot], trials: Plot) 
         "Force [N] over time since contact",
         [Panel(plot, words[0], words[2]) for plot, words in zip(presses, texts)],
         [("dots", "measured"), ("aim", "base"), ("main", "corrected")],
-        Grid([*head, ""], rows),
+        Table([*answer.head, ""], answer.rows),
         [(name, texts) for name, texts in blocks if texts],
         warning_texts(data["warnings"]),
         [sentence(coming["text"])] if coming else [],

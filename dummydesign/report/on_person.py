@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from dummydesign.core.files import csv_text, write_text
 from dummydesign.core.interpolation import uniform_times
+from dummydesign.core.tables import Table
 from dummydesign.core.user_library import data_folder
 from dummydesign.person.on_person import OnPerson, PersonPress
 from dummydesign.person.validity_range import subject_words
 from dummydesign.report import on_person_facts as facts
-from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, sentence, warning_texts
 from dummydesign.report.on_person_facts import number_text, span_text
-from dummydesign.report.page import Section, Table, log_start, unique, write_report
+from dummydesign.report.page import Section, log_start, unique, write_report
 from dummydesign.report.plot import Plot, Series, press_plot
 from dummydesign.report.plot_drawing import plot_drawing
 from dummydesign.report.sections.conformity import budget_section
@@ -59,7 +60,7 @@ def _front(title: str, lead: str, result: dict[str, Any], plots: list[Plot]) -> 
     """The first page: a drive that does not fit, the closest limit, the hardest press, every press, the limits."""
     presses = result["presses"]
     at = max(range(len(presses)), key=lambda row: presses[row]["factor_peak"][1] or 0.0)
-    hardest, (head, rows) = presses[at], facts.press_table(result)
+    hardest = presses[at]
     times = f"{span_text(hardest['factor_peak'])} times"
     factors = [f"up to {one['factor_peak'][1] or 0.0:.3g} times the pad" for one in presses]
     checks = [
@@ -86,7 +87,7 @@ def _front(title: str, lead: str, result: dict[str, Any], plots: list[Plot]) -> 
         if len(presses) > 1
         else (),
         [("band", "subjects"), ("main", "pad")],
-        Grid(head, rows),
+        facts.press_table(result),
         [("Limits", checks)] if checks else (),
         warning_texts(shown),
         steps=[sentence(step) for step in facts.next_steps(result)],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from dummydesign.core.tables import Table
 from dummydesign.person.validity_range import FAR, short_number, subject_words
 
 FIVE = (
@@ -134,8 +135,8 @@ def people_text(result: dict[str, Any]) -> str:
     return f"{result['tissue']}, {subjects}" + (", inferred, not measured" if inferred else "")
 
 
-def press_table(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
-    """Head and rows: all five numbers of a single press, a row a press of several."""
+def press_table(result: dict[str, Any]) -> Table:
+    """All five numbers of a single press, a row a press of several."""
     if len(result["presses"]) == 1:
         one = result["presses"][0]
         rows = [
@@ -147,7 +148,7 @@ def press_table(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
             ]
             for key, words, unit in FIVE
         ]
-        return ["", "pad", "subjects", "95 % of people"], rows
+        return Table(["", "pad", "subjects", "95 % of people"], rows)
     rows = [
         [
             one["file"],
@@ -165,13 +166,13 @@ def press_table(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
         ]
         for one in result["presses"]
     ]
-    return ["press", "mm/s", "pad peak N", "subjects N", "95 % N", "subjects/pad", "depth mm"], rows
+    return Table(["press", "mm/s", "pad peak N", "subjects N", "95 % N", "subjects/pad", "depth mm"], rows)
 
 
-def subject_table(press: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
-    """Head and rows of each subject's numbers."""
+def subject_table(press: dict[str, Any]) -> Table:
+    """Each subject's numbers."""
     rows = [[subject_words(one["name"]), *(number_text(one[key]) for key, _, _ in FIVE)] for one in press["subjects"]]
-    return ["subject", *(f"{words} {unit}" for _, words, unit in FIVE)], rows
+    return Table(["subject", *(f"{words} {unit}" for _, words, unit in FIVE)], rows)
 
 
 def limit_name(row: dict[str, Any]) -> str:

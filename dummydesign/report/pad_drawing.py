@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
-from html import escape
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,39 +10,14 @@ from numpy.typing import NDArray
 
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import Punch
+from dummydesign.mold.files.drawing_layout import SCALES, Measure, View, lay_out_view, put, ratio
+from dummydesign.mold.files.drawing_sheet import Drawing, Point, number_text, to_svg
 
-Point = tuple[float, float]
-SCALES = (20.0, 15.0, 10.0, 8.0, 6.0, 5.0, 4.0, 3.0, 2.5, 2.0, 1.5, 1.0, 0.8, 0.5, 0.4, 0.3, 0.25, 0.2, 0.1)
-SIDE_MM, ABOVE_MM, BELOW_MM = 17.0, 8.0, 14.0
-"""Room for dimensions at each side, for the punch above the tip, and for base and widths below. [mm]"""
-SIZE_MM, HEAD_MM, TAIL_MM = 2.6, 1.6, 1.2
 SIZE = (111.6, 58.0)
 """Width and height of the drawing. [mm]"""
-INK, SOFT, RULE = "#1b232b", "#4f5b66", "#c9d1d8"
-GEL, LOWER_GEL, HARD, STEEL = "#dbe8f5", "#b9cfe4", "#8d99a5", "#e3e7eb"
 POINTS = 401
-
-
-def _path(
-    points: Sequence[Point],
-    stroke: str | None = INK,
-    fill: str | None = None,
-    width_mm: float = 0.25,
-    dash_mm: Sequence[float] = (),
-) -> str:
-    """A run of straight pieces, or the area inside when it is filled."""
-    run = "L".join(f"{x:.3f} {y:.3f}" for x, y in points)
-    dash = f' stroke-dasharray="{" ".join(f"{d:g}" for d in dash_mm)}"' if dash_mm else ""
-    line = f' stroke="{stroke}" stroke-width="{width_mm:g}"{dash}' if stroke else ""
-    return f'<path d="M{run}{"Z" if fill else ""}" fill="{fill or "none"}"{line}/>'
-
-
-def _text(x: float, y: float, words: str, anchor: str = "start", colour: str = INK) -> str:
-    """Words at the start, middle or end of their line; y is that of the base line."""
-    return (
-        f'<text x="{x:.2f}" y="{y:.2f}" font-size="{SIZE_MM}" font-family="Liberation Sans" '
-        f'text-anchor="{anchor}" fill="{colour}">{escape(words)}</text>'
-    )
+SHOWN_MM, TICK_MM, KINK_MM = 7.0, 1.6, 1.4
+"""On the drawing: how much of the punch is shown, the base's hatch, the kink of a side where the pad goes on. [mm]"""
 
 
 def pad_section(
@@ -61,49 +34,52 @@ def pad_section(
     punch : Punch
         Drawn at first touch.
     condition : str
-        How the pad lies on its base, written under it.
+        How the pad lies on its base, written above it.
     """
-    wide, high = SIZE
-    edge = 0.5 * (pad_mm[1] if shape.runs_out else pad_mm[0])
+    edge, (wide, high) = 0.5 * (pad_mm[1] if shape.runs_out else pad_mm[0]), SIZE
+    for scale in SCALES:
+        placed = lay_out_view(_view(shape, thickness_mm, edge, punch, condition, scale), scale)
+        if placed.width <= wide and placed.height <= high:
+            break
+    words = f"Section of the pad, {shape.title}, {thickness_mm:g} mm thick, under the punch {punch.text}."
+    sheet, (left, low, right, top) = Drawing(words, scale), placed.box
+    put(sheet, placed, (0.5 * (wide - left - right), 0.5 * (high - low - top)))
+    return {"svg": to_svg(sheet, SIZE), "high": high, "alt": words}
+
+
+def _view(shape: PadShape, thickness_mm: float, edge: float, punch: Punch, condition: str, scale: float) -> View:
+    """The section in its own coordinates: from its axis, and from its base up."""
     foot = _foot(shape, edge)
     half = min(max(1.35 * foot, 1.4 * punch.half_width_mm, 1.2 * thickness_mm, 8.0), edge)
-    room = 0.5 * wide - SIDE_MM, high - ABOVE_MM - BELOW_MM
-    scale = next((s for s in SCALES if s * half <= room[0] and s * thickness_mm <= room[1]), SCALES[-1])
-    axis, ground = 0.5 * wide, ABOVE_MM + 0.5 * (room[1] + scale * thickness_mm)
     x = np.union1d(np.linspace(-half, half, POINTS), [-foot, 0.0, foot])
     face, bone = thickness_mm - _height(shape.drop_mm, shape, x), _height(shape.bone_mm, shape, x)
-
-    def at(across: float, up: float) -> Point:
-        return axis + scale * across, ground - scale * up
+    flat, top, tick = float(face[-1]), thickness_mm + SHOWN_MM / scale, TICK_MM / scale
+    layers, ends, boned = shape.layers(), ((half, 0.0), (-half, 0.0)), bool(bone.max() > 0.0)
+    lower = shape.bone_height_mm if layers is None else thickness_mm - layers[0]
 
     def run(heights: NDArray) -> tuple[Point, ...]:
-        return tuple(at(float(a), float(b)) for a, b in zip(x, heights))
+        return tuple(zip(x.tolist(), heights.tolist()))
 
-    ends = (at(half, 0.0), at(-half, 0.0))
-    items: list[str] = [_path((*run(face), *ends), None, GEL)]
-    layers = shape.layers()
-    if layers is not None:
-        lower = thickness_mm - layers[0]
-        items.append(_path((at(-half, lower), at(half, lower), *ends), SOFT, LOWER_GEL, 0.2))
-    if bone.max() > 0.0:
-        items.append(_path((*run(bone), *ends), INK, HARD, 0.25))
-    items += _dimensions(shape, thickness_mm, float(face[-1]), foot, half, at)
-    items += [_path(run(face), INK, width_mm=0.45), *_base(at(-half, 0.0), at(half, 0.0))]
-    for side in (-half, half):
-        top = float(face[-1])
-        items.append(
-            _path((at(side, 0.0), at(side, top)), INK, width_mm=0.35)
-            if half >= edge
-            else _break(at(side, 0.0), at(side, top))
-        )
-    items += _punch(punch, at, thickness_mm)
-    items.append(_path((at(0.0, 0.0), (axis, 0.0)), SOFT, None, 0.15, (3.0, 0.8, 0.6, 0.8)))
-    items += _radius(shape, thickness_mm, foot, half, at)
-    words = f"scale {scale:g}:1" if scale >= 1.0 else f"scale 1:{1.0 / scale:g}"
-    items.append(_text(0.0, high - 1.0, f"{condition}; {words}" if condition else words, colour=SOFT))
-    svg = f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide}mm" height="{high}mm" viewBox="0 0 {wide} {high}">'
-    alt = f"Section of the pad, {shape.title}, {thickness_mm:g} mm thick, under the punch {punch.text}."
-    return {"svg": f"{svg}{''.join(items)}</svg>", "high": high, "alt": alt}
+    runs = [((*run(face), *ends), "gel")]
+    runs += [(((-half, lower), (half, lower), *ends), "lower gel")] if layers is not None else []
+    runs += [((*run(bone), *ends), "hard")] if boned else []
+    runs += [(_punch(punch, thickness_mm, top), "steel"), (run(face), "outline"), (ends, "outline")]
+    runs += [(((at, 0.0), (at - tick, -tick)), "hatch") for at in np.arange(-half + tick, half, 1.4 * tick).tolist()]
+    runs += [(_side(side, flat, 0.0 if half >= edge else KINK_MM / scale), "thin") for side in (-half, half)]
+    runs.append((((0.0, 0.0), (0.0, top)), "thin"))
+    # all heights on one side: the line to the radius crosses none
+    measures = [Measure((0.0, thickness_mm), (0.0, 0.0), "right")]
+    if flat < thickness_mm - 1e-6:
+        measures += [Measure((half, 0.0), (half, flat), "right"), Measure((half, flat), (0.0, thickness_mm), "right")]
+    elif lower > 0.0:
+        measures += [Measure((0.0, 0.0), (0.0, lower), "right"), Measure((0.0, lower), (half, thickness_mm), "right")]
+    measures += [Measure((0.0, 0.0), (foot, 0.0 if boned else flat), "below")] if foot else []
+    at, radius = -0.55 * foot, shape.tip_radius_mm or (getattr(shape, "radius_mm", None) if boned else None)
+    leaders = (((at, float(np.interp(at, x, bone if boned else face))), f"R {number_text(radius)}"),) if radius else ()
+    kind, _, size = punch.text.partition(":")
+    pressed = "punch" if kind == "profile" else f"punch {size} x {size}" if punch.square else f"{kind} punch {size}"
+    name = "; ".join(words for words in (pressed, condition, f"scale {ratio(scale)}") if words)
+    return View(name, tuple(runs), tuple(measures), leaders)
 
 
 def _height(of: Callable[[NDArray, NDArray], NDArray], shape: PadShape, x: NDArray) -> NDArray:
@@ -121,119 +97,16 @@ def _foot(shape: PadShape, edge: float) -> float:
     return min((line for line in shape.lines_mm() if abs(line - foot) < 0.05), default=foot)
 
 
-def _base(left: Point, right: Point) -> list[str]:
-    """The base plane with its hatch."""
-    wide = right[0] - left[0]
-    count = max(int(wide / 2.2), 2)
-    ticks = [left[0] + wide * (k + 0.7) / count for k in range(count)]
-    return [
-        _path((left, right), INK, width_mm=0.5),
-        *(_path(((x, left[1]), (x - 1.4, left[1] + 1.6)), SOFT, width_mm=0.15) for x in ticks),
-    ]
+def _side(x: float, high: float, kink: float) -> tuple[Point, ...]:
+    """A side of the pad; with a kink in its middle where the pad goes on."""
+    middle, kink = 0.5 * high, min(kink, 0.12 * high)
+    inner = ((x - kink, middle - 0.4 * kink), (x + kink, middle + 0.4 * kink))
+    return ((x, 0.0), (x, middle - kink), *inner, (x, middle + kink), (x, high))
 
 
-def _break(low: Point, high: Point) -> str:
-    """A line that shows that the pad goes on."""
-    (x, bottom), top = low, high[1]
-    middle, kink = 0.5 * (bottom + top), min(0.12 * (bottom - top), 1.4)
-    run = ((x, bottom), (x, middle + kink), (x - kink, middle + 0.4 * kink), (x + kink, middle - 0.4 * kink),
-           (x, middle - kink), (x, top))  # fmt: skip
-    return _path(run, SOFT, width_mm=0.2)
-
-
-def _punch(punch: Punch, at: Callable[[float, float], Point], thickness_mm: float) -> list[str]:
-    """The punch at first touch, up to the top of the drawing."""
-    r, z = ([0.0, punch.half_width_mm], [0.0, 0.0]) if punch.profile_mm is None else punch.profile_mm
-    out, up = np.asarray(r), thickness_mm + np.asarray(z)
-    points = [at(float(a), float(b)) for a, b in zip([*-out[::-1], *out], [*up[::-1], *up])]
-    points = [(a, b) for a, b in points if b >= 1.0]
-    (first, _), (last, _) = points[0], points[-1]
-    kind, _, size = punch.text.partition(":")
-    words = "punch" if kind == "profile" else f"punch {size} x {size}" if punch.square else f"{kind} punch {size}"
-    label = _text(last + 1.5, 3.2, words, colour=SOFT)
-    return [_path((*points, (last, 0.0), (first, 0.0)), SOFT, STEEL, 0.2), label]
-
-
-def _dimensions(
-    shape: PadShape,
-    thickness_mm: float,
-    flat_mm: float,
-    foot: float,
-    half: float,
-    at: Callable[[float, float], Point],
-) -> list[str]:
-    """Thicknesses left and right, widths below, the radius at the tip."""
-    items = _measure(at(0.0, thickness_mm), at(0.0, 0.0), at(-half, 0.0)[0] - 6.0, "left", _number(thickness_mm))
-    layers = shape.layers()
-    x = at(half, 0.0)[0] + 5.0
-    rights: list[tuple[float, float]] = []
-    if flat_mm < thickness_mm - 1e-6:
-        rights = [(0.0, flat_mm), (flat_mm, thickness_mm)]
-    elif layers is not None:
-        rights = [(0.0, thickness_mm - layers[0]), (thickness_mm - layers[0], thickness_mm)]
-    elif shape.bone_height_mm > 0.0:
-        rights = [(0.0, shape.bone_height_mm), (shape.bone_height_mm, thickness_mm)]
-    for lower, upper in rights:
-        starts = half if not shape.bone_height_mm else 0.0
-        ends = at(0.0 if upper == thickness_mm and shape.relief_mm else starts, upper), at(starts, lower)
-        items += _measure(*ends, x, "right", _number(upper - lower))
-    if foot:
-        y = at(0.0, 0.0)[1] + 6.0
-        items += _width(at(0.0, 0.0), at(foot, 0.0 if shape.bone_height_mm else flat_mm), y, _number(foot))
-    return items
-
-
-def _radius(
-    shape: PadShape, thickness_mm: float, foot: float, half: float, at: Callable[[float, float], Point]
-) -> list[str]:
-    """The radius of the tip or of the bone, on a line to it."""
-    radius = shape.tip_radius_mm or (getattr(shape, "radius_mm", None) if shape.bone_height_mm else None)
-    if not radius:
-        return []
-    share = 0.55 * foot
-    height = (
-        _height(shape.bone_mm, shape, np.array([share]))[0]
-        if shape.bone_height_mm
-        else thickness_mm - _height(shape.drop_mm, shape, np.array([share]))[0]
-    )
-    end = at(-0.85 * half, 0.0)[0] - 2.0, at(0.0, thickness_mm)[1] - 3.5
-    return [
-        _path((at(-share, float(height)), end), SOFT, width_mm=0.15),
-        _text(end[0], end[1] - 0.6, f"R {_number(radius)}", anchor="middle"),
-    ]
-
-
-def _number(value: float) -> str:
-    """A length as it is drawn: hundredths at most."""
-    return f"{round(value, 2):g}"
-
-
-def _arrow(tip: Point, turn: float) -> str:
-    """A head that points to its tip; the angle is that of its shaft. [rad]"""
-    sides = [(tip[0] + HEAD_MM * math.cos(turn + way), tip[1] + HEAD_MM * math.sin(turn + way)) for way in (-0.2, 0.2)]
-    return _path((tip, *sides), None, INK)
-
-
-def _measure(top: Point, bottom: Point, x: float, side: str, words: str) -> list[str]:
-    """A height between two points, its line at a place beside them; short ones have their arrows outside."""
-    (_, high), (_, low) = top, bottom
-    reach = 1.0 if side == "right" else -1.0
-    items: list[str] = [
-        _path(((end[0] + 0.6 * reach, end[1]), (x + TAIL_MM * reach, end[1])), RULE, width_mm=0.2)
-        for end in (top, bottom)
-    ]
-    inside = low - high > 3.0 * HEAD_MM
-    start, stop = (high, low) if inside else (high - 3.0, low + 3.0)
-    items.append(_path(((x, start), (x, stop)), INK, width_mm=0.18))
-    down, up = 0.5 * math.pi, -0.5 * math.pi
-    items += [_arrow((x, high), down if inside else up), _arrow((x, low), up if inside else down)]
-    anchor = "start" if side == "right" else "end"
-    return [*items, _text(x + 1.2 * reach, 0.5 * (high + low) + 0.9, words, anchor=anchor)]
-
-
-def _width(left: Point, right: Point, y: float, words: str) -> list[str]:
-    """A width between two points, its line under them."""
-    items: list[str] = [_path(((x, up + 0.6), (x, y + TAIL_MM)), RULE, width_mm=0.2) for x, up in (left, right)]
-    items.append(_path(((left[0], y), (right[0], y)), INK, width_mm=0.18))
-    items += [_arrow((left[0], y), 0.0), _arrow((right[0], y), math.pi)]
-    return [*items, _text(0.5 * (left[0] + right[0]), y + 3.2, words, anchor="middle")]
+def _punch(punch: Punch, foot_mm: float, top_mm: float) -> tuple[Point, ...]:
+    """The punch at first touch, as much of it as is shown."""
+    out, up = ([0.0, punch.half_width_mm], [0.0, 0.0]) if punch.profile_mm is None else punch.profile_mm
+    right = [(float(a), foot_mm + float(b)) for a, b in zip(out, up) if foot_mm + b <= top_mm]
+    right.append((right[-1][0], top_mm))
+    return (*((-a, b) for a, b in right[::-1]), *right)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from html import escape, unescape
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 from dummydesign._version import __version__
 from dummydesign.core.files import csv_text, write_bytes, write_text
 from dummydesign.core.serialise import parameter_rows
+from dummydesign.core.tables import Table
 from dummydesign.core.user_library import data_folder, read_toml
 from dummydesign.mold.files.solid_view import stack, view_html
 from dummydesign.report.front_page import FrontPage, lay_out
@@ -99,37 +99,6 @@ def glossary_page() -> str:
 
 # A browser that honours this refuses any request of the page, and reports it in its console.
 POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
-
-
-@dataclass(frozen=True)
-class Table:
-    """Head and rows of plain values; numbers are written with four digits."""
-
-    head: Sequence[str]
-    rows: Sequence[Sequence[Any]]
-
-    @classmethod
-    def of(cls, rows: Iterable[Any], columns: Mapping[str, str | Callable[[Any], Any]]) -> Table:
-        """Make a table of rows by heading: a key of the row, ``key:format``, or what a function makes of the row."""
-
-        def value(row: Any, column: str | Callable[[Any], Any]) -> Any:
-            if not isinstance(column, str):
-                return column(row)
-            key, _, form = column.partition(":")
-            return format(row[key], form) if form else row[key]
-
-        return cls([*columns], [[value(row, column) for column in columns.values()] for row in rows])
-
-    def html(self) -> str:
-        """The table, scrolling sideways by itself on a narrow screen."""
-        head = "".join(f'<th scope="col">{escape(text)}</th>' if text else "<td></td>" for text in self.head)
-        rows = "".join("<tr>" + "".join(f"<td>{escape(cell(v))}</td>" for v in row) + "</tr>" for row in self.rows)
-        return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
-
-
-def cell(value: Any) -> str:
-    """Write one value of a table."""
-    return "–" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 @dataclass(frozen=True)
@@ -233,7 +202,7 @@ def write_report(
 ) -> dict[str, str]:
     """Write ``report.html`` and the values of all plots (``report.csv``); see :func:`page` for the other parts.
 
-    A front is ``report.pdf``, where Typst is installed; its steps are in the page as well.
+    A front is ``report.pdf``; its steps are in the page as well.
 
     Examples
     --------
@@ -256,8 +225,7 @@ def write_report(
     files = {}
     if front is not None:
         parts["steps"] = front.steps
-        with suppress(ImportError):
-            files["first_page"] = str(write_bytes(folder / "report.pdf", lay_out(front)))
+        files["first_page"] = str(write_bytes(folder / "report.pdf", lay_out(front)))
     rows = [row for section in sections for plot in section.plots for row in plot.rows()]
     if rows:
         files["report_values"] = str(write_text(folder / "report.csv", csv_text(COLUMNS, rows)))

@@ -3,14 +3,27 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.typeset import typeset
 from dummydesign.report.plot import Plot, Series, thin
 
-MOST_DOTS, MOST_ACROSS = 40, 5
+MOST_DOTS, MOST_ACROSS, MOST_NAMES = 40, 5, 12
+
+
+def picture(title: str, plots: Sequence[Plot]) -> bytes:
+    """Plots side by side, their areas named, as PNG."""
+    areas = (dict.fromkeys(part.label for part in one.series if part.kind == "band" and part.seen) for one in plots)
+    shown = [
+        {"title": f"{one.title}; area: {'; '.join(names)}" if names else one.title, **plot_drawing(one)}
+        for one, names in zip(plots, areas)
+    ]
+    return typeset(Path(__file__).with_name("plots.typ"), {"title": title, "plots": shown}, "png")
 
 
 def plot_drawing(plot: Plot) -> dict[str, Any]:
@@ -72,7 +85,7 @@ def draw_plot(
         "x": across,
         "y": along,
         "series": drawn,
-        "names": [*ends.values()] if named else [],
+        "names": [*ends.values()] if named and len(ends) <= MOST_NAMES else [],
         "bars": bars is not None,
         "words": words,
         "x_label": "",

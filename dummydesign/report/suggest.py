@@ -1,4 +1,4 @@
-"""Report of a suggestion, and its figures; every number was worked out before."""
+"""Report of a suggestion, and its figures."""
 
 from __future__ import annotations
 
@@ -10,14 +10,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.serialise import percent_below_limit
-from dummydesign.design.plot_data import THICKNESS_GRID_MM, PressPictures, SuggestionCurves
+from dummydesign.core.tables import Table
+from dummydesign.design.plot_data import (
+    THICKNESS_GRID_MM,
+    PressPictures,
+    exponent_over_thickness,
+    force_grids,
+    ratio_error,
+    reactions,
+    relative_force,
+)
 from dummydesign.design.request import base_words
 from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_view, view_script
 from dummydesign.report import suggest_facts
-from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel
 from dummydesign.report.pad_drawing import pad_section
-from dummydesign.report.page import STYLES, Section, Table, solid_section, write_report
+from dummydesign.report.page import STYLES, Section, solid_section, write_report
 from dummydesign.report.plot import Plot, Series, press_plot, steady_plot
 from dummydesign.report.sections.conformity import budget_section
 from dummydesign.report.sections.curves import curves_section
@@ -27,15 +36,16 @@ if TYPE_CHECKING:
     from dummydesign.design.suggestion import Suggestion
 
 
-def relative_force_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
+def relative_force_plot(answer: Suggestion) -> Plot:
     """Force of each kind's best pad over the aim's, at the aim's depth."""
-    force = curves.forces_N.relative
+    grids = force_grids(answer.targets.protocol)
+    force = grids.relative
     series: list[Series] = [Series.line(f"aim: {answer.request.aim}", force, np.ones_like(force), "aim")]
     words = []
-    for item, relative, style in zip(answer.comparisons, curves.relative_forces, STYLES[:5]):
-        if relative is None:
+    for item, style in zip(answer.comparisons, STYLES[:5]):
+        if item.candidate is None:
             continue
-        series.append(Series.line(str(item.shape), force, relative, style))
+        series.append(Series.line(str(item.shape), force, relative_force(item.candidate, answer.targets, grids), style))
         misfit = None if item.low_force is None else item.low_force.misfit_rms_ln_force
         words.append(f"{item.shape}: misfit {'not reached' if misfit is None else f'{misfit:.2f}'}")
     alt = f"Steady force of each pad over the tissue's at the same depth; 1 is the tissue. {'; '.join(words)}."
@@ -55,23 +65,24 @@ def relative_force_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
     )
 
 
-def steady_figure(answer: Suggestion, curves: SuggestionCurves) -> Plot:
+def steady_figure(answer: Suggestion) -> Plot:
     """Steady force over depth: subjects, aim, the recommended pad and the alternatives."""
-    grids, protocol = curves.forces_N, answer.targets.protocol
-    below = curves.subjects_extrapolated_mm
+    targets, best = answer.targets, answer.best
+    protocol, grids = targets.protocol, force_grids(targets.protocol)
+    below, among = (targets.depth_range_mm(force) for force in (grids.extrapolated, grids.measured))
     series: list[Series] = [
         Series.band("subjects, extrapolated", grids.extrapolated, *below, sideways=True, style="extra"),
-        Series.band(f"subjects of {answer.tissue.name}", grids.measured, *curves.subjects_measured_mm, sideways=True),
-        Series.line(f"aim: {answer.request.aim}", curves.aim_depth_mm, grids.aim, "aim"),
+        Series.band(f"subjects of {answer.tissue.name}", grids.measured, *among, sideways=True),
+        Series.line(f"aim: {answer.request.aim}", targets.aim_depth_mm(grids.aim), grids.aim, "aim"),
     ]
-    stiff, soft, unreached = curves.castings_mm
+    stiff, soft, unreached = answer.castings.few.depth_band_mm(grids.pad)
     # where the softest castings do not reach a force, the band ends at the depth at which the gel bottoms out
-    known, soft = np.isfinite(stiff), np.where(np.isfinite(soft), soft, curves.limit_mm)
+    known, soft = np.isfinite(stiff), np.where(np.isfinite(soft), soft, best.limit_mm)
     note = ""
     if unreached[-1] > 0.005:
         note = (
             f"{100 * unreached[-1]:.0f} % of castings do not reach {grids.pad[-1]:g} N: the gel bottoms out at "
-            f"{curves.limit_mm:.1f} mm, where the band ends"
+            f"{best.limit_mm:.1f} mm, where the band ends"
         )
     if known.any():
         series.append(
@@ -79,14 +90,17 @@ def steady_figure(answer: Suggestion, curves: SuggestionCurves) -> Plot:
                 "95 % of the pad's castings", grids.pad[known], stiff[known], soft[known], sideways=True, style="cast"
             )
         )
-    others = sorted(zip(answer.alternatives, curves.other_depths_mm), key=lambda pair: pair[0].thickness_mm)
-    for (other, depth), style in zip(others, STYLES[1:5]):
+    others = sorted(answer.alternatives, key=lambda other: other.thickness_mm)
+    for other, style in zip(others, STYLES[1:5]):
+        depth = other.steady_depth_mm(grids.pad)
         series.append(Series.line(f"{other.thickness_mm:g} mm, ratio {other.ratio:g}", depth, grids.pad, style))
-    series.append(Series.line("recommended pad", curves.pad_depth_mm, grids.pad))
-    inside = float(answer.best.evaluation.steady_state_range[answer.best.index])
+    depth = best.steady_depth_mm(grids.pad)
+    series.append(Series.line("recommended pad", depth, grids.pad))
+    inside = float(best.evaluation.steady_state_range[best.index])
+    needed_mm = float(np.interp(protocol.needed_N, grids.pad, depth))
     alt = (
         f"Steady force over depth. The recommended pad lies inside the subjects' range for {100 * inside:.0f} % of "
-        f"{protocol.words}; at {protocol.needed_N:g} N it is {curves.pad_depth_at_needed_mm:.2f} mm deep."
+        f"{protocol.words}; at {protocol.needed_N:g} N it is {needed_mm:.2f} mm deep."
     )
     return steady_plot(alt, series, note)
 
@@ -117,7 +131,7 @@ def press_plots(answer: Suggestion) -> list[Plot]:
     return plots
 
 
-def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
+def score_maps(answer: Suggestion) -> list[Plot]:
     """The whole map, and its surroundings of the recommended design, where the ellipse can be seen."""
     scores, best, needed = answer.score_map, answer.best, answer.targets.protocol.needed_N
     value = np.where(scores.feasible, scores.total, np.nan)
@@ -131,7 +145,7 @@ def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
             "other",
         ),
     ]
-    off, thick = curves.ratio_error, answer.castings.tolerances.thickness_mm
+    off, thick = ratio_error(answer), answer.castings.tolerances.thickness_mm
     series.append(Series.ellipse("tolerance of weighing and thickness", best.ratio, best.thickness_mm, off, thick))
     others = answer.alternatives
     if others:
@@ -174,15 +188,17 @@ def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
     return [whole, close]
 
 
-def exponent_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
+def exponent_plot(answer: Suggestion) -> Plot:
     """Local exponent over thickness at several forces."""
-    here = list(curves.exponent_here)
+    thickness, grids = answer.best.thickness_mm, force_grids(answer.targets.protocol)
+    exponent = exponent_over_thickness(answer, answer.law, grids)
+    here = [float(np.interp(thickness, THICKNESS_GRID_MM, column)) for column in exponent.T]
     series = [
         *(
-            Series.line(f"{force:g} N", THICKNESS_GRID_MM, curves.exponent[:, column], style)
-            for column, (force, style) in enumerate(zip(curves.forces_N.exponent_at, STYLES[:5]))
+            Series.line(f"{force:g} N", THICKNESS_GRID_MM, exponent[:, column], style)
+            for column, (force, style) in enumerate(zip(grids.exponent_at, STYLES[:5]))
         ),
-        Series.dots("recommended", [answer.best.thickness_mm] * len(here), here, "aim"),
+        Series.dots("recommended", [thickness] * len(here), here, "aim"),
     ]
     alt = f"Local exponent over thickness at ratio {answer.best.ratio:g}; the tissue's law has 3 everywhere."
     return Plot(
@@ -199,9 +215,9 @@ def exponent_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
     )
 
 
-def sensitivity_bars(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
+def sensitivity_bars(answer: Suggestion) -> list[Plot]:
     """Change of depth and of peak between both ends of each uncertainty."""
-    bars, protocol, plots = curves.reactions, answer.targets.protocol, []
+    bars, protocol, plots = reactions(answer, answer.cast), answer.targets.protocol, []
     names, force = [item.name for item in bars], protocol.needed_N
     note = f"* at one end {force:g} N is out of reach" if any(name.endswith("*") for name in names) else ""
     for what, speed in (("depth", protocol.slow_mm_s), ("peak", protocol.fast_mm_s)):
@@ -235,7 +251,7 @@ def suggestion_front(answer: Suggestion, result: dict[str, Any], presses: Sequen
         read_punch(given["punch"]),
         base_words(given["base"]),
     )
-    head, rows = suggest_facts.press_rows(result)
+    table = suggest_facts.press_rows(result)
     steps, risk = suggest_facts.next_steps(result), suggest_facts.risk_text(result)
     blocks = [
         ("Correction", [full_sentence(line) for line in suggest_facts.correction_lines(result)]),
@@ -250,9 +266,9 @@ def suggestion_front(answer: Suggestion, result: dict[str, Any], presses: Sequen
         facts_title="Recipe",
         facts=_recipe_facts(result),
         panels_title="Force [N] over time since contact",
-        panels=[_panel(plot, row, cells) for plot, row, cells in zip(presses, best["conditions"], rows)],
+        panels=[_panel(plot, row, cells) for plot, row, cells in zip(presses, best["conditions"], table.rows)],
         keys=[("band", "subjects"), ("main", "this pad"), ("aim", f"aim: {given['aim']}")],
-        table=Grid(head, rows, frozenset(n for n, cells in enumerate(rows) if cells[-1] != "inside")),
+        table=table,
         blocks=[(title, texts) for title, texts in blocks if texts],
         notes=suggest_facts.warning_texts(result),
         steps=[step if step.startswith("dummydesign ") else full_sentence(step) for step in steps],
@@ -288,7 +304,6 @@ def write_suggestion(
     folder: Path,
     answer: Suggestion,
     result: dict[str, Any],
-    curves: SuggestionCurves,
     pictures: PressPictures,
 ) -> dict[str, str]:
     """Write the report of a suggestion into a folder; see :func:`dummydesign.report.page.write_report`."""
@@ -318,15 +333,15 @@ def write_suggestion(
         lead = f"{result['calibration']['text']}. {lead}"
     presses = press_plots(answer)
     sections = [
-        Section("Steady force", _steady_words(answer), [steady_figure(answer, curves)], _low_table(best)),
-        *_shapes(answer, result, curves),
+        Section("Steady force", _steady_words(answer), [steady_figure(answer)], _low_table(best)),
+        *_shapes(answer, result),
         Section("Force over time", _press_words(answer), presses, _conditions(best)),
         curves_section(result["curves"], result["verdict"]["subjects"], answer.request.aim),
         pressed_section(answer, pictures),
         Section(
             "Why this design",
             _why(result),
-            [*score_maps(answer, curves), exponent_plot(answer, curves), *sensitivity_bars(answer, curves)],
+            [*score_maps(answer), exponent_plot(answer), *sensitivity_bars(answer)],
             _alternatives(result),
         ),
         Section(
@@ -409,7 +424,7 @@ def _press_words(answer: Suggestion) -> str:
     )
 
 
-def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves) -> list[Section]:
+def _shapes(answer: Suggestion, result: dict[str, Any]) -> list[Section]:
     """The best pad of each kind side by side, when shapes were searched."""
     if not answer.comparisons:
         return []
@@ -455,7 +470,7 @@ def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves
                 f"{100 * row['after_puck']:.0f} %",
             ]
         )
-    return [Section("Shapes side by side", text, [relative_force_plot(answer, curves)], Table(head, rows))]
+    return [Section("Shapes side by side", text, [relative_force_plot(answer)], Table(head, rows))]
 
 
 def _why(result: dict[str, Any]) -> str:

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dummydesign.core.tables import Table
 from dummydesign.design.plot_data import ABOVE_MM, PressedPad, PressPictures
-from dummydesign.report.page import Section, Table
+from dummydesign.report.page import Section
 from dummydesign.report.plot import Plot, Series
 
 if TYPE_CHECKING:

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.options import command_words
+from dummydesign.core.tables import Table
 from dummydesign.design.request import Request
-from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
-from dummydesign.report.page import STYLES, Section, Table, write_report
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, sentence, warning_texts
+from dummydesign.report.page import STYLES, Section, write_report
 from dummydesign.report.plot import Plot, Series
 from dummydesign.report.plot_drawing import plot_drawing
 
@@ -78,8 +79,8 @@ def _middle(rows: Rows) -> str:
     return forces[len(forces) // 2]
 
 
-def plane_tables(rows: Rows) -> tuple[list[str], list[list[str]], list[list[str]], int]:
-    """Head, rows of depth at one force, rows of peak over steady, and how many thicknesses are left out."""
+def plane_tables(rows: Rows) -> tuple[Table, Table, int]:
+    """Depth at one force, peak over steady, and how many thicknesses are left out."""
     force = _middle(rows)
     across = sorted({row["thickness_mm"] for row in rows})
     shown = (
@@ -100,7 +101,7 @@ def plane_tables(rows: Rows) -> tuple[list[str], list[list[str]], list[list[str]
         for body, values in ((depths, depth), (peaks, peak)):
             body.append([*first, *("-" if value is None else f"{value:.2f}" for value in values)])
     head = ["ratio", "kPa", *(f"{thickness:g} mm" for thickness in shown)]
-    return head, depths, peaks, len(across) - len(shown)
+    return Table(head, depths), Table(head, peaks), len(across) - len(shown)
 
 
 def first_text(rows: Rows) -> str:
@@ -109,8 +110,8 @@ def first_text(rows: Rows) -> str:
     return f"{best}'at N': depth in mm at that steady force ('-': not reached)"
 
 
-def first_table(rows: Rows) -> tuple[list[str], list[list[str]], int]:
-    """Head and rows of the best designs, all where no tissue ranks them, and how many are left out."""
+def first_table(rows: Rows) -> tuple[Table, int]:
+    """The best designs, all where no tissue ranks them, and how many are left out."""
     forces = list(rows[0]["depth_mm_at_N"])
     shown = forces if len(forces) <= 3 else [forces[0], forces[len(forces) // 2], forces[-1]]
     differ = [name for name, values in varied(rows).items() if len(values) > 1]
@@ -129,7 +130,7 @@ def first_table(rows: Rows) -> tuple[list[str], list[list[str]], int]:
             ]
         )
     head = [*(["score"] if score else []), "pad mm", "ratio", "kPa", *(f"at {force} N" for force in shown)]
-    return [*head, ", ".join(differ)], body, len(rows) - BEST if score else 0
+    return Table([*head, ", ".join(differ)], body), len(rows) - BEST if score else 0
 
 
 def write_whatif(
@@ -166,11 +167,12 @@ def _front(study: Study, rows: Rows, lead: str, plots: Sequence[Plot], warnings:
     ordered = best_first(rows)
     plane = in_plane(ordered)
     if plane:
-        head, depths, peaks, _ = plane_tables(ordered)
-        both = (zip(*pair) for pair in zip(depths, peaks))
+        depths, peaks, _ = plane_tables(ordered)
+        both = (zip(*pair) for pair in zip(depths.rows, peaks.rows))
         body = [[x if column < 2 or y == "-" else f"{x}, {y}" for column, (x, y) in enumerate(row)] for row in both]
+        table = Table(depths.head, body)
     else:
-        head, body, _ = first_table(ordered)
+        table, _ = first_table(ordered)
     steps, best, facts, words = list[str](), ordered[0], [Fact("designs", f"{len(rows)}", True)], lead
     if "score" in best:
         text = f"{best['thickness_mm']:g} mm, ratio {best['ratio']:g}, {best['shape']}"
@@ -193,7 +195,7 @@ def _front(study: Study, rows: Rows, lead: str, plots: Sequence[Plot], warnings:
         "Local exponent d ln F / d ln x over thickness [mm]",
         [Panel(plot, plot.title.partition(" thickness ")[2], "") for plot in plots[:2]],
         (),
-        Grid(head, body),
+        table,
         [("Cells", [sentence(", ".join(plane_texts(ordered)))])] if plane else (),
         warning_texts(warnings),
         steps,

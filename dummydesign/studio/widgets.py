@@ -17,6 +17,7 @@ from nicegui import ui
 from nicegui.elements.mixins.value_element import ValueElement
 
 from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.tables import Table
 from dummydesign.project.folder import Project, project_of
 from dummydesign.report import page as report_page
 from dummydesign.report.plot import plots_js
@@ -445,7 +446,7 @@ def table(
 
     ``symbols`` are what the first cells of the rows say under the pointer.
     """
-    text = str(report_page.Table(head, rows).html())
+    text = str(Table(head, rows).html())
     for row, symbol in zip(rows, symbols):
         named = filled('<td><abbr class="term" tabindex="0" data-term="{}">{}</abbr></td>', symbol, row[0])
         text = text.replace(str(filled("<td>{}</td>", row[0])), str(named), 1)
@@ -456,7 +457,7 @@ def table(
 
 def records(columns: Mapping[str, str | Callable[[Any], Any]], rows: Iterable[Mapping[str, Any]], **more: Any) -> None:
     """Show a table with a column for each head: a key of the rows, or what a function makes of a row."""
-    made = report_page.Table.of(rows, columns)
+    made = Table.of(rows, columns)
     table(made.head, made.rows, **more)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dummydesign.design.plot_data import press_pictures, reactions, suggestion_curves
+from dummydesign.design.plot_data import press_pictures, reactions
 from dummydesign.design.protocol import RADIUS_MM
 from dummydesign.design.request import Request
 from dummydesign.design.search.shape_family import FamilyLaw
@@ -46,7 +46,7 @@ def test_the_reports_bars_are_those_of_the_cast_pad(crowned, tmp_path):
         "next": [{"do": "cast the pad", "command": ""}],
     }
     pictures = press_pictures(crowned)
-    write_suggestion(tmp_path, crowned, result, suggestion_curves(crowned), pictures)
+    write_suggestion(tmp_path, crowned, result, pictures)
     page = (tmp_path / "report.html").read_text()
     low, high = cast[name][0]
     assert f"Change of depth at 10 N, 10 mm/s: {name} {low:.1f} to {high:.1f} %" in page

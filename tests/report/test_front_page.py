@@ -2,18 +2,21 @@
 
 import json
 import re
+import struct
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from dummydesign.cli.entry import run
+from dummydesign.core.tables import Table
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.report.front_page import Fact, FrontPage, Grid, Panel, lay_out
+from dummydesign.report.front_page import Fact, FrontPage, Panel, lay_out
 from dummydesign.report.pad_drawing import SIZE, pad_section
 from dummydesign.report.plot import Series, press_plot
+from dummydesign.report.plot_drawing import picture
 from tests.support.pdf_paths import pages_mm
 from tests.support.pdf_texts import MM, objects, pdf_text, pdf_texts, placed_texts
 
@@ -49,6 +52,8 @@ def made(tmp_path_factory, request):
 def box_of(text):
     """What the words cover, with descenders. [mm]"""
     size = text.size_pt * MM
+    if text.upright:
+        return text.x_mm - 0.73 * size, text.y_mm - text.width_mm, text.x_mm + 0.21 * size, text.y_mm
     return text.x_mm, text.y_mm - 0.73 * size, text.x_mm + text.width_mm, text.y_mm + 0.21 * size
 
 
@@ -149,7 +154,7 @@ def some_page(presses=6, long=False):
         "Force",
         [Panel(plot, f"press {n} {words}", words, level="a") for n, plot in enumerate(plots)],
         [("band", "people"), ("main", "pad")],
-        Grid(("steady N", "mm/s", "depth mm", "people N", ""), rows),
+        Table(("steady N", "mm/s", "depth mm", "people N", ""), rows),
         [(words, [words] * 2)] * 3,
         [words] * (8 if long else 1),
         [words, f"dummydesign suggest --out {'x' * (400 if long else 4)}", words],
@@ -178,7 +183,7 @@ def test_nothing_leaves_the_sheet_and_no_text_covers_another(presses, long):
 )
 def test_a_name_is_written_as_it_is(name):
     page = some_page(1)
-    table = Grid(("steady N", name), [[name, "2.64"]])
+    table = Table(("steady N", name), [[name, "2.64"]])
     page = replace(
         page, title=name, facts=[Fact(name, name, True)], table=table, steps=[name], notes=[name], foot=f"{name};"
     )
@@ -252,8 +257,8 @@ def test_a_section_is_to_scale_and_has_the_lengths_of_its_shape(shape, thickness
     words = set(re.findall(">([^<>]+)</text>", drawing["svg"]))
     assert lengths <= words
     scale = float(re.search(r"scale ([\d.]+):1", " ".join(words))[1])
-    runs = re.findall(r' d="M([^"Z]+)', drawing["svg"])
-    gel, *others = (np.array([point.split() for point in run.split("L")], float) for run in runs)
+    runs = re.findall(r' points="([^"]+)', drawing["svg"])
+    gel, *others = (np.array([point.split(",") for point in run.split()], float) for run in runs)
     assert np.ptp(gel[:, 1]) == pytest.approx(scale * thickness, abs=1e-3)
     x, z = (gel[:-2, 0] - gel[:-2, 0].mean()) / scale, (gel[-1, 1] - gel[:-2, 1]) / scale
     still = np.zeros_like(x)
@@ -265,3 +270,11 @@ def test_a_section_is_to_scale_and_has_the_lengths_of_its_shape(shape, thickness
         replace(some_page(0), drawing=("Pad", pad_section(pad, thickness, (150.0, 120.0), read_punch(punch))))
     )
     assert lengths <= set(pdf_texts(data))
+
+
+def test_plots_are_one_picture_and_equal_plots_equal_bytes():
+    plots = [panel.plot for panel in some_page(6).panels]
+    few, many = (picture("presses", plots[:count]) for count in (1, 6))
+    assert few[:8] == b"\x89PNG\r\n\x1a\n" and many == picture("presses", plots)
+    (wide, high), (wider, higher) = (struct.unpack(">II", data[16:24]) for data in (few, many))
+    assert 3.5 * wide < wider < 4.5 * wide and 1.5 * high < higher < 2.5 * high  # four a row

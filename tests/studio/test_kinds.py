@@ -8,7 +8,7 @@ import pytest
 
 from dummydesign.cli.entry import run
 from dummydesign.core.levels import LEVELS, level_name
-from dummydesign.report.page import Table
+from dummydesign.core.tables import Table
 from dummydesign.studio.figures import KIND_COLUMNS, kind_rows
 
 

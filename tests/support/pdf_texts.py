@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import zlib
 from collections.abc import Iterator
@@ -19,7 +20,10 @@ SIGNS = {b"n": 10, b"r": 13, b"t": 9, b"b": 8, b"f": 12}
 
 @dataclass(frozen=True)
 class Placed:
-    """Letters, the left end of their base line from the upper left of the paper, their size on paper, their width."""
+    """Letters, the first end of their base line from the upper left of the paper, their size on paper, their length.
+
+    Upright ones run up the paper.
+    """
 
     words: str
     x_mm: float
@@ -27,6 +31,14 @@ class Placed:
     size_pt: float
     width_mm: float
     page: int = 0
+    upright: bool = False
+
+    @property
+    def end_mm(self) -> tuple[float, float]:
+        """The other end of the base line."""
+        if self.upright:
+            return self.x_mm, self.y_mm - self.width_mm
+        return self.x_mm + self.width_mm, self.y_mm
 
 
 def objects(data: bytes) -> dict[int, bytes]:
@@ -47,9 +59,9 @@ def placed_texts(data: bytes) -> list[Placed]:
     merged: list[Placed] = []
     for one in (one for number, page in enumerate(pages) for one in _page(parts, page, number)):
         last = merged[-1] if merged else None
-        if last and one.page == last.page and abs(one.y_mm - last.y_mm) < 0.01 and one.size_pt == last.size_pt:
-            if abs(one.x_mm - last.x_mm - last.width_mm) < 0.05:
-                wide = one.x_mm + one.width_mm - last.x_mm
+        if last and (one.page, one.size_pt, one.upright) == (last.page, last.size_pt, last.upright):
+            if math.dist((one.x_mm, one.y_mm), last.end_mm) < 0.05:
+                wide = math.dist(one.end_mm, (last.x_mm, last.y_mm))
                 merged[-1] = replace(last, words=last.words + one.words, width_mm=wide)
                 continue
         merged.append(one)
@@ -97,7 +109,8 @@ def _content(parts, body, resources, matrix, high, number):
             wide = (sum(widths.get(code, 0.0) for code in codes) - kerned) / 1000.0 * size
             x, y = text[2, 0] * MM, (high - text[2, 1]) * MM
             scale = float(np.hypot(*text[0, :2]))
-            yield Placed("".join(letters[c] for c in codes), x, y, scale * size, scale * wide * MM, number)
+            upright = abs(float(text[0, 1])) > abs(float(text[0, 0]))
+            yield Placed("".join(letters[c] for c in codes), x, y, scale * size, scale * wide * MM, number, upright)
         elif token == b"Do" and operands[-1][1:] in forms:
             form = parts[forms[operands[-1][1:]]]
             inner = parts[_reference(form, b"Resources")] if re.search(rb"/Resources \d", form) else form

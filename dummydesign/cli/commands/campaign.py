@@ -16,29 +16,26 @@ if TYPE_CHECKING:
     from dummydesign.measurement.campaign_file import SetUp
     from dummydesign.measurement.campaign_plan import PlanSettings
 
+PLAN, CHECK, FROM_FILES = "campaigns.plan_campaign", "campaigns.check_campaign", "campaigns.campaign_from_files"
 HELP = "Plan presses (randomised, with a sheet to press from), check them, or make a campaign from files."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the actions."""
-    from dummydesign.api.campaigns import campaign_from_files, check_campaign, plan_campaign
-
     actions = parser.add_subparsers(dest="action", required=True, metavar="new|check|from-files", help="what to do")
     new = actions.add_parser("new", help="a plan, campaign.toml and a sheet to press from")
     files = actions.add_parser("from-files", help="campaign.toml from existing traces")
-    calls: dict[Any, tuple[Any, ...]] = {new: (_design, plan_campaign), files: (campaign_from_files,)}
+    calls: dict[Any, tuple[Any, ...]] = {new: (_design, PLAN), files: (FROM_FILES,)}
     for one, functions in calls.items():
         for function in (*functions, _set_up):
             add_options(one, function)
-    add_options(actions.add_parser("check", help="what is not yet pressed, and problems"), check_campaign)
+    add_options(actions.add_parser("check", help="what is not yet pressed, and problems"), CHECK)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Do the action and return plain values."""
     if options.action == "check":
-        from dummydesign.api.campaigns import check_campaign
-
-        status = check_campaign(options.folder).to_dict()
+        status = call(CHECK, options).to_dict()
         if status["wrong"]:
             count = len(status["wrong"])
             problems = f"{count} problem{'s' if count > 1 else ''} in {options.folder}"
@@ -47,13 +44,9 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     moulded = _moulded(options) if options.action == "new" and options.from_mould is not None else None
     set_up = call(_set_up, options, moulded=moulded)
     if options.action == "from-files":
-        from dummydesign.api.campaigns import campaign_from_files
-
-        return call(campaign_from_files, options, set_up=set_up).to_dict()
-    from dummydesign.api.campaigns import plan_campaign
-
+        return call(FROM_FILES, options, set_up=set_up).to_dict()
     design = call(_design, options, moulded=moulded)
-    plan = call(plan_campaign, options, set_up=set_up, design=design).to_dict()
+    plan = call(PLAN, options, set_up=set_up, design=design).to_dict()
     if moulded is not None:
         plan["inputs"]["from_mould"] = list(moulded.folders)
     elif options.pads is None:

@@ -6,10 +6,13 @@ import argparse
 from typing import Any
 
 from dummydesign.cli import text
-from dummydesign.cli.common_options import add_options, call_in_steps
-from dummydesign.cli.text import columns_of, file_lines, labelled, table, tissue_lines, verdict_lines, warning_lines
+from dummydesign.cli.common_options import add_options, named_by
+from dummydesign.cli.text import file_lines, labelled, tissue_lines, verdict_lines, warning_lines
+from dummydesign.core.tables import Table
 
 HELP = "Compare the traces of a cast dummy with a tissue: parameters, steady-state range, force variation range."
+CALL = "traces.compare"
+default_out = named_by("compare", "tissue")
 
 OWN_TEST = "punch edge_radius_mm condition force_N velocity_mm_s hold_s deceleration_mm_s2".split()
 """How the presses are chosen and judged."""
@@ -17,30 +20,14 @@ OWN_TEST = "punch edge_radius_mm condition force_N velocity_mm_s hold_s decelera
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    from dummydesign.api.traces import compare
-
-    add_options(parser, compare, OWN_TEST)
+    add_options(parser, CALL, OWN_TEST)
     words = "as in 'suggest'; without them every press is used as measured. Numbers may carry a unit"
     test = parser.add_argument_group("your own test", words)
-    add_options(test, compare)
+    add_options(test, CALL)
 
 
 ABOUT_STEPS = 13
 """Steps of a usual comparison: those of the fit, and the tissue's ranges."""
-
-
-def run(options: argparse.Namespace) -> dict[str, Any]:
-    """Read, compare, write tables and report."""
-    from dummydesign.api.traces import compare
-
-    return call_in_steps(ABOUT_STEPS, compare, options).to_dict()
-
-
-def default_out(options: argparse.Namespace) -> str:
-    """Name of the folder when none is typed."""
-    from pathlib import Path
-
-    return f"compare-{Path(options.tissue).stem}"
 
 
 def render(result: dict[str, Any]) -> str:
@@ -51,8 +38,7 @@ def render(result: dict[str, Any]) -> str:
 
     tissue = f"{result['tissue']}, {facts.law_text(result)}"
     head = [*verdict_lines(result["verdict"]), *tissue_lines(result), *labelled("TISSUE", tissue)]
-    columns, body = facts.press_rows(result)
-    rows = columns_of((columns, *body), (8, 5, 8, 10, 14, 0), "  ")
+    rows = facts.press_rows(result).lines("<8 <5 <8 <10 <14 <1".split(), "  ")
     steady = f"fraction inside the subjects' range: {facts.steady_text(result)}"
     return text.screen(
         [*head, *labelled("PAD", facts.pad_text(result)), ""],
@@ -68,24 +54,24 @@ def render(result: dict[str, Any]) -> str:
     )
 
 
-PARAMETERS = [
-    ("parameter", "name", "<22"),
-    ("dummy", "value", ">10.4g"),
-    ("95 % low", "low", ">10.4g"),
-    ("95 % high", "high", ">10.4g"),
-    ("band low", "band_low", ">10.4g"),
-    ("band high", "band_high", ">10.4g"),
-    ("", "position", "<1"),
-]
+PARAMETERS = {
+    "parameter": "name:<22",
+    "dummy": "value:>10.4g",
+    "95 % low": "low:>10.4g",
+    "95 % high": "high:>10.4g",
+    "band low": "band_low:>10.4g",
+    "band high": "band_high:>10.4g",
+    "": "position:<1",
+}
 POSITIONS = {True: " inside", False: " outside", None: " no band"}
-PRESSES = [
-    ("mm/s", "velocity_mm_s", ">6.4g"),
-    ("steady N", "steady_force_N", ">9.3f"),
-    ("depth mm", "depth_mm", ">9.3f"),
-    ("peak N", "peak_force_N", ">8.3f"),
-    ("range of peak N", "span", ">17"),
-    ("inside", "inside", ">7"),
-]
+PRESSES = {
+    "mm/s": "velocity_mm_s:>6.4g",
+    "steady N": "steady_force_N:>9.3f",
+    "depth mm": "depth_mm:>9.3f",
+    "peak N": "peak_force_N:>8.3f",
+    "range of peak N": "span:>17",
+    "inside": "inside:>7",
+}
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -100,10 +86,10 @@ def render_details(result: dict[str, Any]) -> str:
     if "pad" in result:
         lines.append(f"pad of {facts.pad_text(result)}")
     if result["parametric"]:
-        lines += table(
-            [{**row, "name": name, "position": POSITIONS[row["inside"]]} for name, row in result["parametric"].items()],
-            PARAMETERS,
-        )
+        rows = [
+            {**row, "name": name, "position": POSITIONS[row["inside"]]} for name, row in result["parametric"].items()
+        ]
+        lines += Table.of(rows, PARAMETERS).lines(indent="")
     steady = result["steady_state_range"]
     lines.append("steady-state curve, fraction in range of the force reached:")
     low, high = steady["span_N"]
@@ -111,17 +97,15 @@ def render_details(result: dict[str, Any]) -> str:
     for label, key in spans:
         share = steady[key]
         lines.append(f"  {label:<11} {'not reached' if share is None else f'{100 * share:.0f} %'}")
-    lines += table(
-        [
-            {
-                **row,
-                "span": f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}",
-                "inside": f"{100 * row['inside_fraction']:.0f} %",
-            }
-            for row in result["force_variation_range"]
-        ],
-        PRESSES,
-    )
+    presses = [
+        {
+            **row,
+            "span": f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}",
+            "inside": f"{100 * row['inside_fraction']:.0f} %",
+        }
+        for row in result["force_variation_range"]
+    ]
+    lines += Table.of(presses, PRESSES).lines(indent="")
     lines.append(f"curves over time: {curves_text(result['curves'], result['verdict']['subjects'])}")
     lines += budget_lines(result["budget"])
     lines += people_lines(result["people"])

@@ -2,31 +2,17 @@
 
 from __future__ import annotations
 
-import argparse
 from typing import Any
 
-from dummydesign.cli.common_options import add_options, call_in_steps
-from dummydesign.cli.text import file_lines, files_block, labelled, number, screen, table, warning_block, warning_lines
+from dummydesign.cli.text import file_lines, files_block, labelled, screen, warning_block, warning_lines
+from dummydesign.core.tables import Table
 
 HELP = "Fit the nonlinear 3, 5 or 7 element law to traces of one tissue or dummy."
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    from dummydesign.api.traces import fit
-
-    add_options(parser, fit)
+CALL = "traces.fit"
 
 
 ABOUT_STEPS = 12
 """Steps of a usual fit: three numbers of elements, presses left out, seven intervals, the contact."""
-
-
-def run(options: argparse.Namespace) -> dict[str, Any]:
-    """Read the traces, fit, and write the requested files."""
-    from dummydesign.api.traces import fit
-
-    return call_in_steps(ABOUT_STEPS, fit, options, out=options.out or None).to_dict()
 
 
 def render(result: dict[str, Any]) -> str:
@@ -61,25 +47,25 @@ def _parameters(result: dict[str, Any], wide: int, form: str, at_bound: str, ind
         {"label": label, **one, "state": f" {at_bound}" if one["at_bound"] else ""}
         for label, one in parameter_rows(result["parameters"])
     ]
-    columns = [
-        ("parameter", "label", f"<{wide}"),
-        ("value", "value", form),
-        ("95 % low", "low", form),
-        ("95 % high", "high", form),
-        ("", "state", "<1"),
-    ]
-    return table(rows, columns, indent)
+    columns = {
+        "parameter": f"label:<{wide}",
+        "value": f"value:{form}",
+        "95 % low": f"low:{form}",
+        "95 % high": f"high:{form}",
+        "": "state:<1",
+    }
+    return Table.of(rows, columns).lines(indent=indent)
 
 
-TRACES = [
-    ("trace", "file", "<28.28"),
-    ("mm/s", "velocity_mm_s", ">7.4g"),
-    ("mm", "depth_mm", ">7.3f"),
-    ("steady N", "steady_force_N", ">9.3f"),
-    ("peak N", "peak_force_N", ">8.3f"),
-    ("rms N", "rmse_N", ">8.4f"),
-    ("worst N", "max_residual_N", ">8.4f"),
-]
+TRACES = {
+    "trace": "file:<28.28",
+    "mm/s": "velocity_mm_s:>7.4g",
+    "mm": "depth_mm:>7.3f",
+    "steady N": "steady_force_N:>9.3f",
+    "peak N": "peak_force_N:>8.3f",
+    "rms N": "rmse_N:>8.4f",
+    "worst N": "max_residual_N:>8.4f",
+}
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -89,15 +75,22 @@ def render_details(result: dict[str, Any]) -> str:
         f"{result['rmse_N']:.4g} N (noise floor {result['noise_floor_N']:.3g} N), largest "
         f"{result['max_residual_N']:.3g} N",
         *_parameters(result, 30, ">11.5g", "at bound"),
-        f"{'elements':<9} {'rms N':>9} {'AICc above':>11} {'held-out rms N':>15}",
     ]
     lowest = min(row["aicc"] for row in result["comparison"].values())
-    for count, row in result["comparison"].items():
-        above = f"{row['aicc'] - lowest:.1f}" if row["aicc"] - lowest < 1000 else "> 1000"
-        lines.append(f"{count:<9} {row['rmse_N']:>9.4g} {above:>11} {number(row['heldout_rmse_N'], '.4g'):>15}")
+    rivals = [
+        [
+            count,
+            row["rmse_N"],
+            f"{row['aicc'] - lowest:.1f}" if row["aicc"] - lowest < 1000 else "> 1000",
+            row["heldout_rmse_N"],
+        ]
+        for count, row in result["comparison"].items()
+    ]
+    heads = ["elements", "rms N", "AICc above", "held-out rms N"]
+    lines += Table(heads, rivals).lines("<9 >9.4g >11 >15.4g".split(), indent="")
     tried = result["starts"]
     lines.append(f"{tried['same_optimum']} of {tried['tried']} starts ended in the same optimum")
-    lines += table(result["by_trace"], TRACES)
+    lines += Table.of(result["by_trace"], TRACES).lines(indent="")
     lines += [
         f"{row['file'][:28]:<28} touched {row['value_mm']:+.3f} mm before its zero "
         f"({row['low_mm']:+.3f} to {row['high_mm']:+.3f})"

@@ -8,9 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.cli.common_options import add_options, call
-from dummydesign.cli.text import labelled, screen, table, warning_block
+from dummydesign.cli.text import labelled, screen, warning_block
 from dummydesign.core.errors import InputError
+from dummydesign.core.tables import Table
 
+CALL = "traces.import_traces"
 HELP = "Read test-machine files: one trace for each press, tared, zero at contact, compression positive."
 FILES = "text in any usual form, or a workbook (extra xlsx)"
 ROLES = ("time", "displacement", "force")
@@ -18,11 +20,9 @@ ROLES = ("time", "displacement", "force")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    from dummydesign.api.traces import import_traces
-
     parser.add_argument("files", nargs="*", metavar="FILE|FOLDER", help=FILES)
     parser.add_argument("--list", action="store_true", help="show the profiles")
-    add_options(parser, import_traces)
+    add_options(parser, CALL)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
@@ -34,13 +34,11 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         return {"inputs": {"list": True}, "profiles": rows}
     if not options.files:
         raise InputError("import needs a FILE or FOLDER (or --list for the profiles)", "missing", "files")
-    from dummydesign.api.traces import import_traces
-
     if options.skip is not None and options.skip < 0:
         message = f"--skip {options.skip} is not a whole number of lines from 0"
         raise InputError(message, "not_a_number", "skip", options.skip)
     return call(
-        import_traces,
+        CALL,
         options,
         columns=None if options.columns is None else pairs("columns", options.columns),
         units=None if options.units is None else pairs("units", options.units),
@@ -96,12 +94,12 @@ def render(result: dict[str, Any]) -> str:
         for one in result["files"]
         for trace in one["traces"]
     ]
-    columns = [("press", "file", "<28"), *MOTION, ("depth mm", "depth_mm", ">8.3f"), *FORCES]
+    columns = {"press": "file:<28", **MOTION, "depth mm": "depth_mm:>8.3f", **FORCES}
     made = f"traces in {result['inputs']['out']}/, {result['preview']} (look at it first)"
     made += f", profile {result['profile']}" if "profile" in result else ""
     return screen(
         [*head, ""],
-        table(presses, columns, "  "),
+        Table.of(presses, columns).lines(),
         [""],
         warning_block(result),
         labelled("FILES", made),
@@ -109,12 +107,8 @@ def render(result: dict[str, Any]) -> str:
     )
 
 
-MOTION = [("mm/s", "velocity_mm_s", ">8.4g"), ("hold s", "hold_s", ">8.3g")]
-FORCES = [
-    ("peak N", "peak_force_N", ">8.3f"),
-    ("steady N", "steady_force_N", ">8.3f"),
-    ("+- N", "steady_error_N", ">6.2g"),
-]
+MOTION = {"mm/s": "velocity_mm_s:>8.4g", "hold s": "hold_s:>8.3g"}
+FORCES = {"peak N": "peak_force_N:>8.3f", "steady N": "steady_force_N:>8.3f", "+- N": "steady_error_N:>6.2g"}
 
 
 def _decided(known: dict[str, str]) -> str:
@@ -136,11 +130,11 @@ def render_details(result: dict[str, Any]) -> str:
         rows = [f"{one['name']:<20} {one['origin']:<9} {one['path']}" for one in result["profiles"]]
         return "\n".join(rows) if rows else "no profiles yet; 'dummydesign import FILE --save-profile NAME' keeps one"
     lines = []
-    columns = [("trace", "file", "<28.28"), ("samples", "samples", ">8"), *MOTION, ("mm", "depth_mm", ">8.3f"), *FORCES]
+    columns = {"trace": "file:<28.28", "samples": "samples:>8", **MOTION, "mm": "depth_mm:>8.3f", **FORCES}
     for one in result["files"]:
         wide = max(len(decision["what"]) for decision in one["decisions"])
         decisions = (f"  {made['what']:<{wide}}  {made['value']}: {made['why']}" for made in one["decisions"])
-        lines += [one["source"], *decisions, *table(one["traces"], columns, "  ")]
+        lines += [one["source"], *decisions, *Table.of(one["traces"], columns).lines()]
     lines += [f"warning: {warning['message']}" for warning in result["warnings"]]
     lines += [f"traces in: {result['inputs']['out']}", f"preview: {result['preview']}"]
     return "\n".join([*lines, *([f"profile: {result['profile']}"] if "profile" in result else [])])

@@ -6,28 +6,15 @@ import argparse
 from textwrap import wrap
 from typing import Any
 
-from dummydesign.cli.common_options import add_options, call_in_steps
-from dummydesign.cli.text import file_lines, files_block, labelled, screen, table, warning_block, warning_lines
+from dummydesign.cli.text import file_lines, files_block, labelled, screen, warning_block, warning_lines
+from dummydesign.core.tables import Table
 
 HELP = "Find which effect the model lacks in a measured campaign, correct the model, and plan what to measure next."
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    from dummydesign.api.campaigns import calibrate
-
-    add_options(parser, calibrate)
+CALL = "campaigns.calibrate"
 
 
 ABOUT_STEPS = 18
 """Steps of a usual campaign: base, single effects, one more of them, the residual, the next measurement."""
-
-
-def run(options: argparse.Namespace) -> dict[str, Any]:
-    """Run the loop and write report and calibration."""
-    from dummydesign.api.campaigns import calibrate
-
-    return call_in_steps(ABOUT_STEPS, calibrate, options).to_dict()
 
 
 def default_out(options: argparse.Namespace) -> str:
@@ -41,16 +28,13 @@ def render(result: dict[str, Any]) -> str:
     """The answer in words, then error and parameters before and after."""
     from dummydesign.loop.result import answer_rows, answer_words, read_as_words
 
-    head, body = answer_rows(result)
-    rows = [
-        f"  {row[0]:<20} " + " ".join(f"{cell:>9}" for cell in row[1:6]) + "".join(f"  {word}" for word in row[6:])
-        for row in (head, *body)
-    ]
+    answer = answer_rows(result)
+    answer = answer._replace(rows=[[*row[:6], *(f" {word}" for word in row[6:])] for row in answer.rows])
     coming, read_as = result["next_measurement"], read_as_words(result)
     return screen(
         [*labelled("RESULT", answer_words(result), 9), ""],
         [*(f"  {line}" for line in ("to read them so, in campaign.toml:", *read_as)), ""] if read_as else [],
-        rows,
+        answer.lines("<20 >9 >9 >9 >9 >9 <1".split()),
         [""],
         warning_block(result),
         labelled("NEXT", coming["text"] if coming else "", 3),
@@ -59,20 +43,20 @@ def render(result: dict[str, Any]) -> str:
     )
 
 
-ERRORS = [
-    ("", "label", "<12"),
-    ("fitted N", "train_rmse_N", ">9.4f"),
-    ("held-out N", "heldout_rmse_N", ">11.4f"),
-    ("noise floor N", "noise_floor_N", ">14.4f"),
-    ("lack of fit p", "lack_of_fit_p", ">14.4f"),
-]
-PARAMETERS = [
-    ("parameter", "name", "<12"),
-    ("base", "base", ">10.4g"),
-    ("after", "value", ">10.4g"),
-    ("95 % low", "low", ">10.4g"),
-    ("95 % high", "high", ">10.4g"),
-]
+ERRORS = {
+    "": "label:<12",
+    "fitted N": "train_rmse_N:>9.4f",
+    "held-out N": "heldout_rmse_N:>11.4f",
+    "noise floor N": "noise_floor_N:>14.4f",
+    "lack of fit p": "lack_of_fit_p:>14.4f",
+}
+PARAMETERS = {
+    "parameter": "name:<12",
+    "base": "base:>10.4g",
+    "after": "value:>10.4g",
+    "95 % low": "low:>10.4g",
+    "95 % high": "high:>10.4g",
+}
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -93,15 +77,12 @@ def render_details(result: dict[str, Any]) -> str:
         if effect["family"]:
             lines.append(f"  indistinguishable in this campaign: {', '.join(effect['family'])}")
     models = [label for label in ("as_designed", "base", "after") if result[label]]
-    lines += table([{"label": label, **result[label]["error"]} for label in models], ERRORS)
+    errors = [{"label": label, **result[label]["error"]} for label in models]
+    lines += Table.of(errors, ERRORS).lines(indent="")
     before = result["base"]["parameters"]
-    lines += table(
-        [
-            {"name": name, "base": before[name]["value"], **after}
-            for name, after in result["after"]["parameters"].items()
-        ],
-        PARAMETERS,
-    )
+    parameters = result["after"]["parameters"].items()
+    rows = [{"name": name, "base": before[name]["value"], **after} for name, after in parameters]
+    lines += Table.of(rows, PARAMETERS).lines(indent="")
     rows = [f"  {row['name']:<28} {row['evidence']:>10.1f}" for row in result["ranking"]]
     lines += ["evidence of each effect alone:", *rows] if rows else ["evidence of each effect alone: none has any"]
     if result["next_measurement"]:

@@ -13,20 +13,18 @@ from dummydesign.cli.progress import Watch
 from dummydesign.cli.text import files_block, labelled, screen, step_lines, warning_block
 from dummydesign.core.errors import InputError, NoAnswerError
 
+CALL, RECORD = "moulds.make_mould", "moulds.record_pad"
+
 
 def add_record_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the measured values."""
-    from dummydesign.api.moulds import record_pad
-
-    add_options(parser, record_pad)
+    add_options(parser, RECORD)
 
 
 def run_record(options: argparse.Namespace) -> dict[str, Any]:
     """Judge and keep the record."""
-    from dummydesign.api.moulds import record_pad
-
     weighed = None if options.weighed_g is None else _weighed(options.weighed_g)
-    result = call(record_pad, options, thicknesses_mm=_readings(options.thicknesses_mm), weighed_g=weighed).to_dict()
+    result = call(RECORD, options, thicknesses_mm=_readings(options.thicknesses_mm), weighed_g=weighed).to_dict()
     if not result["accepted"]:
         message = f"the pad is not accepted: {', '.join(result['missed'])}"
         raise NoAnswerError("pad_not_accepted", message, result, "pad")
@@ -101,18 +99,14 @@ HELP = "Make the silicone mould of a pad: STEP files, printable master and frame
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of contracts: thickness, size, shape, preset, resin, ratio, output folder; and ``record``."""
-    from dummydesign.api.moulds import make_mould
-
     actions = parser.add_subparsers(dest="action", metavar="[record]", help="without 'record' a mould is made")
     words = "store what was poured and list the limits that the pad misses"
     add_record_arguments(actions.add_parser("record", help=words))
-    add_options(parser, make_mould)
+    add_options(parser, CALL)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Build the mould, or keep the record of a pad, and return the answer."""
-    from dummydesign.api.moulds import make_mould
-
     if options.action == "record":
         return run_record(options)
     if options.thickness_mm is None and options.puck is None:
@@ -120,7 +114,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         raise InputError(message, "missing", "thickness")
 
     with Watch():
-        return call(make_mould, options).to_dict()
+        return call(CALL, options).to_dict()
 
 
 def default_in_project(options: argparse.Namespace) -> str | None:

@@ -2,37 +2,18 @@
 
 from __future__ import annotations
 
-import argparse
 import re
 from typing import Any
 
-from dummydesign.cli.common_options import add_options, call_in_steps
+from dummydesign.cli.common_options import named_by
 from dummydesign.cli.text import INDENT, WIDTH, files_block, fitted, labelled, step_lines, warning_block
+from dummydesign.core.tables import Table
 
 HELP = "Compute what a press measured on a pad would have been on people; compare it with your limits."
+default_out = named_by("on-person", "tissue")
+CALL = "traces.on_person"
 ABOUT_STEPS = 6
 NUMBER_UNIT = re.compile(r"(?<=\d) (?=(?:%|N|mm|mJ|kg|s|mm/s|N/mm|N/cm2|times)(?:[\s.,;:)]|$))")
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    from dummydesign.api.traces import on_person
-
-    add_options(parser, on_person)
-
-
-def run(options: argparse.Namespace) -> dict[str, Any]:
-    """Read the traces, press people, write curves and report."""
-    from dummydesign.api.traces import on_person
-
-    return call_in_steps(ABOUT_STEPS, on_person, options).to_dict()
-
-
-def default_out(options: argparse.Namespace) -> str:
-    """Name of the folder when none is typed."""
-    from pathlib import Path
-
-    return f"on-person-{Path(options.tissue).stem}"
 
 
 def render(result: dict[str, Any]) -> str:
@@ -60,16 +41,9 @@ def render_details(result: dict[str, Any]) -> str:
 
     lines = [*_headline(result), "", *_table(result), ""]
     for press in result["presses"]:
-        head, rows = facts.subject_table(press)
-        lines += [
-            f"  {press['file']}",
-            *(
-                f"  {row[0]:<20}"
-                + "".join(f"{cell:>{max(len(name) + 2, 10)}}" for cell, name in zip(row[1:], head[1:]))
-                for row in (head, *rows)
-            ),
-            "",
-        ]
+        table = facts.subject_table(press)
+        forms = ["<20", *(f">{max(len(name) + 2, 10)}" for name in table.head[1:])]
+        lines += [f"  {press['file']}", *table.lines(forms, ""), ""]
     checks = _limits(result, None)
     lines += [*checks, *([""] if checks else []), *budget_lines(result["budget"]), *_drive(result)]
     lines += [line for one in result["warnings"] for line in labelled("NOTE", one["message"])]
@@ -96,10 +70,10 @@ def _table(result: dict[str, Any]) -> list[str]:
     """All five numbers of a single press; of several presses a line each."""
     from dummydesign.report.on_person_facts import press_table
 
-    head, rows = press_table(result)
-    first, widths = (22, (8, 18, 18)) if len(result["presses"]) == 1 else (20, (5, 10, 14, 14, 14, 14))
-    cells = (" ".join(f"{cell:>{wide}}" for cell, wide in zip(row[1:], widths)) for row in (head, *rows))
-    return [f"  {row[0][-first:]:<{first}} {line}"[:WIDTH] for row, line in zip((head, *rows), cells)]
+    table = press_table(result)
+    forms = ("<22 >8 >18 >18" if len(result["presses"]) == 1 else "<20 >5 >10 >14 >14 >14 >14").split()
+    rows = [[row[0][-int(forms[0][1:]) :], *row[1:]] for row in table.rows]
+    return [line[:WIDTH] for line in Table(table.head, rows).lines(forms)]
 
 
 def _limits(result: dict[str, Any], most: int | None) -> list[str]:
@@ -111,14 +85,20 @@ def _limits(result: dict[str, Any], most: int | None) -> list[str]:
     if not rows:
         return []
     several = len(result["presses"]) > 1
-    lines = [f"  {'limit of':<27}{'limit':>13}{'pad':>9}{'95 % of people':>18}  {'result':<10}{'press' * several}"]
-    for row, file in rows:
-        limit, people = f"{row['limit']:.4g} {row['unit']}", span_text([row["person_low_95"], row["person_high_95"]])
-        name = file[-16:] if several else ""
-        cells = f"{limit_name(row):<27}{limit:>13}{number_text(row['pad']):>9}{people:>18}"
-        lines.append(f"  {cells}  {row['result']:<10}{name}")
+    cells = [
+        [
+            limit_name(row),
+            f"{row['limit']:.4g} {row['unit']}",
+            number_text(row["pad"]),
+            span_text([row["person_low_95"], row["person_high_95"]]),
+            f"  {row['result']}",
+            *([file[-16:]] if several else []),
+        ]
+        for row, file in rows
+    ]
+    head = ["limit of", "limit", "pad", "95 % of people", "  result", *(["press"] if several else [])]
     left = [f"  ... and {len(every) - len(rows)} more checks: --details"] if len(every) > len(rows) else []
-    return [*(line.rstrip() for line in lines), *left]
+    return [*Table(head, cells).lines("<27 >13 >9 >18 <12 <1".split(), ""), *left]
 
 
 def _drive(result: dict[str, Any]) -> list[str]:

@@ -5,26 +5,19 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.common_options import add_options, call
-from dummydesign.cli.text import labelled, screen, table, tissue_lines, verdict_lines, warning_block, warning_lines
+from dummydesign.cli.common_options import call
+from dummydesign.cli.text import labelled, screen, tissue_lines, verdict_lines, warning_block, warning_lines
+from dummydesign.core.tables import Table
 
+CALL = "predictions.predict"
 HELP = "Force of one pad: static, under a motion, in a ramp and hold, or as it stops a free mass."
 SHOWN = 25
 NO_RELAXATION = "no_relaxation"
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the pad, the material and what is done to it."""
-    from dummydesign.api.predictions import predict
-
-    add_options(parser, predict)
-
-
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Predict, write the curve if asked, and return it."""
-    from dummydesign.api.predictions import predict
-
-    return call(predict, options, progress=_progress(options)).to_dict()
+    return call(CALL, options, progress=_progress(options)).to_dict()
 
 
 def _progress(options: argparse.Namespace) -> Any:
@@ -117,17 +110,23 @@ def _files_written(result: dict[str, Any]) -> list[str]:
 
 
 def _tissue_presses(result: dict[str, Any]) -> list[str]:
-    """Each press beside the subjects' range."""
-    lines = ["  steady N  mm/s   depth mm  pad peak N  subjects N"]
-    for row in result["conditions"]:
-        head = f"  {row['steady_force_N']:<9g} {row['velocity_mm_s']:<6g} "
-        if row["depth_mm"] is None:
-            lines.append(head + row["out_of_reach"])
-            continue
-        subjects = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
-        reads = row["reads"] if row["reads"] == "inside" else f"{row['percent_outside']:.0f} % {row['reads']}"
-        lines.append(f"{head}{row['depth_mm']:<9.2f} {row['peak_force_N']:<11.1f} {subjects:<14}{reads}")
-    return lines
+    """Each press beside the subjects' range; one out of reach ends after its test."""
+    from dummydesign.report.suggest_facts import press_texts
+
+    rows = [
+        [
+            row["steady_force_N"],
+            row["velocity_mm_s"],
+            *(
+                [row["out_of_reach"]]
+                if row["depth_mm"] is None
+                else [row["depth_mm"], row["peak_force_N"], *press_texts(row)]
+            ),
+        ]
+        for row in result["conditions"]
+    ]
+    head = ["steady N", "mm/s", "depth mm", "pad peak N", "subjects N", ""]
+    return Table(head, rows).lines("<9g <6g <9.2f <11.1f <13 <1".split())
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -158,16 +157,21 @@ def render_details(result: dict[str, Any]) -> str:
 
 
 def _press_lines(presses: list[dict[str, Any]]) -> list[str]:
-    """A table of several presses."""
-    lines = ["  steady N    mm/s   depth mm    peak N   peak over steady"]
-    for row in presses:
-        head = f"{row['steady_force_N']:>10.4g} {row['velocity_mm_s']:>7.4g}"
-        if row["depth_mm"] is None:
-            lines.append(f"{head}   out of reach: {row['out_of_reach'].partition(': ')[2].partition(';')[0]}")
-            continue
-        ratio = row["peak_force_N"] / row["steady_force_N"]
-        lines.append(f"{head} {row['depth_mm']:>10.3f} {row['peak_force_N']:>9.3f} {ratio:>18.2f}")
-    return lines
+    """A table of several presses; one out of reach ends after its test."""
+    rows = [
+        [
+            row["steady_force_N"],
+            row["velocity_mm_s"],
+            *(
+                [f"  out of reach: {row['out_of_reach'].partition(': ')[2].partition(';')[0]}"]
+                if row["depth_mm"] is None
+                else [row["depth_mm"], row["peak_force_N"], row["peak_force_N"] / row["steady_force_N"]]
+            ),
+        ]
+        for row in presses
+    ]
+    head = ["steady N", "mm/s", "depth mm", "peak N", "peak over steady"]
+    return Table(head, rows).lines(">10.4g >7.4g >10.3f >9.3f >18.2f".split(), indent="")
 
 
 MOVED = {"time_s": ">10.4f", "displacement_mm": ">16.3f", "force_N": ">10.3f"}
@@ -189,7 +193,7 @@ def _curve_lines(result: dict[str, Any], shown: int = SHOWN) -> list[str]:
         rows = _spread_in_time(rows, result["peak_time_s"], shown)
     else:
         rows = rows[:: max(1, -(-len(rows) // shown))]
-    return lines + table((dict(zip(forms, row)) for row in rows), [(name, name, form) for name, form in forms.items()])
+    return lines + Table([*forms], rows, [*forms.values()]).lines(indent="")
 
 
 def _spread_in_time(rows: list[tuple[float, ...]], peak_s: float, shown: int) -> list[tuple[float, ...]]:

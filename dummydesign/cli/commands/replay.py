@@ -2,33 +2,19 @@
 
 from __future__ import annotations
 
-import argparse
 import shlex
 from typing import Any
 
-from dummydesign.cli.common_options import add_options, call_in_steps
-from dummydesign.cli.text import labelled, screen, table, verdict_lines, warning_block, warning_lines
+from dummydesign.cli.text import labelled, screen, verdict_lines, warning_block, warning_lines
 from dummydesign.core.levels import level_name
+from dummydesign.core.tables import Table
 
 HELP = "Predict a campaign with a calibration written by 'loop', and compare with what was measured."
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    from dummydesign.api.campaigns import replay
-
-    add_options(parser, replay)
+CALL = "campaigns.replay"
 
 
 ABOUT_STEPS = 4
 """Presses, with what was found, with the base model; pads that are solved come on top."""
-
-
-def run(options: argparse.Namespace) -> dict[str, Any]:
-    """Read both, predict, compare."""
-    from dummydesign.api.campaigns import replay
-
-    return call_in_steps(ABOUT_STEPS, replay, options).to_dict()
 
 
 def render(result: dict[str, Any]) -> str:
@@ -40,7 +26,7 @@ def render(result: dict[str, Any]) -> str:
     head = [*_held(result), *verdict_lines(result["verdict"]), *labelled("ERROR", text)]
     head += [line for pad in _pads(result) for line in labelled("PAD", pad, 1)]
     ordered = sorted(result["trials"], key=lambda row: -row["rmse_N"])
-    presses = table(ordered, [("press, largest error first", "file", "<28.28"), *ERRORS], "  ")
+    presses = Table.of(ordered, {"press, largest error first": "file:<28.28", **ERRORS}).lines()
     following = "" if result["holds"] else f"dummydesign loop {shlex.quote(result['inputs']['campaign'])}"
     more = labelled("MORE", "--details: every press and pad")
     return screen([*head[:14], ""], presses, [""], warning_block(result), labelled("NEXT", following), more)
@@ -57,11 +43,7 @@ def _held(result: dict[str, Any]) -> list[str]:
     return labelled("FAILS", f"The calibration does not hold here: {numbers}, more than {noise}. {peak}")
 
 
-ERRORS = [
-    ("rms N", "rmse_N", ">9.4f"),
-    ("base rms N", "base_rmse_N", ">11.4f"),
-    ("peak error N", "peak_error_N", ">+13.4f"),
-]
+ERRORS = {"rms N": "rmse_N:>9.4f", "base rms N": "base_rmse_N:>11.4f", "peak error N": "peak_error_N:>+13.4f"}
 
 
 def _pads(result: dict[str, Any]) -> list[str]:
@@ -81,7 +63,7 @@ def render_details(result: dict[str, Any]) -> str:
     lines = [*_held(result), *verdict_lines(result["verdict"])]
     if pads := _pads(result):
         lines += ["verdict of the worst pad; by pad:", *pads]
-    lines += table(result["trials"], [("press", "file", "<28.28"), *ERRORS], "  ")
+    lines += Table.of(result["trials"], {"press": "file:<28.28", **ERRORS}).lines()
     lines += budget_lines(result["budget"])
     effects = ", ".join(result["effects"]) or "no effect"
     lines.append(f"all: {result['rmse_N']:.4f} N with {effects}; {result['base_rmse_N']:.4f} N with the base model")

@@ -9,8 +9,9 @@ from typing import Any
 
 from dummydesign.cli import text
 from dummydesign.cli.common_options import ACTIONS, add_own_actions, number, render_own, run_own
-from dummydesign.cli.text import file_lines, labelled, screen, table, warning_lines
+from dummydesign.cli.text import file_lines, labelled, screen, warning_lines
 from dummydesign.core.errors import InputError
+from dummydesign.core.tables import Table
 
 HELP = "List the known resins, show one with all its numbers and sources, and add, rename or remove your own."
 
@@ -182,13 +183,13 @@ def render(result: dict[str, Any]) -> str:
     )
 
 
-LISTED = [
-    ("name", "name", "<20"),
-    ("origin", "origin", "<9"),
-    ("ratio", "ratio", "<9"),
-    ("E in kPa", "young", "<13"),
-    ("ratio definition", "ratio_meaning", "<1"),
-]
+LISTED = {
+    "name": "name:<20",
+    "origin": "origin:<9",
+    "ratio": "ratio:<9",
+    "E in kPa": "young:<13",
+    "ratio definition": "ratio_meaning:<1",
+}
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -208,7 +209,11 @@ def render_details(result: dict[str, Any]) -> str:
             }
             for row in result["resins"]
         ]
-        lines += [*table(rows, LISTED), "", "hardness to expect of the softest and of the hardest mix:"]
+        lines += [
+            *Table.of(rows, LISTED).lines(indent=""),
+            "",
+            "hardness to expect of the softest and of the hardest mix:",
+        ]
         lines += [f"  {row['name']}: {_span([Hardness(**end).text for end in row['hardness']])}" for row in rows]
     elif "shore" in result:
         lines += _render_hardness(result)

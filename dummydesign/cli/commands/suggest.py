@@ -5,11 +5,13 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.common_options import add_options, call_in_steps
+from dummydesign.cli.common_options import add_options, call_in_steps, named_by
 from dummydesign.core.errors import NoAnswerError
 
 ABOUT_STEPS = 8
+CALL = "designs.suggest"
 HELP = "Recommend resin ratio, pad thickness, weights to pour and a mould for a tissue."
+default_out = named_by("suggest", "tissue")
 OWN_TEST = (
     "punch edge_radius_mm condition force_N velocity_mm_s hold_s deceleration_mm_s2 pad base sites preset".split()
 )
@@ -18,19 +20,15 @@ OWN_TEST = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add what can be asked."""
-    from dummydesign.api.designs import suggest
-
-    add_options(parser, suggest, OWN_TEST)
+    add_options(parser, CALL, OWN_TEST)
     test = parser.add_argument_group("your own test", "numbers may carry their unit: 0.25m/s, 10mm/s")
-    add_options(test, suggest)
+    add_options(test, CALL)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Find the design, make its mould, write the report and return the answer."""
-    from dummydesign.api.designs import suggest
-
     named = None if options.calibration == "none" else options.calibration
-    answer = call_in_steps(ABOUT_STEPS, suggest, options, calibration=named)
+    answer = call_in_steps(ABOUT_STEPS, CALL, options, calibration=named)
     result = answer.to_dict()
     if not answer.outcome.verdict.acceptable:
         text = "no acceptable pad: the verdict on the best one found is red"
@@ -52,10 +50,3 @@ def render_details(result: dict[str, Any]) -> str:
     from dummydesign.cli.suggest_text import details
 
     return details(result)
-
-
-def default_out(options: argparse.Namespace) -> str:
-    """Name of the folder when none is typed."""
-    from pathlib import Path
-
-    return f"suggest-{Path(options.tissue).stem}"

@@ -8,8 +8,9 @@ from typing import Any
 
 from dummydesign.cli import text
 from dummydesign.cli.common_options import ACTIONS, add_own_actions, call, render_own, run_own
-from dummydesign.cli.text import file_lines, labelled, screen, table, warning_lines
+from dummydesign.cli.text import file_lines, labelled, screen, warning_lines
 from dummydesign.core.errors import InputError
+from dummydesign.core.tables import Table
 
 HELP = "List the known tissues, show one with all its numbers and sources, and add, rename or remove your own."
 
@@ -141,21 +142,21 @@ def render(result: dict[str, Any]) -> str:
     )
 
 
-LISTED = [
-    ("tissue", "name", "<14"),
-    ("origin", "origin", "<9"),
-    ("kind", "kind", "<20"),
-    ("law", "law", "<11"),
-    ("subjects", "people", ">8"),
-    (" gamma1 N/mm3, or k N/mm", "steady", "<1"),
-]
-BANDS = [
-    ("parameter", "label", "<26"),
-    ("mean", "value", ">10.4g"),
-    ("lowest", "low", ">10.4g"),
-    ("highest", "high", ">10.4g"),
-    (" kind", "kind", "<1"),
-]
+LISTED = {
+    "tissue": "name:<14",
+    "origin": "origin:<9",
+    "kind": "kind:<20",
+    "law": "law:<11",
+    "subjects": "people:>8",
+    " gamma1 N/mm3, or k N/mm": "steady:<1",
+}
+BANDS = {
+    "parameter": "label:<26",
+    "mean": "value:>10.4g",
+    "lowest": "low:>10.4g",
+    "highest": "high:>10.4g",
+    " kind": "kind:<1",
+}
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -185,13 +186,13 @@ def render_details(result: dict[str, Any]) -> str:
                     "steady": f" {low:.3g} to {high:.3g}{at}",
                 }
             )
-        return "\n".join(table(rows, LISTED) + warning_lines(result))
+        return "\n".join(Table.of(rows, LISTED).lines(indent="") + warning_lines(result))
     measured = result["law"] == "curves"
     law = "measured curves, no law" if measured else f"law {result['law']}"
     lines = [f"{result['name']} ({result['title']}), {result['origin']}, {law}"]
     lines += [note for note in result["notes"] if measured]
     bands = [{"label": label, **one, "kind": f" {one['kind']}"} for label, one in parameter_rows(result["bands"])]
-    lines += table(bands, BANDS)
+    lines += Table.of(bands, BANDS).lines(indent="")
     for subject in result["subjects"]:
         if measured:
             cells = [

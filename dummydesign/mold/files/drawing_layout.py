@@ -157,7 +157,7 @@ def arrange(views: Sequence[View], title: Title, notes: Sequence[str], paper: st
         tall = max(one.height for one in row)
         for number, one in enumerate(row):
             x -= one.box[0] if number else 0.0
-            _put(sheet, one, (x, level - tall - one.box[1] + (tall - one.height) / 2))
+            put(sheet, one, (x, level - tall - one.box[1] + (tall - one.height) / 2))
             x += one.box[2] + GAP_MM
         level -= tall + GAP_MM
     frame_and_title(sheet, title, notes)
@@ -187,7 +187,7 @@ def _rows(placed: list[Placed], room_mm: float) -> list[list[Placed]]:
     return rows
 
 
-def _put(sheet: Drawing, one: Placed, shift: Point) -> None:
+def put(sheet: Drawing, one: Placed, shift: Point) -> None:
     def moved(point: Point) -> Point:
         return point[0] + shift[0], point[1] + shift[1]
 

@@ -277,9 +277,13 @@ def _dxf_dimension(space: Any, factor: float, shift: float, d: Dimension, sheet:
     ).render()
 
 
-def to_svg(sheet: Drawing) -> str:
-    """Write the sheet as SVG in the size of its paper."""
-    w, h = sheet.size
+FILLED = {"gel": "#dbe8f5", "lower gel": "#b9cfe4", "hard": "#8d99a5", "steel": "#e3e7eb"}
+"""Colours of areas, which are no lines of a mould's drawings."""
+
+
+def to_svg(sheet: Drawing, size: tuple[float, float] | None = None) -> str:
+    """Write the sheet as SVG in the size of its paper, or in another. [mm]"""
+    w, h = size or sheet.size
     out = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{w:g}mm" height="{h:g}mm" viewBox="0 0 {w:g} {h:g}" '
         'xml:space="preserve">',
@@ -289,7 +293,8 @@ def to_svg(sheet: Drawing) -> str:
     ]
     for line in sheet.lines:
         points = " ".join(f"{x:.3f},{h - y:.3f}" for x, y in line.points)
-        out.append(f'<polyline stroke-width="{LAYERS[line.layer]}" points="{points}"/>')
+        filled = f' fill="{FILLED[line.layer]}"' if line.layer in FILLED else ""
+        out.append(f'<polyline stroke-width="{LAYERS.get(line.layer, 0.18)}"{filled} points="{points}"/>')
     out.append("</g>")
     for d in sheet.dimensions:
         lines, heads = d.marks()

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from dummydesign.core.tables import Table
 from dummydesign.design.assessment.budget import STATEMENTS
-from dummydesign.report.page import Section, Table
+from dummydesign.report.page import Section
 
 TITLE = "Decision rule and uncertainty budget"
 SURE = 1e-4

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from dummydesign.report.page import Section, Table
+from dummydesign.core.tables import Table
+from dummydesign.report.page import Section
 
 RATINGS = ("R", "Z", "EP", "EM", "ES")
 TITLE = "Force over time: range and rating"

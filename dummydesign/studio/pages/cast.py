@@ -512,7 +512,8 @@ def show_people(root: Path, answer: Mapping[str, Any]) -> None:
         widgets.tell_verdict(LIGHTS[word], f"{word.upper()}. {text}", test="people")
     else:
         html('<p data-test="people">{}</p>', text)
-    widgets.table(*people.press_table(result))
+    table = people.press_table(result)
+    widgets.table(table.head, table.rows)
     if rows := people.limit_rows(result):
         widgets.records(LIMIT_COLUMNS, ({"press": file, **row} for row, file in rows), words=True)
     widgets.show_report(root, files, "report of the presses on people")

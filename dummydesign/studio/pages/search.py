@@ -46,7 +46,8 @@ def question_of(words: Sequence[str], answer: Mapping[str, Any]) -> dict[str, st
 
 def show_presses(presses: Sequence[Mapping[str, Any]], under: str = "") -> None:
     """Show the table of presses as the report of a design has it; ``under`` is the line that it is folded under."""
-    widgets.table(*suggest_facts.press_rows({"recommendation": {"conditions": presses}}), under=under)
+    table = suggest_facts.press_rows({"recommendation": {"conditions": presses}})
+    widgets.table(table.head, table.rows, under=under)
 
 
 def state_of_answer(state: State, answer: dict[str, Any], folder: str) -> State:

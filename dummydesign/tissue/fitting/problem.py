@@ -370,32 +370,3 @@ def residual_table(pairs: Sequence[tuple[TissueProblem, Optimum]]) -> str:
             rows += [[trace.trace.name, *(f"{number:.6g}" for number in row)] for row in columns]
     head = ("file", "time_since_contact_s", "displacement_mm", "force_N", "fitted_N", "residual_N")
     return csv_text(head, rows)
-
-
-def residual_plot(pairs: Sequence[tuple[TissueProblem, Optimum]], title: str) -> bytes:
-    """PNG: residual of every bin over time since the stop (hold) and over depth (rise)."""
-    import io
-
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(10, 4), layout="constrained")
-    rise, hold = figure.subplots(1, 2, sharey=True)
-    for problem, optimum in pairs:
-        error = problem.force - problem.predict(optimum.solution.parameters, optimum.arms)[0]
-        for trace, own in problem.by_trace(error):
-            after = trace.middle_s > trace.ramp.stop_time_s
-            label = f"{trace.velocity_mm_s:.3g} mm/s, {trace.steady_force_N:.3g} N"
-            line = hold.semilogx(trace.middle_s[after] - trace.ramp.stop_time_s, own[after], lw=0.9, label=label)
-            rise.plot(trace.depth_mm[~after], own[~after], lw=0.9, color=line[0].get_color())
-    rise.set(xlabel="depth in the rise [mm]", ylabel="measured - fitted [N]", title=title)
-    hold.set(xlabel="time since the stop [s]")
-    for axes in (rise, hold):
-        axes.axhline(0.0, color="0.6", lw=0.6)
-    if sum(len(problem.traces) for problem, _ in pairs) <= 12:
-        hold.legend(fontsize=7)
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png", dpi=110)
-    return stream.getvalue()

@@ -12,10 +12,10 @@ import pytest
 
 pytest.importorskip("nicegui", reason="no NiceGUI here: pip install nicegui")
 
+from dummydesign.core.tables import Table
 from dummydesign.person.drives import DRIVES
 from dummydesign.project.folder import make_project
 from dummydesign.project.status import ProjectFile, status_of
-from dummydesign.report.page import Table
 from dummydesign.studio import select_options, widgets
 from dummydesign.studio.pages import cast, learn, measured, mould, overview, tissue
 from dummydesign.studio.state import State

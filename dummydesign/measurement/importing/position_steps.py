@@ -12,7 +12,8 @@ MIDDLE, SLOWER = 0.45, 2.5
 position goes in steps."""
 COARSE, WARNED = 0.003, 0.01
 """Step over the travel from which it matters, and from which there is a warning."""
-FEWEST = 6
+FEWEST, AT_REST = 6, 0.05
+"""Changes on the way between which a position is read, and share of the largest below which one is noise at rest."""
 STANDS = 3.0
 """Multiple of the usual time between two changes beyond which the punch stands."""
 EVEN, MOST = 0.02, 30.0
@@ -32,9 +33,14 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> tuple[NDA
     """
     step, reach = np.abs(np.diff(x)), float(np.ptp(x))
     rows = np.flatnonzero(step) + 1
-    way = rows[np.abs(x[rows] - x.min() - 0.5 * reach) < MIDDLE * reach]
+    moves = step[rows - 1] > AT_REST * step.max()  # after an overshoot the hold is about the middle too
+    way = rows[moves & (np.abs(x[rows] - x.min() - 0.5 * reach) < MIDDLE * reach)]
     if len(way) < FEWEST:
-        return x, 0.0
+        stands = np.diff(np.r_[0, rows, len(x)])
+        jump = int(np.argmax(step[rows - 1])) if len(rows) else 0
+        size = float(step.max()) if np.min(stands[jump : jump + 2]) >= SLOWER else 0.0
+        _warn_coarse(size, size / max(reach, 1e-12), log)
+        return x, size
     usual, size = float(np.median(np.diff(time[way]))), float(np.median(step[way - 1]))
     if usual < SLOWER * float(np.median(np.diff(time))) or size < COARSE * reach:
         return x, 0.0
@@ -50,11 +56,15 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> tuple[NDA
     order = np.argsort(places, kind="stable")
     why = f"it changes every {usual:.3g} s only, by {size:.2g} mm: " + ("few digits" if rounded else "a slower source")
     log.decide("position", "read where it changes", why)
-    if size > WARNED * reach:
+    _warn_coarse(size, size / reach, log)
+    return np.interp(time, places[order], values[order]), size
+
+
+def _warn_coarse(size_mm: float, share: float, log: ImportLog) -> None:
+    """Warn of steps that are a large share of the travel."""
+    if share > WARNED:
         log.warn(
             "coarse_position",
-            f"the position goes in steps of {size:.2g} mm: contact, depth and hold are known to {size:.2g} mm and "
-            f"{usual:.2g} s only, the speed to {100.0 * size / reach:.0f} %; record it with more digits, or as often "
-            "as the force",
+            f"the position goes in steps of {size_mm:.2g} mm: contact and depth are known to {size_mm:.2g} mm only, "
+            f"the speed to {100.0 * share:.0f} %; record it with more digits, or as often as the force",
         )
-    return np.interp(time, places[order], values[order]), size

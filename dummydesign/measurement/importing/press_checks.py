@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.interpolation import true_runs
 from dummydesign.measurement.clipping import find_clip
-from dummydesign.measurement.importing.baseline import LEAST_LEAD_IN, digit_step
+from dummydesign.measurement.importing.baseline import LEAST_LEAD_IN
 from dummydesign.measurement.importing.contact import ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.judge import DELAYED, Judgement, judge_press
@@ -54,6 +54,7 @@ class _Press:
     x: NDArray
     force: NDArray
     noise_N: float
+    step_N: float
     summary: Summary
     warn: Warn
 
@@ -62,13 +63,14 @@ def check_press(
     time: NDArray, x: NDArray, force: NDArray, contact: ContactEstimate, summary: Summary, warn: Warn
 ) -> Judgement:
     """Warn of what looks wrong in one press; and whether it is explained as a whole."""
-    judged, codes = judge_press(time, x, force, summary), set()
+    step_N, codes = contact.baseline.step_N, set()
+    judged = judge_press(time, x, force, summary, step_N)
 
     def tell(code: str, message: str) -> None:
         codes.add(code)
         warn(code, message)
 
-    press = _Press(time, x, force, max(contact.baseline.noise_N, noise_of(force)), summary, tell)
+    press = _Press(time, x, force, max(contact.baseline.noise_N, noise_of(force)), step_N, summary, tell)
     if _swapped(press):
         return judged
     for check in (
@@ -84,7 +86,7 @@ def check_press(
         _units,
     ):
         check(press)
-    if not judged.explains and not codes & FAULTS:
+    if not judged.explains and not codes & (CUT if judged.delay_s else FAULTS):
         warn(judged.code, judged.message)
     return judged
 
@@ -136,7 +138,7 @@ def _approach(press: _Press) -> None:
 
 def _coarse(press: _Press) -> None:
     """Digits that the noise does not spread, so coarse that the steady force is not known to 1 %."""
-    step, steady = digit_step(press.force), press.summary.steady_force_N
+    step, steady = press.step_N, press.summary.steady_force_N
     if steady and 0.5 * step > COARSE * steady and press.noise_N < 0.3 * step:
         press.warn(
             "coarse_digits",
@@ -200,7 +202,7 @@ def _several_holds(press: _Press) -> None:
 
 def _clipped(press: _Press) -> None:
     """The load cell's end: the force stands within its noise while the punch still moves, or before it relaxes."""
-    if clip := find_clip(press.time, press.x, press.force):
+    if clip := find_clip(press.time, press.x, press.force, press.step_N):
         press.warn(
             "clipped",
             f"the force stands at {clip.level_N:.6g} N for {clip.stop - clip.first} samples from "
@@ -282,8 +284,9 @@ CODES = (
 """Codes of the warnings of this module."""
 MENDED = ("force_before_contact", "contact_off", "far_from_known")
 """Those that an import mends."""
-FAULTS = {"several_holds", "clipped", "drop_out", "spike", "proportional"}
-"""Those that say why a force is not explained."""
+CUT = {"clipped", "drop_out", "proportional"}
+FAULTS = {"several_holds", "spike", *CUT}
+"""Those that say why a force is not explained, and of these those that pass for a delay."""
 OFFSET_SHARE = 0.01
 """Share of the largest force up to which a force before contact does not matter."""
 READING = 4.0

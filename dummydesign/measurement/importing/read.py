@@ -20,9 +20,10 @@ from dummydesign.core.parsing import NUMBER
 from dummydesign.core.serialise import to_plain
 from dummydesign.core.user_library import DEVICE, Entry, entries, find, read_toml, toml_table, user_folder
 from dummydesign.measurement.importing import contact as contact_zero
+from dummydesign.measurement.importing.baseline import Baseline
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, QuestionError, Settings
 from dummydesign.measurement.importing.decoding import LEFT_OUT
-from dummydesign.measurement.importing.judge import Judgement
+from dummydesign.measurement.importing.judge import DELAY_ERROR_S, Judgement
 from dummydesign.measurement.importing.position_steps import read_between_changes
 from dummydesign.measurement.importing.press_checks import Warn, check_press, copies_among
 from dummydesign.measurement.importing.sign_convention import HIGH, Span, find_presses, find_signs, joined_cycles
@@ -126,22 +127,33 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog, shared: Shar
             raise log.question(f"press {number}: {fault.message}", option)
         warn = partial(log.warn, name=name)
         judged = check_press(t, way, force, contact, summary, warn)
-        ends = contact.low_mm - at - step_mm, contact.high_mm - at + step_mm, signs.displacement * at
-        error = _steady_error(summary, contact.baseline.held_error_N, warn)
+        # a late force shows the contact too late
+        late, reach = (summary.velocity_mm_s * lag for lag in (judged.delay_s, DELAY_ERROR_S * bool(judged.delay_s)))
+        reach += step_mm
+        ends = contact.low_mm - at - late - reach, contact.high_mm - at - late + reach, signs.displacement * at
+        error = _steady_error(summary, contact.baseline, warn)
         presses.append(ImportedPress(number, t, way, force, summary, *ends, float(time[span.start]), error, judged))
     return Imported(path, tuple(presses), tuple(log.decisions), tuple(log.warnings), columns, sheet)
 
 
-UNSURE = 0.05
-"""Share of the steady force by which drift and slope that are not seen may move it without a warning."""
+UNSURE, BACK = 0.05, 0.01
+"""Shares of the steady force without a warning: by which drift and slope that are not seen may move it, and that is
+left when the punch is back."""
 
 
-def _steady_error(summary: Summary, error_N: float, warn: Warn) -> float | None:
+def _steady_error(summary: Summary, baseline: Baseline, warn: Warn) -> float | None:
     """How far unseen drift and slope may move the steady force (95 %); None where it is not known. [N]"""
-    steady = summary.steady_force_N
+    steady, error_N, left_N = summary.steady_force_N, baseline.held_error_N, baseline.left_N
     if steady is None or not np.isfinite(error_N):
         return None
-    if error_N > UNSURE * abs(steady):
+    if left_N > BACK * abs(steady):
+        warn(
+            "force_not_back",
+            f"the force still reads {left_N:.2g} N when the punch is back, and falls from there: the load cell creeps "
+            f"or an average is recorded. The steady force of {steady:.3g} N may be off by {error_N:.2g} N (95 %); "
+            "record without averaging, or let the force come back before the next press",
+        )
+    elif error_N > UNSURE * abs(steady):
         warn(
             "steady_uncertain",
             f"a drift or a slope that is not seen before contact may move the steady force of {steady:.3g} "

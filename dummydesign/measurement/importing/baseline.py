@@ -18,13 +18,11 @@ DRIFT_N_S, SLOPE_N_MM = 0.1, 0.05
 MOSTLY = 0.3
 """Share of the variance from which on the noise mostly wanders: then samples that follow quickly share its error."""
 CLEAR = 2.5
-"""Errors that a drift or a slope must exceed to be one."""
+"""Errors that a drift or a slope must exceed to be one; off a line is what exceeds twice as many."""
 SHOWN = 1.0 / 3.0
 """Share of what drift and slope may do before they are looked at to which the lead-in must narrow it to show them."""
 MATTERS = 0.002
 """Share of the largest force by which drift and slope must change it within the press to be subtracted."""
-ON_LINE = 5.0
-"""Errors of the means by which they may be off a straight line in time and travel."""
 
 
 def digit_step(force: NDArray) -> float:
@@ -180,7 +178,7 @@ def _with_changes(
     held = deepest + np.nonzero(x[deepest:stop] >= plain.at_mm + 0.9 * (x[deepest] - plain.at_mm))[0][-1]
     lasts, depth = float(time[held]) - plain.at_s, float(x[deepest]) - plain.at_mm
     whole, error, covariance = fit(0, 1, 2)
-    off = np.abs(mean - whole @ columns) > ON_LINE * np.hypot(np.sqrt(variance), slow)
+    off = np.abs(mean - whole @ columns) > 2.0 * CLEAR * np.hypot(np.sqrt(variance), slow)
     if leading < len(parts) and off.any():  # a load cell that creeps, or an average: no drift
         before = _with_changes(plain, parts[:leading], leading, time, x, load, press, noise)
         left = float(np.abs(load[parts[leading]].mean() - before.at(time, x)[parts[leading]].mean()))

@@ -35,15 +35,21 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> tuple[NDA
     rows = np.flatnonzero(step) + 1
     moves = step[rows - 1] > AT_REST * step.max()  # after an overshoot the hold is about the middle too
     way = rows[moves & (np.abs(x[rows] - x.min() - 0.5 * reach) < MIDDLE * reach)]
-    if len(way) < FEWEST:
-        stands = np.diff(np.r_[0, rows, len(x)])
-        jump = int(np.argmax(step[rows - 1])) if len(rows) else 0
-        size = float(step.max()) if np.min(stands[jump : jump + 2]) >= SLOWER else 0.0
-        _warn_coarse(size, size / max(reach, 1e-12), log)
-        return x, size
-    usual, size = float(np.median(np.diff(time[way]))), float(np.median(step[way - 1]))
-    if usual < SLOWER * float(np.median(np.diff(time))) or size < COARSE * reach:
+    if few := len(way) < FEWEST:
+        stands, jump = np.diff(np.r_[0, rows, len(x)]), int(np.argmax(step[rows - 1])) if len(rows) else 0
+        usual, size = 0.0, float(step.max()) if np.min(stands[jump : jump + 2]) >= SLOWER else 0.0
+    else:
+        usual, size = float(np.median(np.diff(time[way]))), float(np.median(step[way - 1]))
+    if size < COARSE * reach or not (few or usual >= SLOWER * float(np.median(np.diff(time)))):
         return x, 0.0
+    if size > WARNED * reach:
+        log.warn(
+            "coarse_position",
+            f"the position goes in steps of {size:.2g} mm: contact and depth are known to {size:.2g} mm only, the "
+            f"speed to {100.0 * size / reach:.0f} %; record it with more digits, or as often as the force",
+        )
+    if few:
+        return x, size
     digits = step[rows - 1] / step[rows - 1].min()
     rounded = bool(np.all(np.abs(digits - np.round(digits)) < EVEN * digits)) and digits.max() < MOST
     after, before = (0.5, 0.5) if rounded else (0.0, 1.0)
@@ -56,15 +62,4 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> tuple[NDA
     order = np.argsort(places, kind="stable")
     why = f"it changes every {usual:.3g} s only, by {size:.2g} mm: " + ("few digits" if rounded else "a slower source")
     log.decide("position", "read where it changes", why)
-    _warn_coarse(size, size / reach, log)
     return np.interp(time, places[order], values[order]), size
-
-
-def _warn_coarse(size_mm: float, share: float, log: ImportLog) -> None:
-    """Warn of steps that are a large share of the travel."""
-    if share > WARNED:
-        log.warn(
-            "coarse_position",
-            f"the position goes in steps of {size_mm:.2g} mm: contact and depth are known to {size_mm:.2g} mm only, "
-            f"the speed to {100.0 * share:.0f} %; record it with more digits, or as often as the force",
-        )

@@ -20,6 +20,7 @@ from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.judge import DELAYED, Judgement, judge_press
 from dummydesign.measurement.importing.sign_convention import find_presses, find_signs, middle_of_three
 from dummydesign.measurement.plateau import noise_of
+from dummydesign.measurement.plausible import ranges, units_that_fit
 from dummydesign.measurement.ramp_detection import Summary, summarise
 from dummydesign.measurement.trace import Trace, import_first
 
@@ -39,11 +40,8 @@ FREE = 0.02
 COMPUTED = 1e-3
 """Share of the force by which it may be off a line over displacement to be called computed; the least of any pad or
 tissue here is 0.08."""
-GRAMS_N_PER_MM, GRAMS_N = 100.0, 200.0
 HELD, RELAXED = 0.02, 0.05
 """Shares of its range within which a value is held, and by which the other one must fall meanwhile to be doubted."""
-INCHES_N_PER_MM, INCHES_MM = 60.0, 0.5
-"""Stiffness and size beyond any hand or pad (a 5 mm pad: 7 N/mm at 15 N): both must agree before a unit is doubted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +79,6 @@ def check_press(
         _several_holds,
         _clipped,
         _gaps,
-        _frozen,
         _spikes,
         _units,
     ):
@@ -233,21 +230,6 @@ def _gaps(press: _Press) -> None:
         )
 
 
-def _frozen(press: _Press) -> None:
-    """Both columns repeat while the punch should move."""
-    time, x, depth = press.time, press.x, press.summary.depth_mm
-    rise = (x[1:] > 0.02 * depth) & (x[1:] < 0.95 * depth) & (time[1:] < press.summary.stop_time_s)
-    first, last = _longest((np.diff(x) == 0) & (np.diff(press.force) == 0) & rise)
-    if last - first < 5 or last >= len(x) - 1:
-        return
-    if abs(x[last + 1] - x[last]) > 3.0 * float(np.median(np.abs(np.diff(x)[rise]))):
-        press.warn(
-            "drop_out",
-            f"force and position repeat for {last - first} samples from {time[first]:.4g} s in the "
-            "rise and then jump: the recording stood still; record again",
-        )
-
-
 def _spikes(press: _Press) -> None:
     """Single samples far off their neighbours, which agree with each other."""
     force = press.force
@@ -267,13 +249,13 @@ def _spikes(press: _Press) -> None:
 
 
 def _units(press: _Press) -> None:
-    force, depth = press.summary.peak_force_N, press.summary.depth_mm
-    stiffness = force / max(depth, 1e-9)
-    words = f"{force:.4g} N at {depth:.3g} mm is stiffer than any hand or pad: is the"
-    if stiffness > GRAMS_N_PER_MM and force > GRAMS_N:
-        press.warn("far_from_known", f"{words} force in grams? say --units force=gf if so")
-    elif stiffness > INCHES_N_PER_MM and depth < INCHES_MM:
-        press.warn("far_from_known", f"{words} position in inches? say --units displacement=in if so")
+    """Stiffer than any hand or pad: the force or the position may be in another unit."""
+    largest, depth = press.summary.peak_force_N, press.summary.depth_mm
+    if largest > ranges()["stiffness_N_mm"].usual_high * depth:
+        columns = press.time, press.x, press.force
+        fitting = [f"{role}={one}" for role in ("force", "displacement") for one in units_that_fit(role, *columns)]
+        doubt = f"{largest:.4g} N at {depth:.3g} mm is stiffer than any hand or pad: are both in these units?"
+        press.warn("far_from_known", doubt + f" say --units {' or '.join(fitting)} if not" * bool(fitting))
 
 
 CODES = (

@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_bytes, write_text, writing
 from dummydesign.core.parsing import NUMBER
 from dummydesign.core.serialise import to_plain
+from dummydesign.core.toml_schema import TomlTable
 from dummydesign.core.user_library import DEVICE, Entry, entries, find, read_toml, toml_table, user_folder
 from dummydesign.measurement.importing import contact as contact_zero
 from dummydesign.measurement.importing.baseline import Baseline
@@ -484,34 +485,23 @@ def load_profile(name: str) -> Settings:
     return _read_profile(find(PROFILES, "profile", name).path)
 
 
+_TEXTS = ("separator", "decimal", "encoding", "tare", "contact", "split", "sheets")
+
+
 def _read_profile(path: Path) -> Settings:
-    data, _ = read_toml(path)
-    if data.pop("schema", 1) != 1:
+    data, text = read_toml(path)
+    top = TomlTable(data, path, text).only(("schema", *vars(_NO_SETTINGS)))
+    if data.get("schema", 1) != 1:
         raise InputError(f"{path.name}: schema is not 1, the one that this version reads", "unsupported", "schema")
-    values: dict[str, Any] = {}
-    for key, value in data.items():
-        if key not in vars(_NO_SETTINGS):
-            raise unknown_name("key", key, vars(_NO_SETTINGS), "unknown_key", "profile").within(path.name)
-        number = type(value) in (int, float) and (value > 0 or key == "delay")
-        roles = isinstance(value, dict) and not set(value) - set(ROLES), f"texts for {', '.join(ROLES)}"
-        valid, form = {
-            "columns": roles,
-            "units": roles,
-            "skip": (type(value) is int and value >= 0, "a whole number from 0"),
-            "flip": (
-                isinstance(value, list) and not set(map(str, value)) - {"displacement", "force"},
-                "a list of 'displacement' and 'force', which may be empty",
-            ),
-            "rate": (number, "a number above 0, in Hz"),
-            "delay": (number, "a number, in s"),
-        }.get(key, (isinstance(value, str), "a text in quotes"))
-        if not valid:
-            code = "out_of_range" if key == "skip" else "malformed"
-            raise InputError(f"{path.name}: {key} = {value!r} must be {form}", code, key, value)
-        values[key] = frozenset(value) if key == "flip" else value
-        if isinstance(value, dict):
-            values[key] = {role: str(text) for role, text in value.items()}
-    return Settings(**values)
+    top.number("skip", None, low=0.0)
+    values = {key: top.get(key, str, "a text", None) for key in _TEXTS}
+    values |= {"rate": top.number("rate", None, above=0.0), "delay": top.number("delay", None)}
+    values |= {"skip": top.get("skip", int, "a whole number from 0", None)}
+    for key in ("columns", "units"):
+        roles = top.table(key, required=False).only(ROLES).data
+        values[key] = {role: str(word) for role, word in roles.items()}
+    values["flip"] = frozenset(top.strings("flip")) if "flip" in top else None
+    return Settings(**{key: value for key, value in values.items() if value is not None})
 
 
 def learned(given: Settings, imported: Iterable[Imported]) -> Settings:

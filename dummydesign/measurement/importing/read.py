@@ -493,10 +493,10 @@ def _read_profile(path: Path) -> Settings:
     top = TomlTable(data, path, text).only(("schema", *vars(_NO_SETTINGS)))
     if data.get("schema", 1) != 1:
         raise InputError(f"{path.name}: schema is not 1, the one that this version reads", "unsupported", "schema")
-    top.number("skip", None, low=0.0)
     values = {key: top.get(key, str, "a text", None) for key in _TEXTS}
     values |= {"rate": top.number("rate", None, above=0.0), "delay": top.number("delay", None)}
     values |= {"skip": top.get("skip", int, "a whole number from 0", None)}
+    top.number("skip", None, low=0.0)
     for key in ("columns", "units"):
         roles = top.table(key, required=False).only(ROLES).data
         values[key] = {role: str(word) for role, word in roles.items()}

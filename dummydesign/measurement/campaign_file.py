@@ -108,11 +108,6 @@ def read_campaign(folder: str | Path) -> Campaign:
     top = read_campaign_toml(folder)
     if top.data.get("schema") != 1:
         raise top.fault("schema", "is not known; this version reads schema = 1", "unsupported", 1)
-    for name in ("pad", "punch", "sensor"):
-        if isinstance(top.data.get(name), list):
-            raise InputError(
-                f"{top.where(name)}: a campaign has one [{name}]; make a campaign of each", "malformed", name
-            )
     records = Records(folder)
     pad_table, punch_table, sensor = (top.table(name, required=False) for name in ("pad", "punch", "sensor"))
     own = records.of(pad_table)
@@ -164,6 +159,7 @@ PAD_KEYS = (
 )
 """What of a trial belongs to its pad."""
 READ_AS_KEYS = ("thickness_mm", "velocity_mm_s", *OWN_KEYS, "confirmed")
+_READ_AS = ("files", "pad_of", "exchanged", *READ_AS_KEYS)
 
 
 def read_otherwise(top: TomlTable, tables: list[TomlTable]) -> tuple[list[TomlTable], list[dict[str, str]]]:
@@ -172,18 +168,16 @@ def read_otherwise(top: TomlTable, tables: list[TomlTable]) -> tuple[list[TomlTa
     given = top.tables("read_as") if "read_as" in top.data else []
     warnings = []
     for own in given:
-        keys = {key: value for key, value in own.data.items() if key != "files"}
-        unknown = sorted(set(keys) - {"pad_of", "exchanged", *READ_AS_KEYS})
-        if unknown or not keys:
-            known = ("files", "pad_of", "exchanged", *READ_AS_KEYS)
-            where = own.where(unknown[0] if unknown else "files")
-            raise unknown_name("key", unknown[0] if unknown else "", known, "unknown_key", "read_as").within(where)
-        files = own.data.get("files")
-        names = [*(files if isinstance(files, list) else [files]), *([keys["pad_of"]] if "pad_of" in keys else [])]
+        keys = {key: value for key, value in own.only(_READ_AS).data.items() if key != "files"}
+        if not keys:
+            raise own.fault("files", f"needs what is read otherwise: {', '.join(_READ_AS[1:])}", "unknown_key")
+        listed = own.data.get("files")
+        files = listed if isinstance(listed, list) else [listed]
+        names = [*files, *([keys["pad_of"]] if "pad_of" in keys else [])]
         for name in names:
             if name not in by_file:
                 raise unknown_name("file", str(name), tuple(by_file), quantity="read_as").within(own.where("files"))
-        chosen = [by_file[str(name)] for name in (files if isinstance(files, list) else [files])]
+        chosen = [by_file[str(name)] for name in files]
         changes = {key: value for key, value in keys.items() if key in READ_AS_KEYS}
         if "exchanged" in keys:
             if len(chosen) != 2:
@@ -247,9 +241,7 @@ def _read_interface(table: TomlTable, key: str, known: tuple[str, ...]) -> str:
 
 
 def _read_punch(table: TomlTable, folder: Path) -> PunchSpec:
-    shape = str(table.data.get("shape", "square"))
-    if shape not in PUNCHES:
-        raise unknown_name("shape", shape, PUNCHES, quantity="punch.shape").within(table.where("shape"))
+    shape = table.string("shape", "square", PUNCHES)
     side, diameter = (table.number(key, None, low=1.0, high=200.0) for key in ("side_mm", "diameter_mm"))
     needed = {"square": "side_mm", "round": "diameter_mm", "ball": "diameter_mm"}.get(shape)
     if needed and needed not in table:
@@ -267,24 +259,18 @@ def _read_sensor(table: TomlTable) -> tuple[Lowpass | None, float]:
     resolution = table.number("force_resolution_N", 0.0, low=0.0, high=10.0)
     if cutoff is None:
         return None, resolution
-    where = table.where("lowpass_hz")
-    try:
-        order, passes = (int(table.data.get(f"lowpass_{key}", usual)) for key, usual in (("order", 2), ("passes", 1)))
-    except (ValueError, TypeError) as problem:
-        raise InputError(f"{where}: {problem}", "not_a_number", "sensor.lowpass") from None
-    with errors_within(where):
+    order, passes = table.count("lowpass_order", 2), table.count("lowpass_passes", 1)
+    with errors_within(table.where("lowpass_hz")):
         return Lowpass(cutoff, order, passes), resolution
 
 
 def _read_trial(
     table: TomlTable, number: int, folder: Path, pad: PadSpec, punch: PunchSpec, lowpass: Lowpass | None
 ) -> Trial:
-    unknown = sorted(set(table.data) - _TRIAL_KEYS - set(OWN_KEYS) - {"confirmed"})
-    if of_punch := [key for key in unknown if key in PUNCH_KEYS]:
+    if of_punch := [key for key in table.data if key in PUNCH_KEYS]:
         words = "in a trial: a campaign has one [punch]; join campaigns by 'dummydesign loop --prior'"
         raise table.fault(of_punch[0], words, "not_applicable")
-    if unknown:
-        raise unknown_name("key", unknown[0], _TRIAL_KEYS, "unknown_key", "trial").within(table.where(unknown[0]))
+    table.only((*sorted(_TRIAL_KEYS), *OWN_KEYS, "confirmed"))
     numbers = {key: table.number(key, None, low=low, high=high) for key, (low, high) in TRIAL_NUMBERS.items()}
     for key in TRIAL_REQUIRED:
         table.number(key)

@@ -39,17 +39,19 @@ class Clip:
     level_N: float
 
 
-def find_clip(time: NDArray, x: NDArray, force: NDArray) -> Clip | None:
+def find_clip(time: NDArray, x: NDArray, force: NDArray, step_N: float | None = None) -> Clip | None:
     """Find where the force stands at its largest although the punch goes on, or the relaxation begins later only.
 
     Parameters
     ----------
     time, x, force : ndarray, shape (n,)
         One press, compression positive. [s, mm, N]
+    step_N : float, optional
+        Step of its digits, where a subtracted line hides it. [N]
     """
     smooth = middle_of_three(force)
     peak = float(smooth.max())
-    noise = max(noise_of(force), 0.5 * digit_step(force), GRAIN * peak)
+    noise = max(noise_of(force), 0.5 * (digit_step(force) if step_N is None else step_N), GRAIN * peak)
     runs = true_runs(smooth >= peak - BAND * noise)
     first, stop = max(runs, key=lambda run: run[1] - run[0], default=(0, 0))
     if stop - first < LEAST or first < LEAST or peak <= 0:

@@ -100,7 +100,7 @@ def slowing(
 ) -> tuple[int, float]:
     """Sample after 60 % of the depth from which the punch goes on at a tenth of its speed; the window of that. [s]"""
     late = int(np.argmax(x >= 0.6 * depth))
-    speed = (x[late] - x[start]) / max(time[late] - time[start], 1e-9)
+    speed = max(x[late] - x[start], 1e-12) / max(time[late] - time[start], 1e-9)
     least = max(10.0 * STEP_MM, min(multiple * noise_mm, 0.2 * depth))
     window = max(least / speed, 3.0 * float(np.median(np.diff(time[start : late + 4]))))
     until = int(np.searchsorted(time, time[-1] - window, side="right"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
@@ -110,9 +110,3 @@ def units_that_fit(role: str, time: NDArray, x: NDArray, force: NDArray, factor:
         if abs(size / factor - 1.0) > 1e-6 and all(ranges()[key].usual(value) for key, value in found.items()):
             fitting.append(unit)
     return fitting
-
-
-def may_be_in(units: Iterable[str]) -> str:
-    """Return the end of a message that names the units which would fit; empty for none."""
-    named = " or ".join(units)
-    return f"; it may be in {named}" if named else ""

@@ -61,7 +61,8 @@ def rate(reference: ArrayLike, compared: ArrayLike) -> Rating:
     wanted, own = (np.asarray(curve, float) for curve in (reference, compared))
     _check(wanted, own)
     shift = best_shift(wanted, own)
-    parts = corridor(wanted, own), _phase(shift, len(wanted)), *_as_shifted(wanted, own, shift)
+    phase = max(1.0 - abs(shift) / (MOST_SHIFT * len(wanted)), 0.0)
+    parts = corridor(wanted, own), float(phase), *_as_shifted(wanted, own, shift)
     return Rating(float(np.dot(WEIGHTS, parts)), *parts)
 
 
@@ -116,10 +117,6 @@ def _sums(values: NDArray, begin: NDArray, count: NDArray) -> NDArray:
     """Sums of as many values from each beginning on."""
     total = np.r_[0.0, np.cumsum(values)]
     return total[begin + count] - total[begin]
-
-
-def _phase(shift: int, count: int) -> float:
-    return float(max(1.0 - abs(shift) / (MOST_SHIFT * count), 0.0))
 
 
 def _as_shifted(reference: NDArray, compared: NDArray, shift: int) -> tuple[float, float]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.parsing import columns_in
 from dummydesign.measurement.motion import Motion
-from dummydesign.measurement.plausible import ROLE, impossible, may_be_in, press_quantities, units_that_fit
+from dummydesign.measurement.plausible import ROLE, impossible, press_quantities, units_that_fit
 
 COLUMNS = ("time_s", "displacement_mm", "force_N")
 MOTION_COLUMNS = ("time_s", "displacement_mm")
@@ -266,8 +266,8 @@ def _beyond(
     if fault := impossible(found):
         role = ROLE[fault[0]]
         column = next(name for name in COLUMNS if name.startswith(role))
-        fitting = units_that_fit(role, time, displacement, np.abs(force))
-        rows.append((True, "implausible_unit", column, f": {fault[1]}{may_be_in(fitting)}"))
+        fitting = " or ".join(units_that_fit(role, time, displacement, np.abs(force)))
+        rows.append((True, "implausible_unit", column, f": {fault[1]}{'; it may be in ' * bool(fitting)}{fitting}"))
     return rows
 
 

@@ -83,8 +83,8 @@ def render_details(result: dict[str, Any]) -> str:
     parameters = result["after"]["parameters"].items()
     rows = [{"name": name, "base": before[name]["value"], **after} for name, after in parameters]
     lines += Table.of(rows, PARAMETERS).lines(indent="")
-    rows = [f"  {row['name']:<28} {row['evidence']:>10.1f}" for row in result["ranking"]]
-    lines += ["evidence of each effect alone:", *rows] if rows else ["evidence of each effect alone: none has any"]
+    ranked = [f"  {row['name']:<28} {row['evidence']:>10.1f}" for row in result["ranking"]]
+    lines += ["evidence of each effect alone:" if ranked else "evidence of each effect alone: none has any", *ranked]
     if result["next_measurement"]:
         lines.append(f"next: {result['next_measurement']['text']}")
     return "\n".join(lines + warning_lines(result) + file_lines(result))

@@ -18,7 +18,7 @@ DRIFT_N_S, SLOPE_N_MM = 0.1, 0.05
 MOSTLY = 0.3
 """Share of the variance from which on the noise mostly wanders: then samples that follow quickly share its error."""
 CLEAR = 2.5
-"""Errors that a drift or a slope must exceed to be one."""
+"""Errors that a drift or a slope must exceed to be one; off a line is what exceeds twice as many."""
 SHOWN = 1.0 / 3.0
 """Share of what drift and slope may do before they are looked at to which the lead-in must narrow it to show them."""
 MATTERS = 0.002
@@ -72,17 +72,20 @@ def noise_before(time: NDArray, load: NDArray, span: Span, stop: int) -> Baselin
 class Baseline:
     """Reading at no load: ``level_N`` at contact (``at_s``, ``at_mm``), and how it changes with time and travel.
 
-    ``mean_N`` is the mean before contact, ``before_N`` the change there, ``effect_N`` (and its
+    ``mean_N`` is the mean before contact, ``step_N`` that of the digits, which a line that is subtracted hides,
+    ``before_N`` the change there, ``effect_N`` (and its
     error) that from contact to the end of the hold.
     ``drift_alone_N_s`` and ``slope_alone_N_mm`` are set where a change is clear, but not of which kind.
     ``held_error_N`` is how far (95 %) level, drift and slope that are not seen may move the force by the end of the
-    hold; infinite where the samples before contact show too little of them.
+    hold; infinite where the samples before contact show too little of them. ``left_N`` is what the force reads at most
+    after the punch came back, where that is no straight drift.
     """
 
     level_N: float
     mean_N: float
     error_N: float
     noise_N: float
+    step_N: float
     samples: int
     at_s: float
     at_mm: float
@@ -95,6 +98,7 @@ class Baseline:
     slope_alone_N_mm: float = 0.0
     comes_back: bool = False
     held_error_N: float = float("inf")
+    left_N: float = 0.0
 
     def at(self, time: NDArray, x: NDArray) -> NDArray:
         """Reading at no load along a motion. [N]"""
@@ -115,19 +119,19 @@ def find_baseline(
     """
     at, place_mm, free_mm = contact
     start, stop = span.start, span.stop
-    deepest = start + int(np.argmax(load[start:stop]))
+    deepest = start + int(np.argmax(x[start:stop]))  # an average is largest on the way back
     out = np.nonzero(x[start:at] < free_mm)[0]
     parked = approach_start(time, x, start, deepest) + 1 - start
     count = min(max(int(out[-1]) + 1 if out.size else 0, parked if parked >= LEAST_LEAD_IN else 0), at - start)
     lead = load[start : start + count]
     if count < LEAST_LEAD_IN:
-        return Baseline(0.0, 0.0, float("inf"), noise.sample_N, count, float(time[at]), place_mm)
+        return Baseline(0.0, 0.0, float("inf"), noise.sample_N, noise.step_N, count, float(time[at]), place_mm)
     parts = np.array_split(np.arange(start, start + count), 10 if count >= 30 else 3)
     means = [float(load[part].mean()) for part in parts]
     # noise that wanders for longer than the lead-in lasts does not average out: the error is less by no root of ten
     error = float(max(2.0 * np.std(means), 2.0 * noise.sample_N / np.sqrt(count), noise.rounding_N))
     mean = float(np.mean(lead))
-    plain = Baseline(mean, mean, error, float(np.std(lead)), count, float(time[at]), place_mm)
+    plain = Baseline(mean, mean, error, float(np.std(lead)), noise.step_N, count, float(time[at]), place_mm)
     stand = min(parked, count) if parked >= LEAST_LEAD_IN else count
     if count - stand >= 2 * LEAST_LEAD_IN:  # the approach tells the slope, the time before it the drift
         standing = np.array_split(np.arange(start, start + stand), 10 if stand >= 30 else 3)
@@ -174,6 +178,11 @@ def _with_changes(
     held = deepest + np.nonzero(x[deepest:stop] >= plain.at_mm + 0.9 * (x[deepest] - plain.at_mm))[0][-1]
     lasts, depth = float(time[held]) - plain.at_s, float(x[deepest]) - plain.at_mm
     whole, error, covariance = fit(0, 1, 2)
+    off = np.abs(mean - whole @ columns) > 2.0 * CLEAR * np.hypot(np.sqrt(variance), slow)
+    if leading < len(parts) and off.any():  # a load cell that creeps, or an average: no drift
+        before = _with_changes(plain, parts[:leading], leading, time, x, load, press, noise)
+        left = float(np.abs(load[parts[leading]].mean() - before.at(time, x)[parts[leading]].mean()))
+        return replace(before, left_N=left, held_error_N=2.0 * left)
     end = np.array([1.0, lasts, depth])
     before_it = np.array([0.0, DRIFT_N_S, SLOPE_N_MM]) * end
     unseen = np.minimum(floors * end, before_it)

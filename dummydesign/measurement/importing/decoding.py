@@ -11,6 +11,7 @@ import re
 import zipfile
 
 from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.measurement.importing.cells import parse
 from dummydesign.measurement.importing.decisions import ImportLog
 from dummydesign.measurement.importing.vocabulary import ROLES, is_known_word, roles_of_name, split_name
 
@@ -257,24 +258,14 @@ def _time_begins_again(tests: list[list[list[str]]]) -> bool:
     """Whether the time of every sheet begins before that of the sheet before it ended: each is a test of its own."""
     spans = []
     for rows in tests:
-        heads = [(row, at) for row, cells in enumerate(rows[:_HEADER_ROWS]) for at in _time_columns(cells)]
+        cells = ((row, at, cell) for row, line in enumerate(rows[:_HEADER_ROWS]) for at, cell in enumerate(line))
+        heads = [(row, at) for row, at, cell in cells if cell and "time" in roles_of_name(split_name(cell)[0])]
         if not heads:
             return False
         head, at = heads[0]
-        times = [time for row in rows[head:] if at < len(row) and (time := _number(row[at])) is not None]
+        times = [time for row in rows[head:] if at < len(row) and (time := parse(row[at], ".")) is not None]
         spans.append((times[0], times[-1]) if times else (0.0, 0.0))
     return all(begin < before_end for (_, before_end), (begin, _) in itertools.pairwise(spans))
-
-
-def _time_columns(row: list[str]) -> list[int]:
-    return [at for at, cell in enumerate(row) if cell and "time" in roles_of_name(split_name(cell)[0])]
-
-
-def _number(cell: str) -> float | None:
-    try:
-        return float(cell)
-    except ValueError:
-        return None
 
 
 def _sheets_of_tests(sheets: dict[str, list[list[str]]], log: ImportLog) -> dict[str, list[list[str]]]:
@@ -301,7 +292,7 @@ def _named_width(rows: list[list[str]]) -> int:
         known = [roles_of_name(split_name(cell)[0]) & set(ROLES) for cell in row]
         if frozenset[str]().union(*known) >= set(ROLES):
             last = max(at for at, roles in enumerate(known) if roles)
-            nameless = (at for at in range(last + 1, len(row)) if not row[at] or _number(row[at]) is not None)
+            nameless = (at for at in range(last + 1, len(row)) if not row[at] or parse(row[at], ".") is not None)
             return next(nameless, len(row))
     return 0
 

@@ -5,9 +5,12 @@ force is a sum of elastic forces that rise with depth, each relaxing by exponent
 
     F(t) = level + drift t + sum w_ij int r_j(t - s) dg_i(d(s)),  d(t) = x(t - delay) - contact,  w_ij >= 0,
 
-with g_i powers of depth or max(d - d_i, 0) and r_j constant or exp(-t / tau_j), and of arms d^2 e,
+with g_i powers of depth, max(d - d_i, 0) or levelling off and r_j constant or exp(-t / tau_j), and of arms d^2 e,
 e' = d' - e d^2 / tau_j, as the published law of tissue has them, by non-negative least squares [1]. The way back is
 left out: there contact is lost, at times that depend on the depth.
+
+A delay shows as a force that goes on while nothing moves: it is sought in all presses, in which a sum without one
+misses much more.
 
 References
 ----------
@@ -16,6 +19,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,13 +27,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.recurrence import linear_recurrence
-from dummydesign.measurement.importing.baseline import digit_step
+from dummydesign.measurement.importing.contact import FILTER_DELAY_S
 from dummydesign.measurement.plateau import noise_of
 from dummydesign.measurement.ramp_detection import Summary, last_ramp
 
 POWERS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.5, 9.0, 13.0])
 TOUCHES = np.linspace(0.2, 0.9, 8)
 """Shares of the depth at which more of a body may begin to carry: the slab beside a low crown, another layer."""
+LEVELS = np.array([2.0, 4.0, 8.0])
+"""Of 1 - exp(-level * share of the depth): foams give way."""
 TIMES_S = np.geomspace(0.004, 40.0, 9)
 SAMPLES = 260
 """Samples that are kept, even along the curve of displacement and force over time."""
@@ -44,16 +50,19 @@ LIMIT = 6.0
 DELAYED = "force_delayed"
 PARTS = ("before contact", "in the rise", "after the stop", "in the hold")
 SETTLES_S = 0.3
-DELAYS_S = np.arange(-60e-3, 61e-3, 5e-3)
+STRIDES_S, LONGEST_S = (10e-3, 2.5e-3), 0.1
+"""Steps by which the delay that explains most is approached, and the largest one. [s]"""
+DELAY_ERROR_S = 5e-3
+"""How far (95 %) a delay that is found may be off, of drawn presses of tissue, balls and flat punches. [s]"""
 FEWEST = 5  # samples of a part that is judged
-BETTER = 0.5
-"""Share of the misfit that a delay must leave at most to be named."""
+BETTER, MATTERS = 0.85, 0.01
+"""Share of the misfit that a delay must leave at most to be named, and share of the depth that it must move."""
 
 
 @dataclass(frozen=True)
 class Judgement:
     """Whether a press is explained within its noise; else where it is worst, by how many times its noise it is missed
-    there, and a delay of the force that explains it better (0: none). [s]"""
+    there. ``delay_s`` is the delay of the force that explains it better (0: none); a short one may be a filter's."""
 
     explains: bool
     where: str = ""
@@ -63,7 +72,7 @@ class Judgement:
     @property
     def by(self) -> str:
         """The option that would explain it; empty without one."""
-        return f"--delay {self.delay_s:.3g}" if self.delay_s else ""
+        return f"--delay {self.delay_s:.3g}" if self.delay_s and not self.explains else ""
 
     @property
     def code(self) -> str:
@@ -87,7 +96,7 @@ class Judgement:
         return {"explains": self.explains, "where": self.where, "by": self.by}
 
 
-def judge_press(time: NDArray, x: NDArray, force: NDArray, summary: Summary) -> Judgement:
+def judge_press(time: NDArray, x: NDArray, force: NDArray, summary: Summary, step_N: float = 0.0) -> Judgement:
     """Judge one press.
 
     Parameters
@@ -96,32 +105,44 @@ def judge_press(time: NDArray, x: NDArray, force: NDArray, summary: Summary) -> 
         From rest, zero at contact, compression positive. [s, mm, N]
     summary : Summary
         Its ramp and hold.
+    step_N : float
+        Step of the digits of the force. [N]
     """
     stop, end = summary.stop_time_s, max(summary.hold_end_s, summary.stop_time_s)
     kept = _thinned(time, x, force, end)
-    noise = np.hypot(noise_of(force), digit_step(force) / np.sqrt(12.0))
+    noise = np.hypot(noise_of(force), step_N / np.sqrt(12.0))
     size = np.hypot(LAW_ERROR * np.maximum(np.abs(force[kept]), LEAST * float(force.max())), noise)
     t = time[kept]
     part = np.where(t > stop + SETTLES_S, 3, np.where(t > stop, 2, np.where(x[kept] > 0.0, 1, 0)))
     judged = [k for k in range(len(PARTS)) if summary.depth_mm >= SLOW_S * summary.velocity_mm_s or k == 3]
-    size *= np.where(np.isin(part, judged) & (t >= time[last_ramp(x)]), 1.0, UNJUDGED)
+    size *= np.where(t >= time[last_ramp(x)], 1.0, UNJUDGED)
+    left = _left(time, x, force, kept, size * np.where(np.isin(part, judged), 1.0, UNJUDGED))
+    misfits = [np.sqrt(np.mean(left[part == k] ** 2)) if np.sum(part == k) >= FEWEST else 0.0 for k in judged]
+    worst = int(np.argmax(misfits))
 
-    def misfits(delay_s: float) -> NDArray:
-        """Misfit of each part, the contact carried along."""
-        depth = np.interp(time - delay_s, time, x)[kept] + summary.velocity_mm_s * delay_s
-        if not depth.max() > 0.0:
-            return np.full(len(judged), np.inf)
-        left = (force[kept] - _explained(t, depth, force[kept], size)) / size
-        return np.array(
-            [np.sqrt(np.mean(left[part == k] ** 2)) if np.sum(part == k) >= FEWEST else 0.0 for k in judged]
-        )
+    def missed(delay_s: float) -> float:
+        """Sum of squares that is missed with a delay, the contact carried along."""
+        depth = np.interp(time - delay_s, time, x) + summary.velocity_mm_s * delay_s
+        return float(np.sum(_left(time, depth, force, kept, size) ** 2)) if depth[kept].max() > 0.0 else np.inf
 
-    own = misfits(0.0)
-    worst = int(own.argmax())
-    if own[worst] <= LIMIT:
-        return Judgement(True)
-    least, delay = min((float(misfits(delay).max()), float(delay)) for delay in DELAYS_S)
-    return Judgement(False, PARTS[judged[worst]], float(own[worst]), delay if least < BETTER * own[worst] else 0.0)
+    own = missed(0.0)
+    delay, least = _nearest_delay(missed, own)
+    better = least < BETTER**2 * own
+    moved = better and abs(delay) * summary.velocity_mm_s > MATTERS * summary.depth_mm
+    named = delay if better and abs(delay) < LONGEST_S - STRIDES_S[0] else 0.0  # an average is no delay
+    if misfits[worst] <= LIMIT and (not moved or abs(delay) <= FILTER_DELAY_S + 2.0 * DELAY_ERROR_S):
+        return Judgement(True, delay_s=named)
+    return Judgement(False, PARTS[judged[worst]], float(misfits[worst]), named * moved)
+
+
+def _nearest_delay(missed: Callable[[float], float], none: float) -> tuple[float, float]:
+    """The delay that explains most, downhill from none, and what it misses. [s]"""
+    delay, least = 0.0, none
+    for stride in STRIDES_S:
+        for step in (-stride, stride):
+            while abs(delay + step) <= LONGEST_S and (other := missed(delay + step)) < least:
+                delay, least = delay + step, other
+    return delay, least
 
 
 def _thinned(time: NDArray, x: NDArray, force: NDArray, end_s: float) -> NDArray:
@@ -132,12 +153,14 @@ def _thinned(time: NDArray, x: NDArray, force: NDArray, end_s: float) -> NDArray
     return np.unique(np.searchsorted(way, np.linspace(0.0, way[-1], SAMPLES)).clip(0, count - 1))
 
 
-def _explained(time: NDArray, depth: NDArray, force: NDArray, size: NDArray) -> NDArray:
-    """The nearest force that a body can have. [N]"""
+def _left(time: NDArray, depth: NDArray, force: NDArray, kept: NDArray, size: NDArray) -> NDArray:
+    """What the nearest force that a body can have misses of some samples, over their errors."""
     from scipy.optimize import nnls
 
+    time, depth, force = time[kept], depth[kept], force[kept]
     share = np.maximum(depth, 0.0) / depth.max()
-    elastic = np.concatenate([share ** POWERS[:, None], np.maximum(share - TOUCHES[:, None], 0.0)])
+    shapes = share ** POWERS[:, None], np.maximum(share - TOUCHES[:, None], 0.0), -np.expm1(-LEVELS[:, None] * share)
+    elastic = np.concatenate(shapes)
     step = np.maximum(np.diff(time, prepend=time[0]), 1e-9) / TIMES_S[:, None]
 
     def relaxed(elastic: NDArray, step: NDArray) -> NDArray:
@@ -151,4 +174,4 @@ def _explained(time: NDArray, depth: NDArray, force: NDArray, size: NDArray) -> 
     even = np.stack([np.ones_like(time), (time - time[0]) / max(float(np.ptp(time)), 1e-9)])
     columns = np.concatenate([elastic, fading, tissue, even, -even]).T
     weights, _ = nnls(columns / size[:, None], force / size, maxiter=50 * columns.shape[1])
-    return columns @ weights
+    return (force - columns @ weights) / size

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
+from textwrap import shorten
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing import cells as cell_text
@@ -134,9 +135,17 @@ def find_layout(text: str, log: ImportLog) -> TableLayout:
     after = [line for line in lines[last:] if line.strip()]
     rates = {rate for at in range(first) if at not in header if (rate := vocabulary.sampling_rate_in(lines[at]))}
     if before:
-        log.decide("preamble", f"{len(before)} lines", f"no numbers of the table; the first: '{_short(before[0])}'")
+        log.decide(
+            "preamble",
+            f"{len(before)} lines",
+            f"no numbers of the table; the first: '{shorten(before[0], 60, placeholder='...')}'",
+        )
     if after:
-        log.decide("footer", f"{len(after)} lines", f"not rows of the table; the first: '{_short(after[0])}'")
+        log.decide(
+            "footer",
+            f"{len(after)} lines",
+            f"not rows of the table; the first: '{shorten(after[0], 60, placeholder='...')}'",
+        )
     thousands = any(cell_text.has_thousands(cell, decimal) for cell in cells)
     rate = rates.pop() if len(rates) == 1 else None
     return TableLayout(
@@ -161,11 +170,6 @@ def _units_inside(column: Sequence[str], kind: str, numbers: list[str]) -> str:
     read = [parts for cell in column if (parts := cell_text.measure(cell))]
     numbers += [number for number, _ in read]
     return Counter(unit.text for _, unit in read).most_common(1)[0][0]
-
-
-def _short(line: str) -> str:
-    text = " ".join(line.split())
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def _spread(lines: Sequence[str]) -> list[str]:

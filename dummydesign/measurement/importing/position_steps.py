@@ -12,7 +12,8 @@ MIDDLE, SLOWER = 0.45, 2.5
 position goes in steps."""
 COARSE, WARNED = 0.003, 0.01
 """Step over the travel from which it matters, and from which there is a warning."""
-FEWEST = 6
+FEWEST, AT_REST = 6, 0.05
+"""Changes on the way between which a position is read, and share of the largest below which one is noise at rest."""
 STANDS = 3.0
 """Multiple of the usual time between two changes beyond which the punch stands."""
 EVEN, MOST = 0.02, 30.0
@@ -32,12 +33,23 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> tuple[NDA
     """
     step, reach = np.abs(np.diff(x)), float(np.ptp(x))
     rows = np.flatnonzero(step) + 1
-    way = rows[np.abs(x[rows] - x.min() - 0.5 * reach) < MIDDLE * reach]
-    if len(way) < FEWEST:
+    moves = step[rows - 1] > AT_REST * step.max()  # after an overshoot the hold is about the middle too
+    way = rows[moves & (np.abs(x[rows] - x.min() - 0.5 * reach) < MIDDLE * reach)]
+    if few := len(way) < FEWEST:
+        stands, jump = np.diff(np.r_[0, rows, len(x)]), int(np.argmax(step[rows - 1])) if len(rows) else 0
+        usual, size = 0.0, float(step.max()) if np.min(stands[jump : jump + 2]) >= SLOWER else 0.0
+    else:
+        usual, size = float(np.median(np.diff(time[way]))), float(np.median(step[way - 1]))
+    if size < COARSE * reach or not (few or usual >= SLOWER * float(np.median(np.diff(time)))):
         return x, 0.0
-    usual, size = float(np.median(np.diff(time[way]))), float(np.median(step[way - 1]))
-    if usual < SLOWER * float(np.median(np.diff(time))) or size < COARSE * reach:
-        return x, 0.0
+    if size > WARNED * reach:
+        log.warn(
+            "coarse_position",
+            f"the position goes in steps of {size:.2g} mm: contact and depth are known to {size:.2g} mm only, the "
+            f"speed to {100.0 * size / reach:.0f} %; record it with more digits, or as often as the force",
+        )
+    if few:
+        return x, size
     digits = step[rows - 1] / step[rows - 1].min()
     rounded = bool(np.all(np.abs(digits - np.round(digits)) < EVEN * digits)) and digits.max() < MOST
     after, before = (0.5, 0.5) if rounded else (0.0, 1.0)
@@ -50,11 +62,4 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> tuple[NDA
     order = np.argsort(places, kind="stable")
     why = f"it changes every {usual:.3g} s only, by {size:.2g} mm: " + ("few digits" if rounded else "a slower source")
     log.decide("position", "read where it changes", why)
-    if size > WARNED * reach:
-        log.warn(
-            "coarse_position",
-            f"the position goes in steps of {size:.2g} mm: contact, depth and hold are known to {size:.2g} mm and "
-            f"{usual:.2g} s only, the speed to {100.0 * size / reach:.0f} %; record it with more digits, or as often "
-            "as the force",
-        )
     return np.interp(time, places[order], values[order]), size

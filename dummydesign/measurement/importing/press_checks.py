@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.interpolation import true_runs
 from dummydesign.measurement.clipping import find_clip
-from dummydesign.measurement.importing.baseline import LEAST_LEAD_IN, digit_step
+from dummydesign.measurement.importing.baseline import LEAST_LEAD_IN
 from dummydesign.measurement.importing.contact import ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.judge import DELAYED, Judgement, judge_press
 from dummydesign.measurement.importing.sign_convention import find_presses, find_signs, middle_of_three
 from dummydesign.measurement.plateau import noise_of
+from dummydesign.measurement.plausible import ranges, units_that_fit
 from dummydesign.measurement.ramp_detection import Summary, summarise
 from dummydesign.measurement.trace import Trace, import_first
 
@@ -39,11 +40,8 @@ FREE = 0.02
 COMPUTED = 1e-3
 """Share of the force by which it may be off a line over displacement to be called computed; the least of any pad or
 tissue here is 0.08."""
-GRAMS_N_PER_MM, GRAMS_N = 100.0, 200.0
 HELD, RELAXED = 0.02, 0.05
 """Shares of its range within which a value is held, and by which the other one must fall meanwhile to be doubted."""
-INCHES_N_PER_MM, INCHES_MM = 60.0, 0.5
-"""Stiffness and size beyond any hand or pad (a 5 mm pad: 7 N/mm at 15 N): both must agree before a unit is doubted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +52,7 @@ class _Press:
     x: NDArray
     force: NDArray
     noise_N: float
+    step_N: float
     summary: Summary
     warn: Warn
 
@@ -62,13 +61,14 @@ def check_press(
     time: NDArray, x: NDArray, force: NDArray, contact: ContactEstimate, summary: Summary, warn: Warn
 ) -> Judgement:
     """Warn of what looks wrong in one press; and whether it is explained as a whole."""
-    judged, codes = judge_press(time, x, force, summary), set()
+    step_N, codes = contact.baseline.step_N, set()
+    judged = judge_press(time, x, force, summary, step_N)
 
     def tell(code: str, message: str) -> None:
         codes.add(code)
         warn(code, message)
 
-    press = _Press(time, x, force, max(contact.baseline.noise_N, noise_of(force)), summary, tell)
+    press = _Press(time, x, force, max(contact.baseline.noise_N, noise_of(force)), step_N, summary, tell)
     if _swapped(press):
         return judged
     for check in (
@@ -79,12 +79,11 @@ def check_press(
         _several_holds,
         _clipped,
         _gaps,
-        _frozen,
         _spikes,
         _units,
     ):
         check(press)
-    if not judged.explains and not codes & FAULTS:
+    if not judged.explains and not codes & (CUT if judged.delay_s else FAULTS):
         warn(judged.code, judged.message)
     return judged
 
@@ -136,7 +135,7 @@ def _approach(press: _Press) -> None:
 
 def _coarse(press: _Press) -> None:
     """Digits that the noise does not spread, so coarse that the steady force is not known to 1 %."""
-    step, steady = digit_step(press.force), press.summary.steady_force_N
+    step, steady = press.step_N, press.summary.steady_force_N
     if steady and 0.5 * step > COARSE * steady and press.noise_N < 0.3 * step:
         press.warn(
             "coarse_digits",
@@ -200,7 +199,7 @@ def _several_holds(press: _Press) -> None:
 
 def _clipped(press: _Press) -> None:
     """The load cell's end: the force stands within its noise while the punch still moves, or before it relaxes."""
-    if clip := find_clip(press.time, press.x, press.force):
+    if clip := find_clip(press.time, press.x, press.force, press.step_N):
         press.warn(
             "clipped",
             f"the force stands at {clip.level_N:.6g} N for {clip.stop - clip.first} samples from "
@@ -231,21 +230,6 @@ def _gaps(press: _Press) -> None:
         )
 
 
-def _frozen(press: _Press) -> None:
-    """Both columns repeat while the punch should move."""
-    time, x, depth = press.time, press.x, press.summary.depth_mm
-    rise = (x[1:] > 0.02 * depth) & (x[1:] < 0.95 * depth) & (time[1:] < press.summary.stop_time_s)
-    first, last = _longest((np.diff(x) == 0) & (np.diff(press.force) == 0) & rise)
-    if last - first < 5 or last >= len(x) - 1:
-        return
-    if abs(x[last + 1] - x[last]) > 3.0 * float(np.median(np.abs(np.diff(x)[rise]))):
-        press.warn(
-            "drop_out",
-            f"force and position repeat for {last - first} samples from {time[first]:.4g} s in the "
-            "rise and then jump: the recording stood still; record again",
-        )
-
-
 def _spikes(press: _Press) -> None:
     """Single samples far off their neighbours, which agree with each other."""
     force = press.force
@@ -265,13 +249,13 @@ def _spikes(press: _Press) -> None:
 
 
 def _units(press: _Press) -> None:
-    force, depth = press.summary.peak_force_N, press.summary.depth_mm
-    stiffness = force / max(depth, 1e-9)
-    words = f"{force:.4g} N at {depth:.3g} mm is stiffer than any hand or pad: is the"
-    if stiffness > GRAMS_N_PER_MM and force > GRAMS_N:
-        press.warn("far_from_known", f"{words} force in grams? say --units force=gf if so")
-    elif stiffness > INCHES_N_PER_MM and depth < INCHES_MM:
-        press.warn("far_from_known", f"{words} position in inches? say --units displacement=in if so")
+    """Stiffer than any hand or pad: the force or the position may be in another unit."""
+    largest, depth = press.summary.peak_force_N, press.summary.depth_mm
+    if largest > ranges()["stiffness_N_mm"].usual_high * depth:
+        columns = press.time, press.x, press.force
+        fitting = [f"{role}={one}" for role in ("force", "displacement") for one in units_that_fit(role, *columns)]
+        doubt = f"{largest:.4g} N at {depth:.3g} mm is stiffer than any hand or pad: are both in these units?"
+        press.warn("far_from_known", doubt + f" say --units {' or '.join(fitting)} if not" * bool(fitting))
 
 
 CODES = (
@@ -282,8 +266,9 @@ CODES = (
 """Codes of the warnings of this module."""
 MENDED = ("force_before_contact", "contact_off", "far_from_known")
 """Those that an import mends."""
-FAULTS = {"several_holds", "clipped", "drop_out", "spike", "proportional"}
-"""Those that say why a force is not explained."""
+CUT = {"clipped", "drop_out", "proportional"}
+FAULTS = {"several_holds", "spike", *CUT}
+"""Those that say why a force is not explained, and of these those that pass for a delay."""
 OFFSET_SHARE = 0.01
 """Share of the largest force up to which a force before contact does not matter."""
 READING = 4.0

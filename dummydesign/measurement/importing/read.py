@@ -14,15 +14,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_bytes, write_text, writing
 from dummydesign.core.parsing import NUMBER
 from dummydesign.core.serialise import to_plain
+from dummydesign.core.toml_schema import TomlTable
 from dummydesign.core.user_library import DEVICE, Entry, entries, find, read_toml, toml_table, user_folder
 from dummydesign.measurement.importing import contact as contact_zero
+from dummydesign.measurement.importing.baseline import Baseline
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, QuestionError, Settings
 from dummydesign.measurement.importing.decoding import LEFT_OUT
-from dummydesign.measurement.importing.judge import Judgement
+from dummydesign.measurement.importing.judge import DELAY_ERROR_S, Judgement
 from dummydesign.measurement.importing.position_steps import read_between_changes
 from dummydesign.measurement.importing.press_checks import Warn, check_press, copies_among
 from dummydesign.measurement.importing.sign_convention import HIGH, Span, find_presses, find_signs, joined_cycles
@@ -126,22 +128,33 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog, shared: Shar
             raise log.question(f"press {number}: {fault.message}", option)
         warn = partial(log.warn, name=name)
         judged = check_press(t, way, force, contact, summary, warn)
-        ends = contact.low_mm - at - step_mm, contact.high_mm - at + step_mm, signs.displacement * at
-        error = _steady_error(summary, contact.baseline.held_error_N, warn)
+        # a late force shows the contact too late
+        late, reach = (summary.velocity_mm_s * lag for lag in (judged.delay_s, DELAY_ERROR_S * bool(judged.delay_s)))
+        reach += step_mm
+        ends = contact.low_mm - at - late - reach, contact.high_mm - at - late + reach, signs.displacement * at
+        error = _steady_error(summary, contact.baseline, warn)
         presses.append(ImportedPress(number, t, way, force, summary, *ends, float(time[span.start]), error, judged))
     return Imported(path, tuple(presses), tuple(log.decisions), tuple(log.warnings), columns, sheet)
 
 
-UNSURE = 0.05
-"""Share of the steady force by which drift and slope that are not seen may move it without a warning."""
+UNSURE, BACK = 0.05, 0.01
+"""Shares of the steady force without a warning: by which drift and slope that are not seen may move it, and that is
+left when the punch is back."""
 
 
-def _steady_error(summary: Summary, error_N: float, warn: Warn) -> float | None:
+def _steady_error(summary: Summary, baseline: Baseline, warn: Warn) -> float | None:
     """How far unseen drift and slope may move the steady force (95 %); None where it is not known. [N]"""
-    steady = summary.steady_force_N
+    steady, error_N, left_N = summary.steady_force_N, baseline.held_error_N, baseline.left_N
     if steady is None or not np.isfinite(error_N):
         return None
-    if error_N > UNSURE * abs(steady):
+    if left_N > BACK * abs(steady):
+        warn(
+            "force_not_back",
+            f"the force still reads {left_N:.2g} N when the punch is back, and falls from there: the load cell creeps "
+            f"or an average is recorded. The steady force of {steady:.3g} N may be off by {error_N:.2g} N (95 %); "
+            "record without averaging, or let the force come back before the next press",
+        )
+    elif error_N > UNSURE * abs(steady):
         warn(
             "steady_uncertain",
             f"a drift or a slope that is not seen before contact may move the steady force of {steady:.3g} "
@@ -472,34 +485,23 @@ def load_profile(name: str) -> Settings:
     return _read_profile(find(PROFILES, "profile", name).path)
 
 
+_TEXTS = ("separator", "decimal", "encoding", "tare", "contact", "split", "sheets")
+
+
 def _read_profile(path: Path) -> Settings:
-    data, _ = read_toml(path)
-    if data.pop("schema", 1) != 1:
+    data, text = read_toml(path)
+    top = TomlTable(data, path, text).only(("schema", *vars(_NO_SETTINGS)))
+    if data.get("schema", 1) != 1:
         raise InputError(f"{path.name}: schema is not 1, the one that this version reads", "unsupported", "schema")
-    values: dict[str, Any] = {}
-    for key, value in data.items():
-        if key not in vars(_NO_SETTINGS):
-            raise unknown_name("key", key, vars(_NO_SETTINGS), "unknown_key", "profile").within(path.name)
-        number = type(value) in (int, float) and (value > 0 or key == "delay")
-        roles = isinstance(value, dict) and not set(value) - set(ROLES), f"texts for {', '.join(ROLES)}"
-        valid, form = {
-            "columns": roles,
-            "units": roles,
-            "skip": (type(value) is int and value >= 0, "a whole number from 0"),
-            "flip": (
-                isinstance(value, list) and not set(map(str, value)) - {"displacement", "force"},
-                "a list of 'displacement' and 'force', which may be empty",
-            ),
-            "rate": (number, "a number above 0, in Hz"),
-            "delay": (number, "a number, in s"),
-        }.get(key, (isinstance(value, str), "a text in quotes"))
-        if not valid:
-            code = "out_of_range" if key == "skip" else "malformed"
-            raise InputError(f"{path.name}: {key} = {value!r} must be {form}", code, key, value)
-        values[key] = frozenset(value) if key == "flip" else value
-        if isinstance(value, dict):
-            values[key] = {role: str(text) for role, text in value.items()}
-    return Settings(**values)
+    values = {key: top.get(key, str, "a text", None) for key in _TEXTS}
+    values |= {"rate": top.number("rate", None, above=0.0), "delay": top.number("delay", None)}
+    values |= {"skip": top.get("skip", int, "a whole number from 0", None)}
+    top.number("skip", None, low=0.0)
+    for key in ("columns", "units"):
+        roles = top.table(key, required=False).only(ROLES).data
+        values[key] = {role: str(word) for role, word in roles.items()}
+    values["flip"] = frozenset(top.strings("flip")) if "flip" in top else None
+    return Settings(**{key: value for key, value in values.items() if value is not None})
 
 
 def learned(given: Settings, imported: Iterable[Imported]) -> Settings:

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.measurement.importing.baseline import BaselineNoise, digit_step
+from dummydesign.measurement.importing.baseline import BaselineNoise, digit_step, find_baseline, noise_before
 from dummydesign.measurement.importing.decisions import Settings
 from dummydesign.measurement.importing.read import import_files
+from dummydesign.measurement.importing.sign_convention import Span
 from tests.support.refusal import raises_code
 
 
@@ -115,3 +116,34 @@ def test_the_step_of_the_digits_is_found_and_noise_spreads_its_error():
     noise = BaselineNoise(0.0, 0.0, 0.0, 0.1)
     assert noise.rounding_N == pytest.approx(0.1 / np.sqrt(12.0))
     assert replace(noise, sample_N=0.1).rounding_N < 1e-9
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_force_that_comes_back_slowly_is_no_drift(tmp_path, seed):
+    """A load cell that creeps by 3 % in 4 s: what it reads after the return bounds the error of the steady force."""
+    time, x, force, true = press(seed)
+    creep, step = np.zeros(len(time)), 0.004 / 4.0
+    for at in range(1, len(time)):
+        creep[at] = creep[at - 1] + step * (0.03 * true[at] - creep[at - 1])
+    found = imported(tmp_path, (time, x, force + creep))
+    (one,) = found.presses
+    assert "force_not_back" in {warning["code"] for warning in found.warnings}
+    assert "force_drifts" not in {warning["code"] for warning in found.warnings}
+    late = (time > 9.3) & (time < 9.6)
+    truth = float(true[late].mean())
+    assert 0.01 < abs(one.summary.steady_force_N / truth - 1.0) < 0.03
+    assert abs(one.summary.steady_force_N - truth) < one.steady_error_N < 0.1 * truth
+    held = imported(tmp_path, (time, x, force + 0.05 * time)).presses[0]
+    assert held.summary.steady_force_N == pytest.approx(truth, rel=0.01)  # a straight drift is one still
+
+
+def test_an_average_may_be_largest_where_the_punch_is_out_again():
+    """Level and drift are still found: its depth is that of the position, not that under the largest force."""
+    time = np.arange(0.0, 12.0, 0.01)
+    x = np.interp(time, [0.0, 3.0, 4.0, 4.2, 5.0, 12.0], [-3.0, -3.0, 4.0, 4.0, -3.0, -3.0])
+    force = 5.0 * np.maximum(x, 0.0)
+    load = 0.3 + np.convolve(force, np.full(150, 1 / 150))[: len(time)] + np.random.default_rng(1).normal(0, 0.01, 1200)
+    span = Span(0, len(time), 345)
+    assert x[int(np.argmax(load))] < 0.0
+    found = find_baseline(time, x, load, span, (345, 0.0, -0.2), noise_before(time, load, span, 300))
+    assert found.level_N == pytest.approx(0.3, abs=0.01) and found.left_N > 1.0

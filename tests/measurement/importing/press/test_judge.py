@@ -132,3 +132,49 @@ def test_a_position_that_moves_with_each_sample_or_hardly_in_steps_is_left_as_it
         read, step_mm = read_between_changes(record.time_s, x, log)
         assert read is x and step_mm == 0.0
     assert log.decisions == []
+
+
+@pytest.mark.parametrize("seed, late_s", [(390, 0.02), (392, -0.02), (394, -0.03), (396, 0.025)])
+def test_a_delay_is_named_although_the_force_is_nearly_explained_without_it(seed, late_s):
+    """No part is missed by six times its error, but all of them by much less with the delay."""
+    record = recording(seed, **SLOW)
+    time, x = record.time_s, record.displacement_mm
+    assert judged(time, x, record.force_N).explains
+    found = judged(time, x, np.interp(time - late_s, time, record.force_N))
+    assert not found.explains and found.delay_s == pytest.approx(late_s, abs=0.006)
+
+
+@pytest.mark.parametrize("seed, late_s", [(400, 0.03), (402, -0.03), (404, 0.05), (406, -0.05)])
+def test_the_interval_of_the_contact_holds_it_although_the_force_is_late(seed, late_s, tmp_path):
+    record = recording(seed, **SLOW)
+    time, x = record.time_s, record.displacement_mm
+    press, _ = read(tmp_path, time, x + 50.0, np.interp(time - late_s, time, record.force_N))
+    assert press.contact_low_mm <= 50.0 - press.zero_mm <= press.contact_high_mm
+
+
+@pytest.mark.parametrize("rate_Hz", [5.0, 8.0])
+def test_a_position_of_few_changes_widens_the_contact_by_its_step(rate_Hz, tmp_path):
+    """With two or three readings in the rise nothing can be read between them."""
+    record = recording(410, velocity_mm_s=20.0, hold_s=5.0, filtered=False, unload=False)
+    time = record.time_s
+    x = np.interp(np.floor(time * rate_Hz) / rate_Hz, time, record.displacement_mm)
+    press, codes = read(tmp_path, time, x, record.force_N, flip=frozenset())
+    assert "coarse_position" in codes and press.contact_low_mm <= -press.zero_mm <= press.contact_high_mm
+    assert press.contact_high_mm - press.contact_low_mm > 20.0 / rate_Hz
+
+
+def test_a_foam_that_gives_way_is_explained():
+    """F = 30 (1 - exp(-x / 1.2)): no power of the depth."""
+    time = np.arange(0.0, 30.0, 0.05)
+    x = np.interp(time, [0.0, 2.0, 12.0], [-0.5, -0.5, 4.5])
+    noise = np.random.default_rng(420).normal(0.0, 0.01, len(time))
+    assert judged(time, x, 30.0 * -np.expm1(-np.maximum(x, 0.0) / 1.2) + noise).explains
+
+
+@pytest.mark.parametrize("seed", range(430, 434))
+def test_digits_that_a_subtracted_drift_hides_are_no_fault(seed, tmp_path):
+    record = recording(seed, **SLOW)
+    time, force = record.time_s, record.force_N
+    drifting = np.round(force + 0.08 * time, 1)
+    _, codes = read(tmp_path, time, record.displacement_mm, drifting)
+    assert not codes & {"not_explained", "clipped", "force_delayed"}

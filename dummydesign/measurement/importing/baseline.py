@@ -180,9 +180,9 @@ def _with_changes(
     whole, error, covariance = fit(0, 1, 2)
     off = np.abs(mean - whole @ columns) > 2.0 * CLEAR * np.hypot(np.sqrt(variance), slow)
     if leading < len(parts) and off.any():  # a load cell that creeps, or an average: no drift
-        before = _with_changes(plain, parts[:leading], leading, time, x, load, press, noise)
-        left = float(np.abs(load[parts[leading]].mean() - before.at(time, x)[parts[leading]].mean()))
-        return replace(before, left_N=left, held_error_N=2.0 * left)
+        own = _with_changes(plain, parts[:leading], leading, time, x, load, press, noise)
+        left = float(np.abs(load[parts[leading]].mean() - own.at(time, x)[parts[leading]].mean()))
+        return replace(own, left_N=left, held_error_N=2.0 * left)
     end = np.array([1.0, lasts, depth])
     before_it = np.array([0.0, DRIFT_N_S, SLOPE_N_MM]) * end
     unseen = np.minimum(floors * end, before_it)

@@ -104,6 +104,7 @@ def fit(
         raise InputError(message, "unknown_name", "elements", elements, (3, 5, 7, "auto"))
     count = elements if elements == "auto" else int(elements)
     passed = parse_lowpass(lowpass)
+    out = out or None
     if out is not None and not str(out).lower().endswith(".toml"):
         message = f"out = '{out}' must end in .toml: a tissue file is written there"
         raise InputError(message, "bad_name", "out", str(out))

@@ -36,27 +36,19 @@ OTHERS = {
 }
 
 
+def _press(row: dict[str, Any]) -> list[Any]:
+    """A press of the pad with the subjects' range, or why it is out of reach."""
+    asked = [row["steady_force_N"], row["velocity_mm_s"]]
+    if row["depth_mm"] is None:
+        return [*asked, row["out_of_reach"]]
+    solved = [row[name] for name in ("depth_mm", "depth_over_thickness", "gel_compression", "peak_force_N")]
+    return [*asked, *solved, facts.press_texts(row)[0], row["inside_fraction"], row["reads"]]
+
+
 def details(result: dict[str, Any]) -> str:
     """Lay all of the answer out as tables."""
     best = result["recommendation"]
     young = best["young_kPa"]
-    presses = [
-        [
-            row["steady_force_N"],
-            row["velocity_mm_s"],
-            *(
-                [row["out_of_reach"]]
-                if row["depth_mm"] is None
-                else [
-                    *(row[name] for name in ("depth_mm", "depth_over_thickness", "gel_compression", "peak_force_N")),
-                    facts.press_texts(row)[0],
-                    row["inside_fraction"],
-                    row["reads"],
-                ]
-            ),
-        ]
-        for row in best["conditions"]
-    ]
     lines = [
         *verdict_lines(result["verdict"]),
         *tissue_lines(result),
@@ -79,7 +71,9 @@ def details(result: dict[str, Any]) -> str:
             for name, value in best["scores"].items()
         ),
         "",
-        *Table(PRESSES, presses).lines("<9g <6g <9.2f <16.2f <9.2f <8.1f <15 <18.2f <1".split()),
+        *Table(PRESSES, [_press(row) for row in best["conditions"]]).lines(
+            "<9g <6g <9.2f <16.2f <9.2f <8.1f <15 <18.2f <1".split()
+        ),
     ]
     no_law = any(item["code"] == text.NO_LAW for item in result["warnings"])
     words = (

@@ -108,6 +108,11 @@ def read_campaign(folder: str | Path) -> Campaign:
     top = read_campaign_toml(folder)
     if top.data.get("schema") != 1:
         raise top.fault("schema", "is not known; this version reads schema = 1", "unsupported", 1)
+    for name in ("pad", "punch", "sensor"):
+        if isinstance(top.data.get(name), list):
+            raise InputError(
+                f"{top.where(name)}: a campaign has one [{name}]; make a campaign of each", "malformed", name
+            )
     records = Records(folder)
     pad_table, punch_table, sensor = (top.table(name, required=False) for name in ("pad", "punch", "sensor"))
     own = records.of(pad_table)

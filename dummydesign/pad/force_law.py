@@ -105,9 +105,17 @@ class ForceLaw(Protocol):
     def stiffness(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
     ) -> Array:
-        """Tangent stiffness dF/dd by a central difference, one-sided at both ends; arguments as of :meth:`force`.
+        """Tangent stiffness dF/dd by a central difference, one-sided at both ends.
 
-        [N/mm]
+        Parameters
+        ----------
+        depth_mm, thickness_mm, young_MPa, radius_mm : array_like, broadcast
+            As of :meth:`force`. [mm, mm, MPa, mm]
+
+        Returns
+        -------
+        ndarray
+            [N/mm]
         """
         step = SLOPE_STEP * np.asarray(thickness_mm, float)
         limit = self.depth_limit_mm(thickness_mm, radius_mm)

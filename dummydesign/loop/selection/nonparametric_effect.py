@@ -216,7 +216,7 @@ def _learnt(
     cost = float(values @ step.precision @ values + volume)
     # scatter of presses that the base knows as such is not explained once more
     evidence = campaign_fit.score - fit.score - cost
-    if evidence < EVIDENCE:
+    if evidence < EACH_PARAMETER:
         return None
     ratio = refitted_squares(fit) / refitted_squares(campaign_fit)
     if ratio > HALVED:

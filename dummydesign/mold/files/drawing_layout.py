@@ -188,6 +188,8 @@ def _rows(placed: list[Placed], room_mm: float) -> list[list[Placed]]:
 
 
 def put(sheet: Drawing, one: Placed, shift: Point) -> None:
+    """Place lines, texts and dimensions of a drawing on a sheet. [mm]"""
+
     def moved(point: Point) -> Point:
         return point[0] + shift[0], point[1] + shift[1]
 

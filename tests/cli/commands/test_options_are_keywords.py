@@ -8,7 +8,9 @@ from inspect import Parameter, signature
 import pytest
 
 from dummydesign.api import campaigns, designs, predictions, traces
+from dummydesign.cli import entry
 from dummydesign.cli.commands import compare, fit, predict, replay, suggest, whatif
+from dummydesign.cli.common_options import add_options
 from tests.support.refusal import raises_code
 
 PAIRS = [
@@ -24,8 +26,7 @@ PAIRS = [
 
 @pytest.mark.parametrize(("command", "function", "only"), PAIRS, ids=lambda one: getattr(one, "__name__", ""))
 def test_options_and_arguments_are_the_same(command, function, only):
-    parser = argparse.ArgumentParser()
-    command.add_arguments(parser)
+    parser = declared(command)
     options = {one.dest: one for one in parser._actions if one.dest != "help"}
     arguments = dict(signature(function).parameters)
     assert set(arguments) - set(options) == {"progress", *only}
@@ -36,6 +37,13 @@ def test_options_and_arguments_are_the_same(command, function, only):
             assert option.required or option.nargs == "+", name
         else:
             assert plain(option.default) == plain(usual), name
+
+
+def declared(command):
+    """A parser with what a command takes."""
+    parser = argparse.ArgumentParser()
+    getattr(command, "add_arguments", lambda one: add_options(one, command.CALL))(parser)
+    return parser
 
 
 def plain(value):
@@ -91,17 +99,11 @@ def test_folders_have_the_name_of_what_they_are_about():
     assert whatif.default_out(namespace(resin="polyurethane-nagoya")) == "whatif-polyurethane-nagoya"
 
 
-def test_a_fit_without_a_file_writes_none(monkeypatch):
-    seen = {}
-
-    def function(traces, out="x", progress=None):
-        seen.update(traces=traces, out=out)
-        return Answer()
-
-    monkeypatch.setattr(traces, "fit", function)
-    assert fit.run(namespace(traces=["a.csv"], out="")) == {"answer": 1} and seen == {"traces": ["a.csv"], "out": None}
-    fit.run(namespace(traces=["a.csv"], out="b.toml"))
-    assert seen["out"] == "b.toml"
+def test_a_fit_without_a_file_writes_none():
+    """An empty --out is none: the traces are looked for, not a name that ends in .toml."""
+    for out, code in ((None, "file_not_found"), ("", "file_not_found"), ("b.txt", "bad_name")):
+        with raises_code(code):
+            entry._called(fit, declared(fit).parse_args(["missing.csv", *([] if out is None else ["--out", out])]))
 
 
 def replayed(effects, count=2, noise_floor_N=0.1):
@@ -131,7 +133,6 @@ def test_a_replay_lists_the_worst_press_first_and_names_its_effects():
 
 
 def test_numbers_of_whatif_are_read_as_its_defaults():
-    parser = argparse.ArgumentParser()
-    whatif.add_arguments(parser)
+    parser = declared(whatif)
     options = parser.parse_args(["--thickness", "5:15:5"])
     assert options.velocity_mm_s == (10.0, 250.0) and options.workers == 1

@@ -189,9 +189,8 @@ def press(**more):
 
 
 def test_details_of_a_press_have_its_range_or_why_it_is_out_of_reach():
-    words = suggest_text._condition(press()).split()
-    assert words == ["10", "250", "2.50", "0.25", "0.30", "21.0", "18.0", "to", "22.0", "0.90", "inside"]
-    assert suggest_text._condition(press(depth_mm=None)).endswith("too deep")
+    assert suggest_text._press(press()) == [10.0, 250.0, 2.5, 0.25, 0.3, 21.0, "18.0 to 22.0", 0.9, "inside"]
+    assert suggest_text._press(press(depth_mm=None)) == [10.0, 250.0, "too deep"]
 
 
 def test_parameters_are_listed_with_their_units_and_dampers_by_speed():

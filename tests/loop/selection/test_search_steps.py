@@ -136,7 +136,8 @@ def check_of(name, gain, *others):
 def judged(monkeypatch):
     """Models with what is needed 50, and verdicts that tests set."""
     state = SimpleNamespace(worth=True, better=lambda fit: True, null=False)
-    monkeypatch.setattr(search, "needed", lambda screened, fit, name, others, tried: Needed(50.0, 50.0, name))
+    monkeypatch.setattr(search, "gain_floor", lambda fit: 30.0)
+    monkeypatch.setattr(search, "needed", lambda screened, fit, name, others, tried, first: Needed(50.0, 50.0, name))
     monkeypatch.setattr(search, "worth", lambda gain, limit, before, after: gain >= limit.least)
     monkeypatch.setattr(search, "holds_null", lambda model, effect: state.null)
     monkeypatch.setattr(search, "assess", lambda fit: fit)
@@ -316,7 +317,8 @@ def searched(monkeypatch):
         return child_of(len(parents[0].problem.effects) + 1)
 
     monkeypatch.setattr(search, "same_noise", lambda fit: fit)
-    monkeypatch.setattr(search, "needed", lambda screened, fit, last, others, tried: (last, dict(others), tried))
+    monkeypatch.setattr(search, "gain_floor", lambda fit: 30.0)
+    monkeypatch.setattr(search, "needed", lambda screened, fit, last, others, tried, _: (last, dict(others), tried))
     monkeypatch.setattr(search, "worth", lambda gain, limit, before, after: len(after.problem.effects) in state.worth)
     monkeypatch.setattr(search, "much_better", lambda before, after: False)
     monkeypatch.setattr(search, "errors", lambda fit: None)

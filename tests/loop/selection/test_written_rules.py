@@ -338,7 +338,7 @@ def test_an_effect_whose_interval_holds_zero_needs_the_written_multiple(monkeypa
 
 
 def test_a_curve_that_gains_less_than_it_costs_and_is_written_is_not_learned(monkeypatch):
-    limit = written("learn a curve", "it gains # in evidence")
+    limit = written("learn a curve", "# beyond its cost")
     shape = SmoothChange(("depth_mm",), ((0.0, 1.0, 2.0),), (0.0, 0.0, 0.0))
     step = nonparametric_effect._Step(np.array([0.0, 0.1, 0.2]), 500.0, np.diag([1.0, 2.0, 1.0]), np.eye(3))
     noise = SimpleNamespace(noise=None)

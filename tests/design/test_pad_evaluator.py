@@ -38,7 +38,7 @@ def test_with_one_force_law_a_predicted_shaped_pad_has_the_presses_of_the_design
     designed = verdict_of_pad.PadEvaluator(inputs).evaluate(shape, 10.0, 15.3)
     pad = Pad(10.0, resin.young_MPa(15.3), inputs.punch.radius_mm, prony=resin.prony(15.3), geometry=shape)
     pad = replace(pad, sides_mm=(14.0, 14.0))
-    curve, young = elastic_curve(pad, "table", None, None, None), {"low": 20.0, "high": 60.0}
+    curve, young = elastic_curve(pad, "table"), {"low": 20.0, "high": 60.0}
     judged, predicted, _ = verdict_of_pad.verdict_of_pad(pad, curve, young, inputs.tissue, "average", Sampling())
     own, wanted = predicted.evaluation, designed.candidate.evaluation
     np.testing.assert_allclose(own.depth_mm, wanted.depth_mm, rtol=1e-9)

@@ -79,6 +79,7 @@ def check_press(
         _several_holds,
         _clipped,
         _gaps,
+        _frozen,
         _spikes,
         _units,
     ):
@@ -227,6 +228,21 @@ def _gaps(press: _Press) -> None:
             "drop_out",
             f"no samples from {time[at]:.4g} to {time[at + 1]:.4g} s ({gaps.size} such gaps) within "
             "the press; the force between is not known: record again",
+        )
+
+
+def _frozen(press: _Press) -> None:
+    """Both columns repeat while the punch should move."""
+    time, x, depth = press.time, press.x, press.summary.depth_mm
+    rise = (x[1:] > 0.02 * depth) & (x[1:] < 0.95 * depth) & (time[1:] < press.summary.stop_time_s)
+    first, last = _longest((np.diff(x) == 0) & (np.diff(press.force) == 0) & rise)
+    if last - first < 5 or last >= len(x) - 1:
+        return
+    if abs(x[last + 1] - x[last]) > 3.0 * float(np.median(np.abs(np.diff(x)[rise]))):
+        press.warn(
+            "drop_out",
+            f"force and position repeat for {last - first} samples from {time[first]:.4g} s in the "
+            "rise and then jump: the recording stood still; record again",
         )
 
 

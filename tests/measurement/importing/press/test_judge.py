@@ -92,6 +92,21 @@ def test_a_position_in_steps_is_read_where_it_changes(seed, kind, tmp_path):
     assert press.summary.hold_s == pytest.approx(5.0, abs=0.06) and press.judged.explains
 
 
+def test_a_recording_that_stands_still_in_the_rise_is_told(tmp_path):
+    """Both columns repeat and then jump: the rise looks many times as fast as it was."""
+    told, rng = 0, np.random.default_rng(78)
+    for seed in range(740, 752):
+        record = recording(seed, **SLOW)
+        time, x, force = record.time_s, record.displacement_mm.copy(), record.force_N.copy()
+        found = summarise("a.csv", time, x, force)
+        rise = found.depth_mm / 10.0
+        first = int(np.searchsorted(time, found.stop_time_s - rng.uniform(0.4, 0.7) * rise))
+        count = max(int(rng.uniform(0.1, 0.3) * rise / (time[1] - time[0])), 6)
+        x[first : first + count], force[first : first + count] = x[first], force[first]
+        told += "drop_out" in read(tmp_path, time, x, force)[1]
+    assert told >= 10
+
+
 @pytest.mark.parametrize("rows", [7, 40])
 def test_stamps_that_come_in_packets_are_spread_evenly(rows, tmp_path):
     record = recording(350, **SLOW)

@@ -172,12 +172,12 @@ def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
             {"filament": take.filament_g},
         ),
         Step(
-            f"cast the puck at ratio {ratio:g}; press it at {speeds} mm/s, 10 s hold",
+            f"cast the puck at ratio {ratio:g}; measure it, weigh it; press it at {speeds} mm/s, 10 s hold",
             None,
             _curing_h(answer) + PRESSING_H,
             {"resin": take.resin_g},
         ),
-        Step("read the puck", added),
+        Step("read the puck: its sizes as measured, --mass G as weighed", added),
         Step("choose the ratio for the batch, for the same mould", _search_again(inputs, batch)),
     ]
 

@@ -160,8 +160,8 @@ def repeat_scatter(
     """Scatter of contact [mm] and gain as differences of repeats show it, by medians so that few cannot make it.
 
     Each difference is fitted with a shift and a change of scale, of variances v by noise alone; of either the scatter p
-    is such that the median of d^2 / (p^2 + v) is that of the chi-square of one degree. Not below half of
-    :data:`UNSEEN`; nothing without three pairs.
+    is such that the median of d^2 / (p^2 + v) is that of the chi-square of one degree. A change of scale that follows
+    the pad's history is no scatter. Not below half of :data:`UNSEEN`; nothing without three pairs.
     """
     parts, places = contrasts(presses, residual)
     if len(parts) < 3:
@@ -174,6 +174,7 @@ def repeat_scatter(
     turned = np.swapaxes(columns, 1, 2)
     inverse = np.linalg.pinv(turned @ columns, hermitian=True)
     found = (inverse @ turned @ values)[..., 0]
+    found[:, 1] = _without_history(presses, places, found[:, 1], inverse[:, 1, 1])
     shown = []
     for at, least in enumerate(UNSEEN):
         sizes = np.geomspace(0.5 * least, 1.0, 200)
@@ -182,6 +183,29 @@ def repeat_scatter(
     return tuple(shown)
 
 
+def _without_history(presses: Presses, places: Sequence[Any], gains: NDArray, variances: NDArray) -> NDArray:
+    """Changes of scale between repeats less what follows ageing, softening or temperature, where one of them explains
+    so much that chance would in :data:`BY_CHANCE` of campaigns."""
+    from scipy.special import betaincc
+
+    history, first, second = presses.history, *np.array([place[:2] for place in places]).T
+    weight = 1.0 / np.sqrt(variances + GAIN_PRIOR[0] ** 2)
+    count, best, least = len(gains), gains, BY_CHANCE
+    with np.errstate(all="ignore"):
+        cycles = 1.0 + np.count_nonzero(history.earlier_depth_mm > 0.0, axis=1)
+        drivers = np.log(history.age_days), 1.0 / cycles, history.temperature_C
+    for driver in drivers:
+        along, wanted = weight * (driver[first] - driver[second]), weight * gains
+        if not (np.isfinite(along).all() and along.any() and wanted.any()):
+            continue
+        left = wanted - along * (along @ wanted) / (along @ along)
+        chance = float(betaincc(0.5, 0.5 * (count - 1), 1.0 - (left @ left) / (wanted @ wanted)))
+        if chance < least:
+            least, best = chance, left / weight * np.sqrt(count / (count - 1))
+    return best
+
+
+BY_CHANCE = 1e-3
 Whitener = Callable[[NDArray], NDArray]  # takes (T, B) or (T, B, p) to its whitened form
 
 

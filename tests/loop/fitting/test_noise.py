@@ -10,7 +10,7 @@ import pytest
 
 from dummydesign.inference.noise import Noise
 from dummydesign.loop.fitting.fit import fit, fit_base, start_vector
-from dummydesign.loop.fitting.noise import NoiseSizes, contrasts, estimate_slow_noise, repeat_pairs
+from dummydesign.loop.fitting.noise import NoiseSizes, contrasts, estimate_slow_noise, repeat_pairs, repeat_scatter
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.campaign_law import SLAB_ERROR
 from dummydesign.loop.selection.cross_validation import errors, jackknife, lack_of_fit
@@ -177,3 +177,23 @@ def test_the_threshold_has_a_floor_and_grows_with_lack_of_fit():
     assert gain_threshold(made, None) == GAIN_FLOOR
     assert gain_threshold(made, None, floor=0.0) == pytest.approx(16.5, abs=3.0)
     assert gain_threshold(made, 2.0) == 2.0 * GAIN_FLOOR
+
+
+@pytest.mark.parametrize("of", ["nothing", "age_days", "temperature_C", "earlier_depth_mm"])
+def test_a_gain_that_follows_the_history_of_a_pad_is_no_scatter(base, of):
+    """Gains of 1 % drawn, or following the logarithm of the age, the temperature or the presses before."""
+    presses, rng = base.problem.presses, np.random.default_rng(4711)
+    count, shown = len(presses.trials), []
+    for _ in range(12):
+        ages, warm = rng.choice([7.0, 9.0, 14.0, 29.0], count), rng.uniform(18.0, 28.0, count)
+        history = replace(presses.history, age_days=ages, temperature_C=warm)
+        before = 1.0 / (1.0 + np.count_nonzero(history.earlier_depth_mm > 0.0, axis=1))
+        laws = {"age_days": np.log(ages), "temperature_C": warm, "earlier_depth_mm": before}
+        gain = laws.get(of, rng.normal(size=count))
+        gain = 0.01 * (gain - gain.mean()) / gain.std() + 2e-4 * rng.normal(size=count)
+        drawn = replace(presses, history=history)
+        shown.append(repeat_scatter(drawn, gain[:, None] * base.forces, base.slope, base.forces, base.sizes.noise)[1])
+    if of == "nothing":
+        assert 0.006 < np.median(shown) < 0.015 and min(shown) > 0.003
+    else:
+        assert max(shown) < 0.002

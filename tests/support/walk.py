@@ -178,10 +178,10 @@ def asked(line: TypedLine) -> str:
 
 
 def form(line: TypedLine) -> str:
-    """Command, action and options of a line, without their values."""
+    """Command, action and options of a line, without their values; a mass is weighed where there is a balance."""
     words = line.words
     action = [word for word in words[1:2] if re.fullmatch(r"add\S*|new|check|from-files|record|list|show", word)]
-    return " ".join([words[0], *action, *sorted(word for word in words if word.startswith("--"))])
+    return " ".join([words[0], *action, *sorted(word for word in words if word.startswith("--") and word != "--mass")])
 
 
 def quick(line: TypedLine, folder: Path) -> bool:

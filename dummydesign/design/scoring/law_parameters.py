@@ -147,14 +147,14 @@ def _speeds(targets: Targets) -> list[float]:
 
 
 def _nonnegative(matrix: NDArray, right: NDArray) -> NDArray:
-    """Least squares (D, n, k) with coefficients kept above zero by solving every subset of few columns."""
+    """Least squares (D, n, k) with coefficients kept above zero: all columns, or every subset where one falls below."""
     normal = np.einsum("dnk,dnl->dkl", matrix, matrix)
     moment = np.einsum("dnk,dn->dk", matrix, right)
     size = matrix.shape[-1]
     best = np.full((len(matrix), size), 0.0)
     lowest = np.full(len(matrix), np.inf)
     scale = np.maximum(np.einsum("dkk->dk", normal), 1e-300)
-    for subset in range(1, 2**size):
+    for subset in range(2**size - 1, 0, -1):
         chosen = [k for k in range(size) if subset >> k & 1]
         part = normal[:, chosen][:, :, chosen]
         ridge = 1e-12 * scale[:, chosen][:, None, :] * np.eye(len(chosen))
@@ -166,6 +166,8 @@ def _nonnegative(matrix: NDArray, right: NDArray) -> NDArray:
         full = np.zeros_like(best)
         full[:, chosen] = value
         best = np.where(good[:, None], full, best)
+        if len(chosen) == size and good.all():
+            break
     return np.maximum(best, 1e-9 * best.max(-1, keepdims=True))
 
 

@@ -106,15 +106,13 @@ def outlook_of(
     those of the middle.
     """
     ratio, count = batches.ratio, len(batches)
-    good, of_stands = (_Chance(one, windows.log_young[0], scatter) for one in (windows.usable, windows.stands))
+    chance = _Chance(windows, scatter)
     best = partial(_best, enough=limits.share, strict=strict)
     misfit = match.misfit(centre.log_young[0])
-    each, each_stands = good(batches.log_young), of_stands(batches.log_young)
+    each, each_stands = chance(batches.log_young)
     shares = each.mean(axis=0)
     first = int(best(shares, each_stands.mean(axis=0), misfit))
-    known, known_stands = (
-        _Chance(one, central.log_young[0], scatter)(centre.log_young)[0] for one in (central.usable, central.stands)
-    )
+    known, known_stands = _Chance(central, scatter)(centre.log_young)[:, 0]
     best_known = int(best(known, known_stands, misfit))
     beyond = np.interp(
         centre.log_young[0], central.log_young[0], central.beyond_usable[0, 0], left=np.inf, right=np.inf
@@ -125,10 +123,7 @@ def outlook_of(
     if not shares[first] > LEAST:
         first = best_known
     mean, spread = _after_puck(batches, first, scatter)
-    usable, stands = (
-        np.sum([w * chance(mean + spread * z) for z, w in zip(NORMAL_NODES, NORMAL_WEIGHTS)], axis=0)
-        for chance in (good, of_stands)
-    )
+    usable, stands = np.sum([w * chance(mean + spread * z) for z, w in zip(NORMAL_NODES, NORMAL_WEIGHTS)], axis=0)
     chosen = best(usable, stands, match.misfit(mean))
     rows = np.arange(count)
     after = each[rows, chosen]
@@ -149,10 +144,13 @@ def outlook_of(
 
 
 class _Chance:
-    """Probability that a pad of each batch (n,) made for a modulus is good, over its windows and scatter of making."""
+    """Probability that a pad of each batch (n,) made for a modulus is usable, and stands for the subjects, (2, n, F):
+    over its windows and scatter of making."""
 
-    def __init__(self, good: NDArray, grid: NDArray, scatter: Scatter) -> None:
-        self.grid, smooth = grid, smoothed(good.mean(axis=0), grid, scatter.making)
+    def __init__(self, windows: Windows, scatter: Scatter) -> None:
+        self.grid = grid = windows.log_young[0]
+        good = np.stack([windows.usable, windows.stands]).mean(axis=1)
+        smooth = smoothed(good.reshape(-1, len(grid)), grid, scatter.making).reshape(good.shape)
         self.table = np.mean([_look(smooth, grid, grid - shift) for shift in scatter.shifts], axis=0)
 
     def __call__(self, log_young: NDArray) -> NDArray:
@@ -172,13 +170,13 @@ def smoothed(good: NDArray, grid: NDArray, spread: float) -> NDArray:
 
 
 def _look(table: NDArray, grid: NDArray, at: NDArray) -> NDArray:
-    """Rows (n, F) of an even grid at places (F,) or (n, k), straight between; 0 beyond the grid."""
+    """Tables (2, n, F) over an even grid at places (F,) or (n, k), straight between; 0 beyond the grid."""
     place = (at - grid[0]) / (grid[1] - grid[0])
     inside = np.clip(place, 0.0, len(grid) - 1.000001)
     left = inside.astype(int)
     share = inside - left
-    rows = np.arange(len(table))[:, None]
-    value = table[rows, left] * (1.0 - share) + table[rows, left + 1] * share
+    rows = np.arange(table.shape[1])[:, None]
+    value = table[:, rows, left] * (1.0 - share) + table[:, rows, left + 1] * share
     return np.where((place < 0.0) | (place > len(grid) - 1), 0.0, value)
 
 

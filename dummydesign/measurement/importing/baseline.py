@@ -164,13 +164,13 @@ def _with_changes(
     floors = np.array([0.0, slow / max(float(np.ptp(clock)), 1e-9), slow / max(float(np.ptp(way)), 1e-9)])
     columns = np.stack([np.ones_like(clock), clock, way])
 
-    def fit(*kept: int) -> tuple[NDArray, NDArray, NDArray]:
+    def fit(*kept: int, of: int = len(parts)) -> tuple[NDArray, NDArray, NDArray]:
         """Level, drift and slope with their errors (those that are left out are 0), and the covariance of these."""
-        rows, at = columns[list(kept)], list(kept)
+        rows, at = columns[list(kept), :of], list(kept)
         prior = np.array([0.0, DRIFT_N_S**-2, SLOPE_N_MM**-2])[at]
-        covariance = np.linalg.inv((rows / variance) @ rows.T + np.diag(prior))
+        covariance = np.linalg.inv((rows / variance[:of]) @ rows.T + np.diag(prior))
         value, error = np.zeros(3), np.zeros(3)
-        value[at] = covariance @ (rows @ (mean / variance))
+        value[at] = covariance @ (rows @ (mean / variance)[:of])
         error[at] = np.hypot(np.sqrt(np.diag(covariance)), floors[at])
         return value, error, covariance
 
@@ -179,6 +179,9 @@ def _with_changes(
     lasts, depth = float(time[held]) - plain.at_s, float(x[deepest]) - plain.at_mm
     whole, error, covariance = fit(0, 1, 2)
     off = np.abs(mean - whole @ columns) > 2.0 * CLEAR * np.hypot(np.sqrt(variance), slow)
+    before, _, known = fit(0, 1, 2, of=leading)
+    ahead = np.sqrt(np.einsum("ip,ij,jp->p", columns, known, columns) + variance)
+    left = np.abs(mean - before @ columns)
     if leading < len(parts) and off.any():  # a load cell that creeps, or an average: no drift
         own = _with_changes(plain, parts[:leading], leading, time, x, load, press, noise)
         left = float(np.abs(load[parts[leading]].mean() - own.at(time, x)[parts[leading]].mean()))
@@ -189,6 +192,8 @@ def _with_changes(
     spread = float(np.sqrt(end @ covariance @ end + unseen @ unseen))
     if spread < SHOWN * float(np.linalg.norm(before_it)):
         plain = replace(plain, held_error_N=2.0 * spread)
+    if (left > 2.0 * CLEAR * np.hypot(ahead, slow)).any():  # it did not drift so before: creep that has not come back
+        plain = replace(plain, left_N=float(left[leading]), held_error_N=float(left[leading]))
     clear = [kind for kind in (1, 2) if abs(whole[kind]) > CLEAR * error[kind]]
     alone = [fit(0, kind) for kind in (1, 2)]
     steady = [abs(one[0][kind]) > CLEAR * one[1][kind] for kind, one in zip((1, 2), alone)]

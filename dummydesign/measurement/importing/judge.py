@@ -125,7 +125,7 @@ def judge_press(time: NDArray, x: NDArray, force: NDArray, summary: Summary, ste
         depth = np.interp(time - delay_s, time, x) + summary.velocity_mm_s * delay_s
         return float(np.sum(_left(time, depth, force, kept, size) ** 2)) if depth[kept].max() > 0.0 else np.inf
 
-    own = missed(0.0)
+    own = float(np.sum(left**2)) if len(judged) == len(PARTS) else missed(0.0)
     delay, least = _nearest_delay(missed, own)
     better = least < BETTER**2 * own
     moved = better and abs(delay) * summary.velocity_mm_s > MATTERS * summary.depth_mm

@@ -137,6 +137,20 @@ def test_a_force_that_comes_back_slowly_is_no_drift(tmp_path, seed):
     assert held.summary.steady_force_N == pytest.approx(truth, rel=0.01)  # a straight drift is one still
 
 
+def test_what_begins_with_the_press_alone_is_in_the_error_of_the_steady_force(tmp_path):
+    """Cells that creep by 1 to 5 % in 2 to 20 s: some come back as a drift would that the rest before did not show."""
+    draw, held = np.random.default_rng(20261130), []
+    for seed in range(24):
+        time, x, force, true = press(seed, noise=0.01)
+        share, lasts = np.exp(draw.uniform(np.log([0.01, 2.0]), np.log([0.05, 20.0])))
+        creep = np.zeros(len(time))
+        for at in range(1, len(time)):
+            creep[at] = creep[at - 1] + 0.004 / lasts * (share * true[at] - creep[at - 1])
+        (one,) = imported(tmp_path, (time, x, force + creep)).presses
+        held.append(abs(one.summary.steady_force_N - 6.4) < one.steady_error_N + 0.005)
+    assert np.mean(held) > 0.95
+
+
 def test_an_average_may_be_largest_where_the_punch_is_out_again():
     """Level and drift are still found: its depth is that of the position, not that under the largest force."""
     time = np.arange(0.0, 12.0, 0.01)

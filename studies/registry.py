@@ -234,7 +234,9 @@ DATA_FILES = (
         for part in ("", "-classes")
     ),
     DataFile(
-        "crowns-drawn.csv", "python -m benchmarks.accuracy.crowns_drawn --count 44 --seed 88127 --out FILE", WRITTEN
+        "crowns-drawn.csv",
+        "python -m benchmarks.accuracy.crowns_drawn --count 44 --seed 88127 --out FILE",
+        f"{COPIED}; and --count 36 --seed 99013",
     ),
     DataFile(
         "fit-coverage.csv",
@@ -245,7 +247,12 @@ DATA_FILES = (
         DataFile(f"loop-blind{part}.csv", "python -m benchmarks.accuracy.loop_blind --table-only", WRITTEN)
         for part in ("", "-effects", "-errors", "-missed", "-unnamed")
     ),
-    DataFile("loop-detection.csv", "python -m benchmarks.accuracy.loop_detection --table", WRITTEN),
+    DataFile(
+        "loop-detection.csv",
+        "python -m benchmarks.accuracy.loop_detection --table --beside "
+        "benchmarks/results/loop_independent_generator_10[45]*.jsonl",
+        WRITTEN,
+    ),
     DataFile("loop-ecoflex.csv", "python -m benchmarks.accuracy.loop_ecoflex DATA_DIR", WRITTEN),
     DataFile("loop-functions.csv", "python -m benchmarks.accuracy.loop_blind --table-only", WRITTEN),
     DataFile("loop-forms.csv", "", f"{BY_HAND} of the parameters of form in dummydesign/loop/effects"),
@@ -274,7 +281,11 @@ DATA_FILES = (
     DataFile("puck-drawn.csv", "python -m benchmarks.accuracy.puck_shapes --drawn 10", COPIED),
     DataFile("puck-hold.csv", "python -m benchmarks.accuracy.puck_hold --draws 25 --csv FILE", COPIED),
     DataFile("puck-shapes.csv", "python -m benchmarks.accuracy.puck_shapes --csv FILE", WRITTEN),
-    DataFile("random-tissues.csv", "python -m benchmarks.accuracy.random_tissues --table-only", WRITTEN),
+    DataFile(
+        "random-tissues.csv",
+        "python -m benchmarks.accuracy.random_tissues --seed 31127",
+        f"{COPIED}; rows of an earlier version, with the shape bumped",
+    ),
     DataFile("shapes-model-checks.csv", "", f"{BY_HAND} of checks in VERIFICATION.md and in tests/pad/shaped"),
     DataFile("shapes-model-cubic.csv", "", f"{BY_HAND} of fits of crowns to a cubic law; no command repeats them"),
     DataFile("shapes-offset.csv", "python -m benchmarks.accuracy.pad_shaped_3d offset", COPIED),

@@ -14,7 +14,7 @@ from dummydesign.tissue.model.maxwell_law import Parameters, law_named, speed_ke
 from dummydesign.tissue.model.measured_curves import MeasuredAim
 from dummydesign.tissue.model.people_share import share_of_aim, share_parameters
 from dummydesign.tissue.model.posterior import DRAWN, drawn_subjects, posterior_subjects
-from dummydesign.tissue.model.subject import Subject, flatten, subject_parameters
+from dummydesign.tissue.model.subject import FITTED, Subject, flatten, subject_parameters
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from dummydesign.tissue.model.ranges import ForceRange
 
 AIMS = ("average", "safe-side")
+FOLLOWS = 1.1
+"""Factor to which a law meets the peaks it was fitted to: what green allows above the subjects."""
 
 
 def behind_ranges(subjects: int) -> str:
@@ -77,9 +79,23 @@ class Tissue:
     def notice(self) -> tuple[str, str] | None:
         """Code and words of what every answer must tell about its law; None for nothing."""
         notice = law_named(self.law).notice_of(self.name)
-        if notice is None or not self.measured:
+        if notice is None:
+            return self._missed()
+        if not self.measured:
             return notice
         return notice[0], f"{notice[1]}; {behind_ranges(len(self.subjects))}"
+
+    def _missed(self) -> tuple[str, str] | None:
+        """Code and words on the peak that the law misses most, None where it is near all."""
+        off = {one.name: one.pressed[FITTED] for one in self.subjects if FITTED in one.pressed}
+        ratios = [(max(1.0 / one.low, one.high), who) for who, one in off.items()]
+        most, who = max(ratios, default=(1.0, ""))
+        if most <= FOLLOWS:
+            return None
+        return "law_does_not_follow", (
+            f"the law misses measured peaks of {who} by up to {100.0 * (most - 1.0):.0f} %: the ranges of {self.name} "
+            "are that far off; 'dummydesign tissues add NAME TRACE... --law none' keeps the curves"
+        )
 
     @property
     def warnings(self) -> list[dict[str, str]]:

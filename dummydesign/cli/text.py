@@ -95,7 +95,6 @@ def step_lines(steps: Sequence[str], one: int | None = None, several: int | None
 NO_LAW = "measured_curves"
 FIRST = (
     NO_LAW,
-    "law_does_not_follow",
     "tissue_punch",
     "force_not_in_band",
     "speed_not_in_band",

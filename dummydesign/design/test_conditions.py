@@ -141,8 +141,8 @@ def check_test(request: Request, punch: Punch) -> None:
             request.pad_mm,
         )
     Interface.parse(request.base, "base", BASES)
-    held = Interface.parse(request.face, "condition", CONDITIONS)
-    if held.friction == 0.0 and not request.edge_radius_mm and not punch.profile_mm:
+    friction = Interface.parse(request.face, "condition", CONDITIONS).friction
+    if friction == 0.0 and not request.edge_radius_mm and not punch.profile_mm:
         raise InputError(
             f"condition = {request.face} under a sharp edge is solved to a tenth of a thin pad only, no depth "
             f"to design for: give the real edge's fillet, such as --edge-radius {0.1 * punch.half_width_mm:.2g}",
@@ -161,8 +161,7 @@ def check_test(request: Request, punch: Punch) -> None:
                 request.edge_radius_mm,
             )
     _check_sites(request)
-    refused = refused_kinds(request, punch).get(request.kind.partition(":")[0].lower())
-    if refused:
+    if refused := refused_kinds(request, punch).get(request.kind.partition(":")[0].lower()):
         raise InputError(refused, "unsupported", "shape", request.kind)
 
 
@@ -173,16 +172,21 @@ def _check_sites(request: Request) -> None:
     sites = "x".join(f"{count}" for count in request.sites)
     name, colon, _ = request.kind.partition(":")
     if name.lower() != "crowned":
-        message = f"sites = {sites} are of crowned pads, not of shape {request.shape}: leave --shape out"
-        raise InputError(message, "conflict", "sites", sites)
+        raise InputError(
+            f"sites = {sites} are of crowned pads, not of shape {request.shape}: leave --shape out",
+            "conflict",
+            "sites",
+            sites,
+        )
     if colon:
         shape = read_shape(request.kind)
         if not shape.axisymmetric or len(shape.places_mm) > 1:
             message = f"sites = {sites} are of one round crown; leave ridge and sites out of shape {shape}"
             raise InputError(message, "conflict", "sites", sites)
     if not request.verify:
-        message = f"sites = {sites}: that crowns are independent is solved; leave --no-verify out"
-        raise InputError(message, "conflict", "sites", sites)
+        raise InputError(
+            f"sites = {sites}: that crowns are independent is solved; leave --no-verify out", "conflict", "sites", sites
+        )
 
 
 def check_numbers(
@@ -276,11 +280,9 @@ def tissue_warnings(
         )
     low, high = pressed_N(tissue) or (0.0, inf)
     near = 1.0 if built_in else FORCE_FACTOR
-    far = [force for force in forces_N if not low / near <= force <= high * near]
-    if far:
-        where = " and ".join(f"{force:g}" for force in far)
+    if far := [f"{force:g}" for force in forces_N if not low / near <= force <= high * near]:
+        where, factor = " and ".join(far), beyond_people(forces_N, tissue)
         text = f"{tissue.name} is known from {low:.3g} to {high:.3g} N: at {where} N its law is extrapolated"
-        factor = beyond_people(forces_N, tissue)
         if factor > 1.0:
             text += f"; {max(forces_N):g} N is {factor:.3g} times the largest force people were pressed to"
         notes.append(("force_not_in_band", text))
@@ -289,8 +291,7 @@ def tissue_warnings(
 
 def beyond_people(forces_N: tuple[float, ...], tissue: Tissue) -> float:
     """Return the largest steady force of a test over the largest that people were pressed to, at least 1."""
-    known = pressed_N(tissue)
-    return 1.0 if known is None or not forces_N else max(1.0, max(forces_N) / known[1])
+    return max(1.0, max(forces_N, default=0.0) / (pressed_N(tissue) or (0.0, inf))[1])
 
 
 def pressed_N(tissue: Tissue) -> tuple[float, float] | None:
@@ -302,8 +303,9 @@ def pressed_N(tissue: Tissue) -> tuple[float, float] | None:
         return KNOWN_FORCE_N
     presses = [press for person in tissue.parameter_sets for press in getattr(person, "presses", ())]
     spans = [one.pressed[PRESSED[0]] for one in tissue.subjects if one.pressed]
-    forces = [float(press.steady_N(press.hold_s)) for press in presses]
-    forces += [end for span in spans for end in (span.low, span.high)]
+    forces = [float(one.steady_N(one.hold_s)) for one in presses] + [
+        end for one in spans for end in (one.low, one.high)
+    ]
     return (min(forces), max(forces)) if forces else None
 
 

@@ -221,9 +221,6 @@ def people_tissue(
         )
     warnings = copies_of(read)
     held, short, unlike = _check_presses(read)
-    if unlike:
-        message = f"velocity_mm_s is not how these moved: {'; '.join(unlike)}; they count at the speed in the table"
-        warnings.append({"code": "speed_unlike_told", "message": message})
     groups = {who: speed_groups([reduce_trace(trace) for trace in own]) for who, own in held.items()}
     people = {
         who: MeasuredPerson([held_press(trace, speed) for speed, group in own for trace in group])
@@ -248,30 +245,34 @@ def people_tissue(
     else:
         tissue = tissue_of_fits(name, fits, others)
         warnings += [warning for who, fit in fits.items() for warning in fit_warnings(who, fit)]
-    if missed:
-        message = (
+    speeds = ", ".join(f"{v:g}" for v in tissue.velocities_mm_s)
+    notes = (
+        (
+            unlike,
+            "speed_unlike_told",
+            f"velocity_mm_s is not how these moved: {'; '.join(unlike)}; they count at the speed in the table",
+        ),
+        (
+            missed,
+            "law_does_not_follow",
             "the law does not follow the curves: it misses peaks, steady forces and energies (rms) of "
-            f"{', '.join(one.words for one in missed)}{'; --law none keeps the curves' if by_law else ''}"
-        )
-        warnings.append({"code": "law_does_not_follow", "message": message})
-    if short:
-        message = f"left out, held for less than {HELD_S:g} s: {', '.join(short)}"
-        warnings.append({"code": "hold_too_short", "message": message})
-    warnings += ([] if missed and by_law else tissue.warnings) + _few(tissue)
+            f"{', '.join(one.words for one in missed)}{'; --law none keeps the curves' if by_law else ''}",
+        ),
+        (short, "hold_too_short", f"left out, held for less than {HELD_S:g} s: {', '.join(short)}"),
+        (
+            len(tissue.subjects) < 2,
+            "one_subject",
+            f"{name} has one subject, who makes no range: nothing can be inside it",
+        ),
+        (
+            len(tissue.velocities_mm_s) == 1,
+            "one_speed",
+            f"{name} is known at {speeds} mm/s only: give --velocity {speeds} where a pad is made for it",
+        ),
+    )
+    warnings += [] if missed and by_law else tissue.warnings
+    warnings += [{"code": code, "message": text} for seen, code, text in notes if seen]
     return tissue, {"fits": rows, "law_misfit": [one.to_dict() for one in misfits], "warnings": warnings}
-
-
-def _few(tissue: Tissue) -> list[dict[str, str]]:
-    """Warn that one person makes no range, and one speed none at another."""
-    warnings = []
-    if len(tissue.subjects) < 2:
-        text = f"{tissue.name} has one subject, who makes no range: nothing can be inside it"
-        warnings.append({"code": "one_subject", "message": text})
-    if len(tissue.velocities_mm_s) == 1:
-        speed = tissue.velocities_mm_s[0]
-        text = f"{tissue.name} is known at {speed:g} mm/s only: give --velocity {speed:g} where a pad is made for it"
-        warnings.append({"code": "one_speed", "message": text})
-    return warnings
 
 
 def _check_presses(read: dict[str, list[Trace]]) -> tuple[dict[str, list[Trace]], list[str], list[str]]:

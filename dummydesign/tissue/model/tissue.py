@@ -79,22 +79,19 @@ class Tissue:
     def notice(self) -> tuple[str, str] | None:
         """Code and words of what every answer must tell about its law; None for nothing."""
         notice = law_named(self.law).notice_of(self.name)
-        if notice is None:
-            return self._missed()
-        if not self.measured:
-            return notice
-        return notice[0], f"{notice[1]}; {behind_ranges(len(self.subjects))}"
+        if notice is not None and self.measured:
+            return notice[0], f"{notice[1]}; {behind_ranges(len(self.subjects))}"
+        return notice or self._missed()
 
     def _missed(self) -> tuple[str, str] | None:
         """Code and words on the peak that the law misses most, None where it is near all."""
-        off = {one.name: one.pressed[FITTED] for one in self.subjects if FITTED in one.pressed}
-        ratios = [(max(1.0 / one.low, one.high), who) for who, one in off.items()]
-        most, who = max(ratios, default=(1.0, ""))
+        known = [(one.pressed[FITTED], one.name) for one in self.subjects if FITTED in one.pressed]
+        most, who = max(((max(1.0 / off.low, off.high), name) for off, name in known), default=(1.0, ""))
         if most <= FOLLOWS:
             return None
         return "law_does_not_follow", (
-            f"the law misses measured peaks of {who} by up to {100.0 * (most - 1.0):.0f} %: the ranges of {self.name} "
-            "are that far off; 'dummydesign tissues add NAME TRACE... --law none' keeps the curves"
+            f"{self.name}: its law misses peaks of {who} by up to {100.0 * (most - 1.0):.0f} %: keep the curves, "
+            "'tissues add NAME TRACE... --law none'; the ranges of the law are that far off"
         )
 
     @property

@@ -98,8 +98,8 @@ def read_number(value: float | str, purpose: QuantitySpec | str) -> float:
             raise ValueError
     except (TypeError, ValueError):
         shown = (value.strip() or repr(value)) if isinstance(value, str) else repr(value)
-        named = f", or one with a unit such as 1{purpose.unit} or 1{list(known)[-1]}" if known else ""
-        message = f"{purpose.quantity} = {shown} is not a number{named}"
+        hint = f", or one with a unit such as 1{purpose.unit} or 1{list(known)[-1]}" if known else ""
+        message = f"{purpose.quantity} = {shown} is not a number{'; the decimal sign is a dot' * (',' in shown)}{hint}"
         raise InputError(message, "not_a_number", quantity_name(purpose.quantity), value) from None
     if unit:
         if unit not in known:

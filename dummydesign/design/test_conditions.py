@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import isfinite, pi, sqrt
+from math import inf, isfinite, pi, sqrt
 from typing import TYPE_CHECKING
 
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.tables.slab import load_table, slab_table
 from dummydesign.pad.tables.square import punch_law
+from dummydesign.tissue.model.measured_curves import FORCE_FACTOR
+from dummydesign.tissue.model.subject import PRESSED
 
 if TYPE_CHECKING:
     from dummydesign.tissue.model.tissue import Tissue
@@ -139,8 +141,8 @@ def check_test(request: Request, punch: Punch) -> None:
             request.pad_mm,
         )
     Interface.parse(request.base, "base", BASES)
-    held = Interface.parse(request.face, "condition", CONDITIONS)
-    if held.friction == 0.0 and not request.edge_radius_mm and not punch.profile_mm:
+    friction = Interface.parse(request.face, "condition", CONDITIONS).friction
+    if friction == 0.0 and not request.edge_radius_mm and not punch.profile_mm:
         raise InputError(
             f"condition = {request.face} under a sharp edge is solved to a tenth of a thin pad only, no depth "
             f"to design for: give the real edge's fillet, such as --edge-radius {0.1 * punch.half_width_mm:.2g}",
@@ -159,8 +161,7 @@ def check_test(request: Request, punch: Punch) -> None:
                 request.edge_radius_mm,
             )
     _check_sites(request)
-    refused = refused_kinds(request, punch).get(request.kind.partition(":")[0].lower())
-    if refused:
+    if refused := refused_kinds(request, punch).get(request.kind.partition(":")[0].lower()):
         raise InputError(refused, "unsupported", "shape", request.kind)
 
 
@@ -171,16 +172,21 @@ def _check_sites(request: Request) -> None:
     sites = "x".join(f"{count}" for count in request.sites)
     name, colon, _ = request.kind.partition(":")
     if name.lower() != "crowned":
-        message = f"sites = {sites} are of crowned pads, not of shape {request.shape}: leave --shape out"
-        raise InputError(message, "conflict", "sites", sites)
+        raise InputError(
+            f"sites = {sites} are of crowned pads, not of shape {request.shape}: leave --shape out",
+            "conflict",
+            "sites",
+            sites,
+        )
     if colon:
         shape = read_shape(request.kind)
         if not shape.axisymmetric or len(shape.places_mm) > 1:
             message = f"sites = {sites} are of one round crown; leave ridge and sites out of shape {shape}"
             raise InputError(message, "conflict", "sites", sites)
     if not request.verify:
-        message = f"sites = {sites}: that crowns are independent is solved; leave --no-verify out"
-        raise InputError(message, "conflict", "sites", sites)
+        raise InputError(
+            f"sites = {sites}: that crowns are independent is solved; leave --no-verify out", "conflict", "sites", sites
+        )
 
 
 def check_numbers(
@@ -260,7 +266,7 @@ def own_warnings(request: Request, punch: Punch, tissue: Tissue, edge_known: boo
 def tissue_warnings(
     tissue: Tissue, punch: str, edge_radius_mm: float, forces_N: tuple[float, ...]
 ) -> list[tuple[str, str]]:
-    """What must be said of a tissue in a test: a built-in one is known under one punch, from 5 to 15 N."""
+    """What must be said of a tissue in a test: under which punch and to which forces people were pressed."""
     notes = []
     built_in = tissue.origin == "built-in"
     if built_in and (punch != PUNCH or edge_radius_mm):
@@ -272,12 +278,11 @@ def tissue_warnings(
                 "its ranges are those of another test; add your own tissue measured with it",
             )
         )
-    low, high = KNOWN_FORCE_N
-    far = [force for force in forces_N if not low <= force <= high]
-    if built_in and far:  # curves refuse forces that were not pressed
-        where = " and ".join(f"{force:g}" for force in far)
-        text = f"{tissue.name} is known from {low:g} to {high:g} N: at {where} N its law is extrapolated"
-        factor = beyond_people(forces_N, tissue)
+    low, high = pressed_N(tissue) or (0.0, inf)
+    near = 1.0 if built_in else FORCE_FACTOR
+    if far := [f"{force:g}" for force in forces_N if not low / near <= force <= high * near]:
+        where, factor = " and ".join(far), beyond_people(forces_N, tissue)
+        text = f"{tissue.name} is known from {low:.3g} to {high:.3g} N: at {where} N its law is extrapolated"
         if factor > 1.0:
             text += f"; {max(forces_N):g} N is {factor:.3g} times the largest force people were pressed to"
         notes.append(("force_not_in_band", text))
@@ -286,20 +291,22 @@ def tissue_warnings(
 
 def beyond_people(forces_N: tuple[float, ...], tissue: Tissue) -> float:
     """Return the largest steady force of a test over the largest that people were pressed to, at least 1."""
-    known = pressed_to_N(tissue)
-    return 1.0 if known is None or not forces_N else max(1.0, max(forces_N) / known)
+    return max(1.0, max(forces_N, default=0.0) / (pressed_N(tissue) or (0.0, inf))[1])
 
 
-def pressed_to_N(tissue: Tissue) -> float | None:
-    """Return the largest steady force people of a tissue were pressed to, None where it is unknown. [N]
+def pressed_N(tissue: Tissue) -> tuple[float, float] | None:
+    """Return the lowest and largest steady force people of a tissue were pressed to, None where unknown. [N]
 
-    Built-in tissues are known to 15 N, measured curves to their highest press at the end of its hold; a tissue that was
-    fitted elsewhere does not say.
+    Built-in tissues are known from 5 to 15 N; own tissues by their presses, at the end of the hold.
     """
     if tissue.origin == "built-in":
-        return KNOWN_FORCE_N[1]
+        return KNOWN_FORCE_N
     presses = [press for person in tissue.parameter_sets for press in getattr(person, "presses", ())]
-    return max((float(press.steady_N(press.hold_s)) for press in presses), default=None)
+    spans = [one.pressed[PRESSED[0]] for one in tissue.subjects if one.pressed]
+    forces = [float(one.steady_N(one.hold_s)) for one in presses] + [
+        end for one in spans for end in (one.low, one.high)
+    ]
+    return (min(forces), max(forces)) if forces else None
 
 
 def _fillet_words(request: Request, punch: Punch) -> str:

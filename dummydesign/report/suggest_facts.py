@@ -17,6 +17,7 @@ MOST_NOTES = 4
 NOTES = (
     "people_bound",
     "measured_curves",
+    "law_does_not_follow",
     "tissue_punch",
     "force_not_in_band",
     "speed_not_in_band",

@@ -214,3 +214,7 @@ def test_units_are_read_in_lists_and_ranges_and_a_step_may_be_small():
         read_numbers(["3N"], VELOCITY)
     with raises_code("not_a_number", "ratio"):
         read_numbers(["15mm"], "ratio")
+    for text, named in (("15,9", True), ("abc", False)):
+        with raises_code("not_a_number", "ratio") as caught:
+            read_numbers([text], "ratio")
+        assert ("decimal sign" in str(caught.value)) == named

@@ -211,11 +211,13 @@ def test_how_far_a_test_goes_beyond_the_people_of_a_built_in_tissue_is_a_factor_
     assert (f"{factor:.3g} times" in said.get("force_not_in_band", "")) == (factor > 1.0)
 
 
-def test_measured_people_are_known_as_far_as_they_were_pressed_and_a_fit_of_ones_own_is_unknown():
+def test_people_are_known_as_far_as_they_were_pressed_and_a_fit_that_does_not_say_is_unknown():
     from dataclasses import replace
 
-    from dummydesign.design.test_conditions import beyond_people
+    from dummydesign.core.quantity import Quantity
+    from dummydesign.design.test_conditions import beyond_people, tissue_warnings
     from dummydesign.tissue.model.measured_curves import SHARES, HeldPress, MeasuredPerson
+    from dummydesign.tissue.model.subject import PRESSED
 
     def person(*steady):
         held = [
@@ -227,6 +229,11 @@ def test_measured_people_are_known_as_far_as_they_were_pressed_and_a_fit_of_ones
     finger = load_tissue(FINGER)
     own = replace(finger, origin="user")
     assert beyond_people((140.0,), own) == 1.0
+    span = {name: Quantity(5.0, 2.0, 10.0, "measured", "presses") for name in PRESSED}
+    fitted = replace(own, subjects=tuple(replace(one, pressed=span) for one in own.subjects))
+    assert beyond_people((5.0, 25.0), fitted) == pytest.approx(2.5)
+    for force, codes in ((11.9, []), (1.7, []), (12.1, ["force_not_in_band"]), (1.6, ["force_not_in_band"])):
+        assert [code for code, _ in tissue_warnings(fitted, "square:14", 0.0, (5.0, force))] == codes
     people = (person(2.0, 7.0), person(3.0, 10.0))
     subjects = tuple(replace(one, parameters=made) for one, made in zip(finger.subjects, people))
     curves = replace(own, subjects=subjects)

@@ -145,11 +145,11 @@ def _of_speeds(space: SearchSpace, tissue: Tissue) -> Warnings:
     if not law_named(tissue.law).fitted:
         return notes
     far = [v for v in asked if all(max(v / known, known / v) > 1.5 for known in tissue.velocities_mm_s)]
-    if not far:
-        return []
-    there, known = (" and ".join(f"{v:g}" for v in speeds) for speeds in (far, tissue.velocities_mm_s))
-    text = f"{tissue.name} is known at {known} mm/s only: what it does at {there} mm/s is extrapolated by its dampers"
-    return [("speed_not_in_band", f"{text}, not a measurement")]
+    if far:
+        there, known = (" and ".join(f"{v:g}" for v in speeds) for speeds in (far, tissue.velocities_mm_s))
+        text = f"{tissue.name} is known at {known} mm/s only: what it does at {there} mm/s is extrapolated by its"
+        notes.append(("speed_not_in_band", f"{text} dampers, not a measurement"))
+    return notes
 
 
 def _of_data(resin: Resin, tissue: Tissue) -> Warnings:

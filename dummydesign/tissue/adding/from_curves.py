@@ -16,7 +16,16 @@ from dummydesign.core.serialise import Serialised
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.measurement.ramp_detection import find_ramp
 from dummydesign.measurement.trace import Trace, check_one_press, magnitude_fault
-from dummydesign.tissue.adding.from_traces import copies_of, fit_people, fit_row, fit_warnings, reserve, tissue_of_fits
+from dummydesign.tissue.adding.from_traces import (
+    AUTO,
+    NONE,
+    copies_of,
+    fit_people,
+    fit_row,
+    fit_warnings,
+    reserve,
+    tissue_of_fits,
+)
 from dummydesign.tissue.adding.observations import (
     HELD_S,
     ObservedCurve,
@@ -25,17 +34,17 @@ from dummydesign.tissue.adding.observations import (
     read_curves,
 )
 from dummydesign.tissue.fitting.problem import fitted_force
-from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, reduce_trace
+from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, reduce_trace, speed_groups
 from dummydesign.tissue.model.laws import CURVES
-from dummydesign.tissue.model.maxwell_law import DEFAULT, fitted_law
+from dummydesign.tissue.model.maxwell_law import DEFAULT
 from dummydesign.tissue.model.measured_curves import DEPTH_MM, FIRST_HOLD_S, SHARES, HeldPress, MeasuredPerson
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE
-from dummydesign.tissue.model.tissue import Tissue, share_a_speed
+from dummydesign.tissue.model.tissue import Subject, Tissue, share_a_speed
 from dummydesign.tissue.model.tissue_file import subjects_of, tissue_toml
 
 if TYPE_CHECKING:
+    from dummydesign.measurement.sensor import Lowpass
     from dummydesign.tissue.fitting.fit import TissueFit
-
 
 LEAST_RISE = 20
 """Samples of a rise from which on it is smoothed."""
@@ -52,7 +61,7 @@ def held_press(trace: ReducedTrace, velocity_mm_s: float) -> HeldPress:
     rise = (time >= ramp.contact_time_s) & (time <= ramp.stop_time_s)
     rising = _smooth(time[rise], force[rise])
     share, first = np.unique(np.maximum.accumulate(np.clip(x[rise] / ramp.depth_mm, 0.0, 1.0)), return_index=True)
-    stop, inner = _at_stop(time[rise], rising, ramp.stop_time_s), share < 1.0
+    stop, inner = _at_stop(x[rise], rising, ramp.depth_mm), share < 1.0
     curve = np.interp(SHARES, np.r_[share[inner], 1.0], np.r_[rising[first][inner], stop])
     held = trace.inside[time[trace.inside] > ramp.stop_time_s]
     when, mean = _bins(time[held] - ramp.stop_time_s, force[held], trace.hold_s)
@@ -73,12 +82,13 @@ def _smooth(time: NDArray, force: NDArray) -> NDArray:
     return savgol_filter(force, WINDOW, ORDER, mode="interp")
 
 
-def _at_stop(time: NDArray, force: NDArray, stop_s: float) -> float:
-    """Force at the stop, extrapolated from the last two samples by less than a sample. [N]"""
-    if len(time) < 2:
+def _at_stop(x: NDArray, force: NDArray, depth_mm: float) -> float:
+    """Force at the stop, extrapolated over depth from the last two samples by less than their step. [N]"""
+    step = np.diff(x[-2:])
+    if len(step) == 0 or step[0] <= 0.0:
         return float(force[-1])
-    step = time[-1] - time[-2]
-    return float(force[-1] + (force[-1] - force[-2]) / step * min(stop_s - time[-1], step))
+    # over time it would miss that the robot brakes
+    return float(force[-1] + (force[-1] - force[-2]) * np.clip((depth_mm - x[-1]) / step[0], 0.0, 1.0))
 
 
 def _bins(since_s: NDArray, force_N: NDArray, hold_s: float) -> tuple[NDArray, NDArray]:
@@ -161,8 +171,8 @@ def _measured(trace: ReducedTrace) -> NDArray:
 def _of_model(trace: ReducedTrace, force_N: NDArray) -> NDArray:
     """The same of a model's force at the nodes of the press."""
     time, x = trace.motion.time_s, trace.motion.displacement_mm
-    late, rise = time >= trace.ramp.hold_end_s - 0.05 * trace.hold_s, time <= trace.ramp.stop_time_s
-    return np.array([force_N.max(), force_N[late].mean(), work_mJ(x[rise], force_N[rise])])
+    late_s, rise = trace.ramp.hold_end_s - trace.hold_s * np.linspace(0.0, LATE, 9), time <= trace.ramp.stop_time_s
+    return np.array([force_N.max(), np.interp(late_s, time, force_N).mean(), work_mJ(x[rise], force_N[rise])])
 
 
 def _of_repeats(traces: Sequence[ReducedTrace]) -> float | None:
@@ -176,7 +186,6 @@ def _rms(values: NDArray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-AUTO, NONE = "auto", "none"
 FASTER, SLOWER = 1.3, 3.0
 """Factors beyond which a press did not move as commanded; a shallow one that brakes all the way is at half."""
 
@@ -184,74 +193,86 @@ FASTER, SLOWER = 1.3, 3.0
 def add_curves(name: str, table: str, law: str, elements: str, replace_own: bool = False) -> dict[str, Any]:
     """Make a tissue from a table of curves and keep it in the user's folder."""
     path = Path(table)
-    if law not in (AUTO, NONE):
-        fitted_law(law)
-    target, hidden = reserve(name, replace_own, elements)
+    target, hidden = reserve(name, replace_own, elements, law)
     curves = read_curves(path)
     for subject in dict.fromkeys(curve.subject for curve in curves):
         check_curves([curve for curve in curves if curve.subject == subject], path.name)
     read = _traces(curves)
+    tissue, parts = people_tissue(name, read, dict.fromkeys(read, path.name), law, elements)
+    write_text(target, tissue_toml(tissue))
+    inputs = {"action": "add-curves", "name": name, "curves": table, "law": law, "elements": elements}
+    parts["warnings"] += hidden
+    return {"inputs": inputs, **tissue.to_dict(), **parts, "files": {"tissue": str(target)}}
+
+
+def people_tissue(
+    name: str,
+    read: dict[str, list[Trace]],
+    sources: dict[str, str],
+    law: str,
+    elements: str,
+    lowpass: Lowpass | None = None,
+    others: Sequence[Subject] = (),
+) -> tuple[Tissue, dict[str, Any]]:
+    """Make a tissue of people's traces and of subjects fitted before; also return what the answer says of it."""
+    if others and law == NONE:
+        raise InputError(
+            f"--law none keeps curves, and {others[0].name} is a fit; give the traces", "inconsistent", "law", law
+        )
     warnings = copies_of(read)
     held, short, unlike = _check_presses(read)
-    if unlike:
-        message = f"velocity_mm_s is not how these moved: {'; '.join(unlike)}; they count at the speed in the table"
-        warnings.append({"code": "speed_unlike_told", "message": message})
-    people = {}
-    for who, own in held.items():
-        reduced = [reduce_trace(trace) for trace in own]
-        people[who] = MeasuredPerson([held_press(trace, trace.velocity_mm_s) for trace in reduced])
-    if law != NONE:
+    groups = {who: speed_groups([reduce_trace(trace) for trace in own]) for who, own in held.items()}
+    people = {
+        who: MeasuredPerson([held_press(trace, speed) for speed, group in own for trace in group])
+        for who, own in groups.items()
+    }
+    if law != NONE and people:
         share_a_speed({who: one.velocities_mm_s for who, one in people.items()})
     form = DEFAULT if law == AUTO else law
-    fits = {} if law == NONE else fit_people(held, form, elements, intervals=False)
+    fits = {} if law == NONE else fit_people(held, form, elements, lowpass, intervals=law != AUTO)
     misfits = [misfit_of(who, fit, people[who]) for who, fit in fits.items()]
     missed = [one for one in misfits if not one.follows]
-    by_law = law != NONE and not (law == AUTO and missed)
-    if by_law:
-        fits = fit_people(held, form, elements)
-    rows = [fit_row(who, path.name, fit) for who, fit in fits.items()]
+    by_law = bool(others) or (law != NONE and not (law == AUTO and missed))
+    if by_law and law == AUTO:
+        fits = fit_people(held, form, elements, lowpass)
+    rows = [fit_row(who, sources[who], fit) for who, fit in fits.items()]
     if not by_law:
-        kept = f"curves of {path.name}"
-        named = [(who, one, "measured", f"{kept}, {len(one.presses)} presses of {who}") for who, one in people.items()]
+        kept = {who: f"curves of {sources[who]}, {len(one.presses)} presses of {who}" for who, one in people.items()}
+        named = [(who, one, "measured", kept[who]) for who, one in people.items()]
         subjects, notice = subjects_of(named), CURVES.notice_of("This tissue")[1]
         title = f"{len(subjects)} subject{'s' if len(subjects) > 1 else ''}, measured curves"
         tissue = Tissue(name, title, CURVES.name, subjects, (), (f"{notice}.",), "user")
-        warnings += tissue.warnings
     else:
-        tissue = tissue_of_fits(name, fits)
+        tissue = tissue_of_fits(name, fits, others)
         warnings += [warning for who, fit in fits.items() for warning in fit_warnings(who, fit)]
-    if missed:
-        message = (
+    speeds = ", ".join(f"{v:g}" for v in tissue.velocities_mm_s)
+    notes = (
+        (
+            unlike,
+            "speed_unlike_told",
+            f"velocity_mm_s is not how these moved: {'; '.join(unlike)}; they count at the speed in the table",
+        ),
+        (
+            missed,
+            "law_does_not_follow",
             "the law does not follow the curves: it misses peaks, steady forces and energies (rms) of "
-            f"{', '.join(one.words for one in missed)}; more than {FOLLOWS:g} times what repeats differ by is not taken"
-            f"{'; --law none keeps the curves' if by_law else ''}"
-        )
-        warnings.append({"code": "law_does_not_follow", "message": message})
-    if short:
-        message = f"left out, held for less than {HELD_S:g} s: {', '.join(short)}"
-        warnings.append({"code": "hold_too_short", "message": message})
-    write_text(target, tissue_toml(tissue))
-    return {
-        "inputs": {"action": "add-curves", "name": name, "curves": table, "law": law, "elements": elements},
-        **tissue.to_dict(),
-        "fits": rows,
-        "law_misfit": [one.to_dict() for one in misfits],
-        "warnings": warnings + _few(tissue) + hidden,
-        "files": {"tissue": str(target)},
-    }
-
-
-def _few(tissue: Tissue) -> list[dict[str, str]]:
-    """Warn that one person makes no range, and one speed none at another."""
-    warnings = []
-    if len(tissue.subjects) < 2:
-        text = f"{tissue.name} has one subject, who makes no range: nothing can be inside it"
-        warnings.append({"code": "one_subject", "message": text})
-    if len(tissue.velocities_mm_s) == 1:
-        speed = tissue.velocities_mm_s[0]
-        text = f"{tissue.name} is known at {speed:g} mm/s only: give --velocity {speed:g} where a pad is made for it"
-        warnings.append({"code": "one_speed", "message": text})
-    return warnings
+            f"{', '.join(one.words for one in missed)}{'; --law none keeps the curves' if by_law else ''}",
+        ),
+        (short, "hold_too_short", f"left out, held for less than {HELD_S:g} s: {', '.join(short)}"),
+        (
+            len(tissue.subjects) < 2,
+            "one_subject",
+            f"{name} has one subject, who makes no range: nothing can be inside it",
+        ),
+        (
+            len(tissue.velocities_mm_s) == 1,
+            "one_speed",
+            f"{name} is known at {speeds} mm/s only: give --velocity {speeds} where a pad is made for it",
+        ),
+    )
+    warnings += [] if missed and by_law else tissue.warnings
+    warnings += [{"code": code, "message": text} for seen, code, text in notes if seen]
+    return tissue, {"fits": rows, "law_misfit": [one.to_dict() for one in misfits], "warnings": warnings}
 
 
 def _check_presses(read: dict[str, list[Trace]]) -> tuple[dict[str, list[Trace]], list[str], list[str]]:
@@ -266,10 +287,18 @@ def _check_presses(read: dict[str, list[Trace]]) -> tuple[dict[str, list[Trace]]
                 short.append(f"{who}: {name}")
                 continue
             held[who].append(trace)
-            declared = trace.commanded_speed_mm_s or np.nan
             seen = ramp.speed
+            declared = trace.commanded_speed_mm_s or seen.value_mm_s
             if not (declared / SLOWER < seen.high_mm_s and seen.low_mm_s < FASTER * declared):
                 unlike.append(f"{who}, {name}: {seen.value_mm_s:.2g} for {declared:g} mm/s")
+    none = [who for who, own in held.items() if not own]
+    if none:
+        raise InputError(
+            f"no press of {', '.join(none)} is held for {HELD_S:g} s, so the steady force is not known; give the hold "
+            "with its times, or depths at steady forces by 'dummydesign tissues add-points'",
+            "not_enough_data",
+            "hold_s",
+        )
     return held, short, unlike
 
 

@@ -14,6 +14,7 @@ from dummydesign.core.user_library import DEVICE, make_room, user_folder
 from dummydesign.measurement.importing.press_checks import copies_among
 from dummydesign.measurement.sensor import parse_lowpass
 from dummydesign.measurement.trace import read_trace
+from dummydesign.tissue.model.maxwell_law import fitted_law
 from dummydesign.tissue.model.tissue import Subject, Tissue, same_shape
 from dummydesign.tissue.model.tissue_file import KIND, load_tissue, tissue_toml
 
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from dummydesign.measurement.trace import Trace
     from dummydesign.tissue.fitting.fit import TissueFit
 
+AUTO, NONE = "auto", "none"
+"""Laws of a tissue: the default one where it follows the people, and their curves."""
 _NAME = re.compile(r"^[A-Za-z0-9][A-Za-z0-9_-]*$")
 
 
@@ -29,21 +32,20 @@ def add_tissue(
     name: str, files: list[str], law: str, elements: str, lowpass: str | None, replace_own: bool = False
 ) -> dict[str, Any]:
     """Make a tissue from several subjects and keep it in the user's folder."""
-    path, hidden = reserve(name, replace_own, elements)
+    from dummydesign.tissue.adding.from_curves import people_tissue
+
+    path, hidden = reserve(name, replace_own, elements, law)
     sensor = parse_lowpass(lowpass)
     subjects, groups = _sort_files(files)
-    rows: list[dict[str, Any]] = [{"subject": subject.name, "from": source} for subject, source in subjects]
     read = {person: [read_trace(path) for path in paths] for person, paths in groups.items()}
-    warnings = copies_of(read)
-    fits = fit_people(read, law, elements, sensor)
-    for person, fit in fits.items():
-        rows.append(fit_row(person, ", ".join(path.name for path in groups[person]), fit))
-        warnings += fit_warnings(person, fit)
-    tissue = tissue_of_fits(name, fits, [subject for subject, _ in subjects])
+    sources = {person: ", ".join(path.name for path in paths) for person, paths in groups.items()}
+    others = [subject for subject, _ in subjects]
+    tissue, parts = people_tissue(name, read, sources, law, elements, sensor, others)
     write_text(path, tissue_toml(tissue))
     inputs = {"action": "add", "name": name, "files": files, "law": law, "elements": elements, "lowpass": lowpass}
-    answer = {"inputs": inputs, **tissue.to_dict(), "fits": rows, "warnings": warnings + hidden}
-    return answer | {"files": {"tissue": str(path)}}
+    parts["fits"] = [{"subject": subject.name, "from": source} for subject, source in subjects] + parts["fits"]
+    parts["warnings"] += hidden
+    return {"inputs": inputs, **tissue.to_dict(), **parts, "files": {"tissue": str(path)}}
 
 
 def tissue_folder(name: str) -> Path:
@@ -54,8 +56,10 @@ def tissue_folder(name: str) -> Path:
     return output_folder(user_folder() / KIND)
 
 
-def reserve(name: str, replace_own: bool, elements: str = "5") -> tuple[Path, list[dict[str, str]]]:
+def reserve(name: str, replace_own: bool, elements: str = "5", law: str = AUTO) -> tuple[Path, list[dict[str, str]]]:
     """Return the file of a new tissue and a warning of what it hides; refuse what can be no tissue of the user."""
+    if law not in (AUTO, NONE):
+        fitted_law(law)
     path = tissue_folder(name) / f"{name}.toml"
     hidden = make_room(KIND, "tissue", name, replace_own)
     if elements not in ("3", "5", "7"):

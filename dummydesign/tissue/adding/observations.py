@@ -127,12 +127,6 @@ class ObservedCurve:
     depth_mm: NDArray
     force_N: NDArray
 
-    @property
-    def held_s(self) -> float:
-        """Time after the depth has come within 1 % of its largest. [s]"""
-        deep = np.nonzero(self.depth_mm >= 0.99 * self.depth_mm.max())[0]
-        return float(self.time_s[-1] - self.time_s[deep[0]])
-
     def rising_force_N(self, depth_mm: float) -> float:
         """Force when the depth is first reached. [N]"""
         last = int(np.argmax(self.depth_mm >= depth_mm))
@@ -175,7 +169,7 @@ def _curve(first: Row, rows: list[list[float]]) -> ObservedCurve:
 
 
 def check_curves(curves: list[ObservedCurve], file: str) -> None:
-    """Refuse curves of one person that contradict each other, or of which none is held."""
+    """Refuse curves of one person that contradict each other."""
     for first, second in itertools.combinations(curves, 2):
         slow, fast = sorted((first, second), key=lambda curve: curve.velocity_mm_s)
         depth = 0.8 * float(min(first.depth_mm.max(), second.depth_mm.max()))
@@ -192,13 +186,6 @@ def check_curves(curves: list[ObservedCurve], file: str) -> None:
                 "force_N",
                 forces,
             )
-    if all(curve.held_s < HELD_S for curve in curves):
-        raise InputError(
-            f"{file}: no curve of {curves[0].subject} is held for {HELD_S:g} s, so the steady force is not known; give "
-            "the hold with its times, or depths at steady forces by 'dummydesign tissues add-points'",
-            "not_enough_data",
-            "hold_s",
-        )
 
 
 @dataclass(frozen=True)

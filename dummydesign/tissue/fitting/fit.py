@@ -31,7 +31,7 @@ from dummydesign.tissue.fitting.problem import (
 )
 from dummydesign.tissue.fitting.reduction import reduce_trace, rounded_velocity, speed_groups
 from dummydesign.tissue.model.maxwell_law import fitted_law, law_named, speed_key
-from dummydesign.tissue.model.subject import PRESSED, Subject
+from dummydesign.tissue.model.subject import FITTED, PRESSED, Subject
 
 MOST_STEPS = 12
 SETTLED_MM = 5e-4
@@ -428,7 +428,8 @@ def subject_from_fit(name: str, fit: TissueFit) -> Subject:
     An interval without an end on one side gets a factor of :data:`UNKNOWN` there, as its source states.
     A fit per condition has no intervals; the range over its conditions stands in.
     """
-    files = [row["file"] for row in fit.result["by_trace"]]
+    rows = fit.result["by_trace"]
+    files = [row["file"] for row in rows]
     shown = _some(files)
     source = f"fit of {shown}: law {fit.law}, {fit.mode}, rms residual {fit.result['rmse_N']:.3g} N"
     speeds = [speed_key(speed) for speed, _ in speed_groups([t for p, _ in fit.problems for t in p.traces])]
@@ -439,7 +440,7 @@ def subject_from_fit(name: str, fit: TissueFit) -> Subject:
             continue
         by_speed = (dict.fromkeys(speeds, entry) if "value" in entry else entry).items()
         numbers[key] = {v: _quantity(one, source, _over_conditions(fit, key, float(v))) for v, one in by_speed}
-    pressed = {key: [float(row[key]) for row in fit.result["by_trace"]] for key in PRESSED}
+    pressed = {key: [float(row[key]) for row in rows] for key in PRESSED}
     if min(map(min, pressed.values())) <= 0.0:
         return Subject.of(name, fit.law, numbers)
     words = f"{len(files)} press{'es' if len(files) > 1 else ''}: {shown}; median, lowest and highest"
@@ -447,6 +448,8 @@ def subject_from_fit(name: str, fit: TissueFit) -> Subject:
         key: Quantity(float(np.median(values)), min(values), max(values), "measured", words)
         for key, values in pressed.items()
     }
+    off = [row["fitted_peak_force_N"] / row["peak_force_N"] for row in rows]
+    spans[FITTED] = Quantity(float(np.median(off)), min(off), max(off), "fitted", words)
     return Subject.of(name, fit.law, numbers, spans)
 
 

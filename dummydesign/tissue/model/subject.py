@@ -15,6 +15,8 @@ KIND = "materials/tissues"
 
 PRESSED = ("steady_force_N", "depth_mm", "peak_force_N")
 """What is kept of the presses of a subject, the lowest and the highest."""
+FITTED = "fitted_over_measured_peak"
+"""The law's peaks over those of the presses, where they are known."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +24,8 @@ class Subject:
     """One person (or posterior quantile): a name and every parameter with interval, kind and source.
 
     ``numbers`` maps outward names to a Quantity; dampers to {speed: Quantity}. ``pressed`` has the median, lowest and
-    highest steady force, depth and peak force of the presses that were fitted; it is empty where they are not known.
+    highest steady force, depth and peak force of the presses that were fitted, and what the law makes of their peaks;
+    it is empty where they are not known.
     """
 
     name: str
@@ -43,7 +46,7 @@ class Subject:
         numbers : dict
             Quantity by outward name; dampers {speed: Quantity}.
         pressed : mapping, optional
-            Quantity by each of :data:`PRESSED`.
+            Quantity by each of :data:`PRESSED`, and by :data:`FITTED`.
         """
         return cls(name, subject_parameters(law, numbers), numbers, pressed or {})
 

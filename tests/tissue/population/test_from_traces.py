@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from dummydesign.cli.entry import run
 from dummydesign.core.user_library import entries
 from dummydesign.measurement.motion import Motion, ramp_and_hold
-from dummydesign.measurement.trace import Trace
+from dummydesign.measurement.trace import Trace, read_trace
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.adding import from_traces
 from dummydesign.tissue.adding.from_points import next_measurement
@@ -17,7 +18,8 @@ from dummydesign.tissue.adding.observations import read_points
 from dummydesign.tissue.model.maxwell_law import Parameters
 from dummydesign.tissue.model.posterior import draws_path, read_draws, typical_subjects, weighted_quantile
 from dummydesign.tissue.model.tissue import Subject
-from dummydesign.tissue.model.tissue_file import KIND
+from dummydesign.tissue.model.tissue_file import KIND, tissue_toml
+from tests.support.fung_people import PEOPLE, press
 from tests.support.refusal import raises_code
 
 
@@ -51,6 +53,50 @@ def points(path, rows):
 
 def cubic(name, gamma1):
     return [(name, float(np.cbrt(f / gamma1)), f) for f in (5.0, 10.0, 15.0)]
+
+
+def write_fung(folder, person, forces=(2.0, 10.0), speed=10.0):
+    """Presses of a person who follows no cubic law, 4 ms apart."""
+    names = []
+    for force in forces:
+        when, x, carried = press(person, force, speed)
+        time = np.r_[np.arange(0.0, when[-1], 4e-3), when[-1]]
+        rows = np.column_stack([time, np.interp(time, when, x), np.interp(time, when, carried)])
+        names.append(str(folder / f"{person.name}_{force:g}.csv"))
+        np.savetxt(names[-1], rows, delimiter=",", header="time_s,displacement_mm,force_N", comments="", fmt="%.9g")
+    return names
+
+
+def test_a_law_that_misses_a_persons_peaks_is_named_by_all_who_use_it_and_none_keeps_the_curves(home, capsys):
+    """Answers gave ranges 20 % off what the same people measured, with no word after `tissues add`."""
+    ada = PEOPLE[0]
+    files = write_fung(home, ada)
+    read = {"ada": [read_trace(Path(file)) for file in files]}
+    made = from_traces.tissue_of_fits("by-law", from_traces.fit_people(read, "ode", "5", intervals=False))
+    by_law = from_traces.tissue_folder("by-law") / "by-law.toml"
+    by_law.write_text(tissue_toml(made), encoding="utf-8")
+    code, _ = load_tissue("by-law").notice
+    assert code == "law_does_not_follow"
+    assert load_tissue("palm").notice is None
+    assert run(["tissues", "add", "by-curves", *files, "--law", "none"]) == 0
+    law, curves = (load_tissue(name).steady_depth_range([2.0, 10.0])[0] for name in ("by-law", "by-curves"))
+    true = [ada.depth_mm(force) for force in (2.0, 10.0)]
+    np.testing.assert_allclose(curves, true, rtol=0.01)
+    assert np.abs(law / true - 1.0).max() > 0.05
+    capsys.readouterr()
+    assert run(["tissues", "add", "mixed", *files, str(by_law), "--law", "none", "--json"]) == 2
+    assert json.loads(capsys.readouterr().out)["error"]["code"] == "inconsistent"
+
+
+def test_a_person_without_a_hold_is_refused_by_name(home, capsys):
+    when, x, force = press(PEOPLE[1], 5.0, 10.0)
+    kept = when <= when[np.argmax(x >= x.max() - 1e-6)] + 0.3
+    rows = np.column_stack([when, x, force])[kept]
+    np.savetxt("ben_1.csv", rows, delimiter=",", header="time_s,displacement_mm,force_N", comments="", fmt="%.9g")
+    for law in ("ode", "none"):
+        assert run(["tissues", "add", "short", "ben_1.csv", "--law", law, "--json"]) == 2
+        error = json.loads(capsys.readouterr().out)["error"]
+        assert (error["code"], error["quantity"]) == ("not_enough_data", "hold_s") and "ben" in error["message"]
 
 
 @pytest.mark.slow

@@ -72,7 +72,7 @@ class PlanSettings:
                     raise out_of_range(name, value, low, high)
             if len(set(values)) != len(values):
                 raise InputError(
-                    f"{name}: {', '.join(f'{v:g}' for v in values)} holds a value twice",
+                    f"{name}: {', '.join(f'{v:g}' for v in values)} holds a value twice; give each once",
                     "duplicate",
                     quantity_name(name),
                     values,

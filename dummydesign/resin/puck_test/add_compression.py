@@ -159,7 +159,7 @@ def add_compression(
     point = Point(ratio, young, replace(puck, alpha=Quantity(*alpha, "fitted", source)))
     others = [one for one in resin.points if one.puck is None or not one.puck.has(puck.sha256)]
     pairs = pairs_of(replace(resin, points=tuple(others)), point, mass_g)
-    check_slips(pairs[0])
+    check_slips(pairs)
     pairs += other_height(fit, height_mm, fitted)
     pairs += odd_press(
         [trace.name for trace in traces], young.value, fit.levels, fit.level_covariance + np.outer(rates, rates)

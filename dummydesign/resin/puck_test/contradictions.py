@@ -24,6 +24,8 @@ SLIP_FITS = 0.5
 """How near, in ln, a slip has to bring a modulus to the resin's where that is known better than this."""
 AT_BOUND = 0.1
 """How near a bound of its range an exponent counts as ended there."""
+WEIGHED, MASS_RANGE = "mass_g weighed and by size and density", (0.5, 2.0)
+"""Name of that pair, and the masses over the expected one that are read: beyond, a digit or a unit is wrong."""
 HEIGHTS = np.array([1.1, 1.2])
 """Heights over the typed one that are tried where the law misfits."""
 SLIPS = {
@@ -101,7 +103,7 @@ def pairs_of(resin: Resin, point: Point, mass_g: float | None = None) -> list[Pa
         density = resin.property("density_g_per_cm3", point.ratio)
         pairs.append(
             Pair(
-                "mass_g weighed and by size and density",
+                WEIGHED,
                 mass_g,
                 mass_by_size_g(density.value, point.puck),
                 math.hypot(VOLUME_SPREAD, log_spread(density)),
@@ -186,9 +188,17 @@ def odd_press(names: Sequence[str], young_kPa: float, levels: np.ndarray, covari
     ]
 
 
-def check_slips(pair: Pair) -> None:
-    """Refuse a modulus that is far from the resin's where a usual mistake explains it, or that no resin has."""
-    low, high = YOUNG.usual
+def check_slips(pairs: Sequence[Pair]) -> None:
+    """Refuse a modulus that is far from the resin's where a usual mistake explains it, or that no resin has; and a mass
+    that no puck of the typed size has."""
+    for one in pairs:
+        least, most = (one.b * share for share in MASS_RANGE)
+        if one.what == WEIGHED and not least <= one.a <= most:
+            message = (
+                f"mass_g = {one.a:.3g} outside {least:.3g} to {most:.3g} g of a puck of this size; check mass, diameter"
+            )
+            raise InputError(f"{message} and height", "out_of_range", "mass_g", one.a, (least, most))
+    pair, (low, high) = pairs[0], YOUNG.usual
     near = max(SURPRISE * pair.spread, SLIP_FITS)
     misses = sorted((abs(math.log(pair.a * size / pair.b)), words) for words, size in SLIPS.items())
     slips = [words for miss, words in misses[:2] if miss <= near]
@@ -206,7 +216,8 @@ def check_slips(pair: Pair) -> None:
 
 
 def warnings_of(pairs: Sequence[Pair], alpha: float) -> tuple[tuple[Pair, ...], tuple[dict[str, str], ...]]:
-    """Pairs that contradict each other and a warning each, the largest first, and one of an exponent at its bound."""
+    """Pairs that contradict each other and a warning each, the largest first, and one of an exponent at its bound where
+    no mass confirms the size."""
     far = sorted((one for one in pairs if one.far), key=lambda one: -abs(one.deviations))
     warnings = [
         {
@@ -216,7 +227,8 @@ def warnings_of(pairs: Sequence[Pair], alpha: float) -> tuple[tuple[Pair, ...], 
         }
         for one in far
     ]
-    if min(abs(alpha - end) for end in ALPHA_RANGE) < AT_BOUND:
+    weighed = any(one.what == WEIGHED and not one.far for one in pairs)
+    if min(abs(alpha - end) for end in ALPHA_RANGE) < AT_BOUND and not weighed:
         message = f"the Ogden exponent ended at the bound of its range, {alpha:.3g}; check diameter and height"
         warnings.append({"code": "exponent_at_bound", "message": message})
     return tuple(far), tuple(warnings)

@@ -34,7 +34,7 @@ def puck(ratio, young_kPa, sha256="a", spread=0.04, alpha=None):
 
 def refused(resin, point):
     try:
-        check_slips(pairs_of(resin, point)[0])
+        check_slips(pairs_of(resin, point))
     except InputError as error:
         assert error.code == "implausible_unit"
         return True
@@ -125,9 +125,18 @@ def test_the_press_that_differs_from_the_others_is_one_pair_with_both_numbers(co
     assert one.a ** (1 / count) * one.b ** (1 - 1 / count) == pytest.approx(40.0)
 
 
-def test_the_exponents_bound_is_a_warning():
+def test_the_exponents_bound_is_a_warning_unless_a_mass_confirms_the_size():
     for alpha, codes in ((6.0, ["exponent_at_bound"]), (3.0, [])):
         assert [one["code"] for one in warnings_of([], alpha)[1]] == codes
+    resin = load_resin()
+    point = puck(15.5, 1e3 * float(resin.young_MPa(15.5)))
+    mass_g = resin.property("density_g_per_cm3", 15.5).value * 0.25 * math.pi * 25.0 * 3.0
+    for weighed, codes in ((mass_g, []), (1.3 * mass_g, ["contradiction", "exponent_at_bound"])):
+        assert [one["code"] for one in warnings_of(pairs_of(resin, point, weighed), 6.0)[1]] == codes
+    for wrong in (0.1 * mass_g, 1e-3 * mass_g, 10.0 * mass_g):  # a digit, kilograms, another puck
+        with pytest.raises(InputError) as raised:
+            check_slips(pairs_of(resin, point, wrong))
+        assert (raised.value.code, raised.value.quantity) == ("out_of_range", "mass_g")
 
 
 def arm_of(tau_s, beta):

@@ -206,8 +206,8 @@ def _contradicted(designed: AsDesigned | None) -> Iterator[dict[str, str]]:
     """Numbers of the declared material that the presses contradict."""
     for one in () if designed is None else designed.contradicted:
         message = (
-            f"{one.name} is {one.declared:.4g} as declared, {one.refitted:.4g} in these presses "
-            f"({one.distance:.1f} standard deviations), which is taken: check resin and ratio of the campaign"
+            f"{one.name} is {one.declared:.4g} as declared, {one.refitted:.4g} in these presses without any effect "
+            f"({one.distance:.1f} standard deviations): it is fitted freely; check resin and ratio of the campaign"
         )
         yield {"code": "material_contradicted", "message": message}
 

@@ -25,7 +25,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = actions.add_parser("add", help="make a tissue from traces or from fits, one subject per file or folder")
     add.add_argument("name", metavar="NAME", help="name of the new tissue")
     add.add_argument("files", nargs="+", metavar="FILE", help="trace CSV, folder of one subject's traces, or fit TOML")
-    add.add_argument("--law", default="ode", help="ode (default), consistent or published; none keeps the curves, auto decides")
+    add.add_argument(
+        "--law", default="ode", help="ode (default), consistent or published; none keeps the curves, auto decides"
+    )
     add.add_argument("--elements", default="5", help="3, 5 or 7 (default 5)")
     add.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter of the recorded force")
     add.add_argument("--replace", action="store_true", help="take the place of a tissue of your own with this name")

@@ -11,7 +11,7 @@ from dummydesign.core.quantity import Quantity
 from dummydesign.person.drives import read_drive
 from dummydesign.person.on_person import on_person
 from dummydesign.tissue.fitting.fit import fit_traces
-from dummydesign.tissue.model.subject import PRESSED
+from dummydesign.tissue.model.subject import FITTED, PRESSED
 from dummydesign.tissue.model.tissue import Tissue
 from dummydesign.tissue.model.tissue_file import load_tissue, tissue_toml
 from tests.support.refusal import raises_code
@@ -44,7 +44,9 @@ def pushed(depth, velocity=100.0):
 def test_a_fit_keeps_the_range_of_its_presses_and_a_file_gives_it_back(presses, tissue):
     found = tissue.subjects[0].pressed
     depths = [np.cbrt(force / GAMMA1) for force in FORCES_N]
-    assert list(found) == list(PRESSED) and {one.kind for one in found.values()} == {"measured"}
+    assert list(found) == [*PRESSED, FITTED] and {found[name].kind for name in PRESSED} == {"measured"}
+    # the law is the one that made the presses
+    assert (found[FITTED].low, found[FITTED].high) == pytest.approx((1.0, 1.0), abs=0.02)
     assert (found["depth_mm"].low, found["depth_mm"].high) == pytest.approx(depths, rel=2e-3)
     # the slow arm still carries a little after 10 s
     assert found["steady_force_N"].low == pytest.approx(FORCES_N[0], rel=0.05)

@@ -179,10 +179,11 @@ def _with_changes(
     lasts, depth = float(time[held]) - plain.at_s, float(x[deepest]) - plain.at_mm
     whole, error, covariance = fit(0, 1, 2)
     off = np.abs(mean - whole @ columns) > 2.0 * CLEAR * np.hypot(np.sqrt(variance), slow)
-    before, _, known = fit(0, 1, 2, of=leading)
+    lead, _, known = fit(0, 1, 2, of=leading)
     ahead = np.sqrt(np.einsum("ip,ij,jp->p", columns, known, columns) + variance)
-    left = np.abs(mean - before @ columns)
-    if leading < len(parts) and off.any():  # a load cell that creeps, or an average: no drift
+    beyond = np.abs(mean - lead @ columns)
+    returns = leading < len(parts)
+    if returns and off.any():  # a load cell that creeps, or an average: no drift
         own = _with_changes(plain, parts[:leading], leading, time, x, load, press, noise)
         left = float(np.abs(load[parts[leading]].mean() - own.at(time, x)[parts[leading]].mean()))
         return replace(own, left_N=left, held_error_N=2.0 * left)
@@ -192,8 +193,8 @@ def _with_changes(
     spread = float(np.sqrt(end @ covariance @ end + unseen @ unseen))
     if spread < SHOWN * float(np.linalg.norm(before_it)):
         plain = replace(plain, held_error_N=2.0 * spread)
-    if (left > 2.0 * CLEAR * np.hypot(ahead, slow)).any():  # it did not drift so before: creep that has not come back
-        plain = replace(plain, left_N=float(left[leading]), held_error_N=float(left[leading]))
+    if returns and (beyond > 2.0 * CLEAR * np.hypot(ahead, slow)).any():  # no drift before: creep
+        plain = replace(plain, left_N=float(beyond[leading]), held_error_N=float(beyond[leading]))
     clear = [kind for kind in (1, 2) if abs(whole[kind]) > CLEAR * error[kind]]
     alone = [fit(0, kind) for kind in (1, 2)]
     steady = [abs(one[0][kind]) > CLEAR * one[1][kind] for kind, one in zip((1, 2), alone)]
@@ -217,7 +218,7 @@ def _with_changes(
         before_N=before,
         effect_N=float(effect),
         effect_error_N=float(np.hypot(error[1] * lasts, error[2] * depth)),
-        comes_back=len(parts) > leading,
+        comes_back=returns,
         # a change that the line leaves out may still be there
         held_error_N=float(np.hypot(plain.held_error_N, 2.0 * end @ (whole - value))),
     )

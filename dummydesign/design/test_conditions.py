@@ -172,21 +172,16 @@ def _check_sites(request: Request) -> None:
     sites = "x".join(f"{count}" for count in request.sites)
     name, colon, _ = request.kind.partition(":")
     if name.lower() != "crowned":
-        raise InputError(
-            f"sites = {sites} are of crowned pads, not of shape {request.shape}: leave --shape out",
-            "conflict",
-            "sites",
-            sites,
-        )
+        message = f"sites = {sites} are of crowned pads, not of shape {request.shape}: leave --shape out"
+        raise InputError(message, "conflict", "sites", sites)
     if colon:
         shape = read_shape(request.kind)
         if not shape.axisymmetric or len(shape.places_mm) > 1:
             message = f"sites = {sites} are of one round crown; leave ridge and sites out of shape {shape}"
             raise InputError(message, "conflict", "sites", sites)
     if not request.verify:
-        raise InputError(
-            f"sites = {sites}: that crowns are independent is solved; leave --no-verify out", "conflict", "sites", sites
-        )
+        message = f"sites = {sites}: that crowns are independent is solved; leave --no-verify out"
+        raise InputError(message, "conflict", "sites", sites)
 
 
 def check_numbers(

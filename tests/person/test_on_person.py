@@ -179,7 +179,7 @@ def test_the_trace_tells_which_drive_made_it(trace, looks, fits, not_):
 
 @pytest.mark.slow
 def test_measured_curves_take_steady_and_refuse_the_rest(tmp_path, monkeypatch):
-    from dummydesign.tissue.adding.from_curves import add_curves
+    from dummydesign.tissue.adding.from_traces import add_curves
     from tests.support.fung_people import PEOPLE, write_table
 
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / "home"))

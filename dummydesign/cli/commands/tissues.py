@@ -59,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 ADDING = {
     "add": ("from_traces", "add_tissue"),
-    "add-curves": ("from_curves", "add_curves"),
+    "add-curves": ("from_traces", "add_curves"),
     "add-points": ("from_points", "add_points"),
     "add-spring": ("from_springs", "add_spring"),
     "template": ("from_springs", "write_template"),

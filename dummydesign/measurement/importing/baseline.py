@@ -179,9 +179,6 @@ def _with_changes(
     lasts, depth = float(time[held]) - plain.at_s, float(x[deepest]) - plain.at_mm
     whole, error, covariance = fit(0, 1, 2)
     off = np.abs(mean - whole @ columns) > 2.0 * CLEAR * np.hypot(np.sqrt(variance), slow)
-    lead, _, known = fit(0, 1, 2, of=leading)
-    ahead = np.sqrt(np.einsum("ip,ij,jp->p", columns, known, columns) + variance)
-    beyond = np.abs(mean - lead @ columns)
     returns = leading < len(parts)
     if returns and off.any():  # a load cell that creeps, or an average: no drift
         own = _with_changes(plain, parts[:leading], leading, time, x, load, press, noise)
@@ -193,8 +190,12 @@ def _with_changes(
     spread = float(np.sqrt(end @ covariance @ end + unseen @ unseen))
     if spread < SHOWN * float(np.linalg.norm(before_it)):
         plain = replace(plain, held_error_N=2.0 * spread)
-    if returns and (beyond > 2.0 * CLEAR * np.hypot(ahead, slow)).any():  # no drift before: creep
-        plain = replace(plain, left_N=float(beyond[leading]), held_error_N=float(beyond[leading]))
+    if returns:
+        lead, _, known = fit(0, 1, 2, of=leading)
+        ahead = np.sqrt(np.einsum("ip,ij,jp->p", columns, known, columns) + variance)
+        beyond = np.abs(mean - lead @ columns)
+        if (beyond > 2.0 * CLEAR * np.hypot(ahead, slow)).any():  # it did not drift so before: creep
+            plain = replace(plain, left_N=float(beyond[leading]), held_error_N=float(beyond[leading]))
     clear = [kind for kind in (1, 2) if abs(whole[kind]) > CLEAR * error[kind]]
     alone = [fit(0, kind) for kind in (1, 2)]
     steady = [abs(one[0][kind]) > CLEAR * one[1][kind] for kind, one in zip((1, 2), alone)]

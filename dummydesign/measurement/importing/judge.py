@@ -36,7 +36,7 @@ TOUCHES = np.linspace(0.2, 0.9, 8)
 """Shares of the depth at which more of a body may begin to carry: the slab beside a low crown, another layer."""
 LEVELS = np.array([2.0, 4.0, 8.0])
 """Of 1 - exp(-level * share of the depth): foams give way."""
-TIMES_S = np.geomspace(0.004, 40.0, 13)
+TIMES_S = np.geomspace(0.004, 40.0, 9)
 SAMPLES = 260
 """Samples that are kept, even along the curve of displacement and force over time."""
 LAW_ERROR = 0.005
@@ -45,7 +45,7 @@ LEAST = 0.1
 SLOW_S = 0.1
 """Ramps that last less are judged in the hold alone: there a load cell's filter, of 5 to 20 ms, is seen. [s]"""
 UNJUDGED = 10.0  # times as much may be missed of a part that is not judged
-LIMIT = 5.5
+LIMIT = 6.0
 """Misfit (root mean square over noise and law error) of a part of a press beyond which it is not explained."""
 DELAYED = "force_delayed"
 PARTS = ("before contact", "in the rise", "after the stop", "in the hold")

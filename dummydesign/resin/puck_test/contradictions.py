@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.parsing import YOUNG
 from dummydesign.measurement.plausible import UNITS
 from dummydesign.resin.model.resin import SURPRISE, Point, PuckPoint, Resin, log_spread
@@ -194,10 +194,7 @@ def check_slips(pairs: Sequence[Pair]) -> None:
     for one in pairs:
         least, most = (one.b * share for share in MASS_RANGE)
         if one.what == WEIGHED and not least <= one.a <= most:
-            message = (
-                f"mass_g = {one.a:.3g} outside {least:.3g} to {most:.3g} g of a puck of this size; check mass, diameter"
-            )
-            raise InputError(f"{message} and height", "out_of_range", "mass_g", one.a, (least, most))
+            raise out_of_range("mass_g", one.a, round(least, 1), round(most, 1), "check mass, diameter and height")
     pair, (low, high) = pairs[0], YOUNG.usual
     near = max(SURPRISE * pair.spread, SLIP_FITS)
     misses = sorted((abs(math.log(pair.a * size / pair.b)), words) for words, size in SLIPS.items())

@@ -3,7 +3,7 @@
 import pytest
 
 import dummydesign
-from dummydesign.tissue.adding.from_curves import add_curves
+from dummydesign.tissue.adding.from_traces import add_curves
 from tests.support.fung_people import PEOPLE, write_table
 
 TWO = "crowned:radius=14,height=4,sites_along=2,pitch_along=40"

@@ -16,7 +16,8 @@ from dummydesign.design.scoring.verdict import Ranges, ranges_of, readings_of
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.person.people import People
-from dummydesign.tissue.adding.from_curves import add_curves, held_press
+from dummydesign.tissue.adding.from_traces import add_curves
+from dummydesign.tissue.adding.people import held_press
 from dummydesign.tissue.comparison import compare_traces
 from dummydesign.tissue.fitting.reduction import reduce_trace
 from dummydesign.tissue.model.people_share import tolerance_factor

@@ -11,8 +11,9 @@ from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import TOLERANCE, Readings, ranges_of, readings_of
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.adding.from_curves import Misfit, add_curves
 from dummydesign.tissue.adding.from_points import add_points
+from dummydesign.tissue.adding.from_traces import add_curves
+from dummydesign.tissue.adding.people import Misfit
 from dummydesign.tissue.model.maxwell_law import law_named
 from tests.support.fung_people import PEOPLE, write_table
 from tests.support.judged_pads import judged

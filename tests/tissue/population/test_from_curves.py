@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.measurement.motion import ramp_and_hold
-from dummydesign.tissue.adding.from_curves import add_curves
+from dummydesign.tissue.adding.from_traces import add_curves
 from dummydesign.tissue.adding.observations import check_curves, read_curves
 from dummydesign.tissue.model.maxwell_law import law_named
 from tests.support.refusal import raises_code
@@ -33,7 +33,8 @@ def table(path, scale=1.0, people=GAMMA1, hold_s=5.0, times=True):
 def test_curves_are_told_apart_by_subject_speed_and_time_that_goes_back(tmp_path):
     curves = read_curves(table(tmp_path / "c.csv"))
     assert [(c.subject, c.velocity_mm_s) for c in curves[:4]] == [("anna", 10.0)] * 2 + [("anna", 250.0)] * 2
-    assert len(curves) == 8
+    held = curves[0].time_s[curves[0].depth_mm >= 0.99 * curves[0].depth_mm.max()]
+    assert len(curves) == 8 and np.ptp(held) == pytest.approx(5.0, rel=0.02)
     for curve in curves:
         check_curves([curve], "c.csv")
 

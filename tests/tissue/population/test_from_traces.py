@@ -12,7 +12,7 @@ from dummydesign.core.user_library import entries
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.measurement.trace import Trace, read_trace
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.adding import from_traces
+from dummydesign.tissue.adding import from_traces, people
 from dummydesign.tissue.adding.from_points import next_measurement
 from dummydesign.tissue.adding.observations import read_points
 from dummydesign.tissue.model.maxwell_law import Parameters
@@ -72,7 +72,7 @@ def test_a_law_that_misses_a_persons_peaks_is_named_by_all_who_use_it_and_none_k
     ada = PEOPLE[0]
     files = write_fung(home, ada)
     read = {"ada": [read_trace(Path(file)) for file in files]}
-    made = from_traces.tissue_of_fits("by-law", from_traces.fit_people(read, "ode", "5", intervals=False))
+    made = people.tissue_of_fits("by-law", people.fit_people(read, "ode", "5", intervals=False))
     by_law = from_traces.tissue_folder("by-law") / "by-law.toml"
     by_law.write_text(tissue_toml(made), encoding="utf-8")
     code, _ = load_tissue("by-law").notice
@@ -316,8 +316,8 @@ def test_a_press_under_two_names_is_warned_of_over_all_people():
     time = np.linspace(0.0, 1.0, 50)
     own = Trace("a.csv", time, time, time**2)
     other = Trace("b.csv", time, 2.0 * time, time**2)
-    assert from_traces.copies_of({"ann": [own], "bob": [other]}) == []
-    (warning,) = from_traces.copies_of({"ann": [own], "bob": [other, replace(own, name="c.csv")]})
+    assert people.copies_of({"ann": [own], "bob": [other]}) == []
+    (warning,) = people.copies_of({"ann": [own], "bob": [other, replace(own, name="c.csv")]})
     assert warning["code"] == "same_press" and "bob: c.csv" in warning["message"] and "ann: a.csv" in warning["message"]
 
 
@@ -328,11 +328,11 @@ def test_subjects_are_ordered_by_their_stiffness_and_no_two_have_one_name(monkey
         return Subject(name, Parameters("ode", gamma1, (0.1,), ((10.0, (1.0,)),)), {})
 
     monkeypatch.setattr(fit, "subject_from_fit", subject)
-    made = from_traces.tissue_of_fits("hand", {"stiff": 0.3, "soft": 0.1}, [subject("middle", 0.2)])
+    made = people.tissue_of_fits("hand", {"stiff": 0.3, "soft": 0.1}, [subject("middle", 0.2)])
     assert [one.name for one in made.subjects] == ["soft", "middle", "stiff"] and made.title == "3 subjects"
-    assert from_traces.tissue_of_fits("hand", {"one": 0.3}).title == "1 subject"
+    assert people.tissue_of_fits("hand", {"one": 0.3}).title == "1 subject"
     with raises_code("duplicate", "subject"):
-        from_traces.tissue_of_fits("hand", {"Middle": 0.3}, [subject("middle", 0.2)])
+        people.tissue_of_fits("hand", {"Middle": 0.3}, [subject("middle", 0.2)])
 
 
 def test_warnings_of_a_fit_bear_the_persons_name_and_copies_are_said_elsewhere():
@@ -340,8 +340,8 @@ def test_warnings_of_a_fit_bear_the_persons_name_and_copies_are_said_elsewhere()
 
     rows = [{"code": "same_press", "message": "x"}, {"code": "at_bound", "message": "c2 is at its bound"}]
     fit = SimpleNamespace(result={"warnings": rows, "rmse_N": 0.1, "max_residual_N": 0.4, "other": 1})
-    assert from_traces.fit_warnings("ann", fit) == [{"code": "at_bound", "message": "ann: c2 is at its bound"}]
-    assert from_traces.fit_row("ann", "a.csv", fit) == {
+    assert people.fit_warnings("ann", fit) == [{"code": "at_bound", "message": "ann: c2 is at its bound"}]
+    assert people.fit_row("ann", "a.csv", fit) == {
         **{"subject": "ann", "from": "a.csv"},
         **{"rmse_N": 0.1, "max_residual_N": 0.4},
     }

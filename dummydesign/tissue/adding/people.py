@@ -1,51 +1,36 @@
-"""`tissues add-curves`: a tissue from curves, by a law where it fits them, else as they are."""
+"""A tissue of people's presses: by a law where it follows them, else as they were measured."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import write_text
 from dummydesign.core.serialise import Serialised
+from dummydesign.measurement.importing.press_checks import copies_among
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.measurement.ramp_detection import find_ramp
-from dummydesign.measurement.trace import Trace, check_one_press, magnitude_fault
-from dummydesign.tissue.adding.from_traces import (
-    AUTO,
-    NONE,
-    copies_of,
-    fit_people,
-    fit_row,
-    fit_warnings,
-    reserve,
-    tissue_of_fits,
-)
-from dummydesign.tissue.adding.observations import (
-    HELD_S,
-    ObservedCurve,
-    check_curves,
-    force_unit_fault,
-    read_curves,
-)
+from dummydesign.measurement.trace import Trace
+from dummydesign.tissue.adding.observations import HELD_S
 from dummydesign.tissue.fitting.problem import fitted_force
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, reduce_trace, speed_groups
 from dummydesign.tissue.model.laws import CURVES
 from dummydesign.tissue.model.maxwell_law import DEFAULT
 from dummydesign.tissue.model.measured_curves import DEPTH_MM, FIRST_HOLD_S, SHARES, HeldPress, MeasuredPerson
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE
-from dummydesign.tissue.model.tissue import Subject, Tissue, share_a_speed
-from dummydesign.tissue.model.tissue_file import subjects_of, tissue_toml
+from dummydesign.tissue.model.tissue import Subject, Tissue, same_shape, share_a_speed
+from dummydesign.tissue.model.tissue_file import subjects_of
 
 if TYPE_CHECKING:
     from dummydesign.measurement.sensor import Lowpass
     from dummydesign.tissue.fitting.fit import TissueFit
 
+AUTO, NONE = "auto", "none"
+"""Laws of a tissue: the default one where it follows the people, and their curves."""
 LEAST_RISE = 20
 """Samples of a rise from which on it is smoothed."""
 WINDOW, ORDER = 5, 2
@@ -190,21 +175,6 @@ FASTER, SLOWER = 1.3, 3.0
 """Factors beyond which a press did not move as commanded; a shallow one that brakes all the way is at half."""
 
 
-def add_curves(name: str, table: str, law: str, elements: str, replace_own: bool = False) -> dict[str, Any]:
-    """Make a tissue from a table of curves and keep it in the user's folder."""
-    path = Path(table)
-    target, hidden = reserve(name, replace_own, elements, law)
-    curves = read_curves(path)
-    for subject in dict.fromkeys(curve.subject for curve in curves):
-        check_curves([curve for curve in curves if curve.subject == subject], path.name)
-    read = _traces(curves)
-    tissue, parts = people_tissue(name, read, dict.fromkeys(read, path.name), law, elements)
-    write_text(target, tissue_toml(tissue))
-    inputs = {"action": "add-curves", "name": name, "curves": table, "law": law, "elements": elements}
-    parts["warnings"] += hidden
-    return {"inputs": inputs, **tissue.to_dict(), **parts, "files": {"tissue": str(target)}}
-
-
 def people_tissue(
     name: str,
     read: dict[str, list[Trace]],
@@ -302,18 +272,43 @@ def _check_presses(read: dict[str, list[Trace]]) -> tuple[dict[str, list[Trace]]
     return held, short, unlike
 
 
-def _traces(curves: list[ObservedCurve]) -> dict[str, list[Trace]]:
-    """Curves as traces by person, each with its commanded speed, and with all that is checked of traces."""
-    read: dict[str, list[Trace]] = {}
-    for number, curve in enumerate(curves, start=1):
-        arrays = (curve.time_s, curve.depth_mm, curve.force_N)
-        # nine digits, which two tables of one press share
-        time, x, force = (np.array([float(f"{value:.9g}") for value in array]) for array in arrays)
-        trace = Trace(f"curve_{number}_line_{curve.line}.csv", time, x, force, curve.velocity_mm_s)
-        if words := force_unit_fault(x, force):
-            raise InputError(f"{trace.name}: {words}", "implausible_unit", "force_N", float(force.max()))
-        if fault := magnitude_fault(time, x, force):
-            raise InputError(f"{trace.name}: {fault.message}", fault.code, fault.column)
-        check_one_press(trace)
-        read.setdefault(curve.subject, []).append(trace)
-    return read
+def fit_people(
+    read: dict[str, list[Trace]], law: str, elements: str, lowpass: Lowpass | None = None, intervals: bool = True
+) -> dict[str, TissueFit]:
+    """Fit the law to each person's traces, per speed."""
+    from dummydesign.tissue.fitting.fit import fit_traces
+
+    options = law, "per-speed", lowpass, intervals
+    return {person: fit_traces(traces, int(elements), *options) for person, traces in read.items()}
+
+
+def fit_row(person: str, source: str, fit: TissueFit) -> dict[str, Any]:
+    """Return the row of an answer on a fit."""
+    return {"subject": person, "from": source, **{key: fit.result[key] for key in ("rmse_N", "max_residual_N")}}
+
+
+def fit_warnings(person: str, fit: TissueFit) -> list[dict[str, str]]:
+    """Return the warnings of a fit with the person's name; copies are found by :func:`copies_of`."""
+    own = [warning for warning in fit.result["warnings"] if warning["code"] != "same_press"]
+    return [{"code": w["code"], "message": f"{person}: {w['message']}"} for w in own]
+
+
+def copies_of(read: dict[str, list[Trace]]) -> list[dict[str, str]]:
+    """Warn of presses that are listed twice, over all subjects: one under two names counts twice."""
+    return copies_among([replace(trace, name=f"{who}: {trace.name}") for who, own in read.items() for trace in own])
+
+
+def tissue_of_fits(name: str, fits: dict[str, TissueFit], others: Sequence[Subject] = ()) -> Tissue:
+    """Make the tissue of fitted subjects and others, by rising gamma1."""
+    from dummydesign.tissue.fitting.fit import subject_from_fit
+
+    subjects = [*others, *(subject_from_fit(who, fit) for who, fit in fits.items())]
+    names = [subject.name.lower() for subject in subjects]
+    double = next((n for n in names if names.count(n) > 1), None)
+    if double:
+        raise InputError(f"subject '{double}' is listed twice; rename one file", "duplicate", "subject", double)
+    same_shape(tuple(subjects))
+    ordered = tuple(sorted(subjects, key=lambda s: s.parameters.gamma1_N_per_mm3))
+    notes = ("Below the smallest steady force that was measured the band is the law extrapolated.",)
+    title = f"{len(ordered)} subject{'s' if len(ordered) > 1 else ''}"
+    return Tissue(name, title, ordered[0].parameters.law, ordered, (), notes, "user")

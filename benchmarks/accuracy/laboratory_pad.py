@@ -42,15 +42,16 @@ def crown_drop(r: NDArray, crown: tuple[float, float, float] | None) -> NDArray:
 
 
 def _grid(radius: float, foot: float, cell: float) -> NDArray:
-    """Corners of elements along the radius: even to beside punch and foot, then ever wider."""
-    even = max(radius, foot) + 3.0 * cell
-    inner = np.concatenate(
-        [np.linspace(0, radius, round(radius / cell) + 1), np.arange(radius + cell, even + cell, cell)]
-    )
-    out = [float(inner[-1])]
+    """Corners of elements along the radius: one at the crown's foot and one at the punch's edge, then ever wider."""
+    bends = sorted({0.0, foot, radius})
+    bends.append(bends[-1] + 3.0 * cell)
+    inner = [
+        np.linspace(low, high, max(round((high - low) / cell), 1) + 1)[:-1] for low, high in zip(bends, bends[1:])
+    ]
+    out = [bends[-1] - cell, bends[-1]]
     while out[-1] < REACH_MM:
-        out.append(out[-1] + 1.35 * (out[-1] - (out[-2] if len(out) > 1 else out[-1] - cell)))
-    return np.concatenate([inner, out[1:]])
+        out.append(out[-1] + 1.35 * (out[-1] - out[-2]))
+    return np.concatenate([*inner, out[1:]])
 
 
 class _Mesh:

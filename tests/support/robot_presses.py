@@ -91,6 +91,20 @@ def command(velocity, depth, hold, ramp_s=0.004):
     return (lambda t: path(t + start * 0.0)), speed, stop + hold
 
 
+def braking_command(velocity, depth, hold, braking):
+    """A path and its speed: even speed from contact, one braking to the depth, then a hold."""
+    lasts = velocity / braking
+    stop = depth / velocity + 0.5 * lasts
+
+    def left(t):
+        return float(np.clip(stop - t, 0.0, lasts))
+
+    def path(t):
+        return depth - 0.5 * braking * left(t) ** 2 - velocity * max(stop - lasts - t, 0.0)
+
+    return path, lambda t: braking * left(t), depth / velocity + hold
+
+
 def by_path(body, path, speed, end, begin, points=60001, max_step=0.01, method="Radau"):
     """Follow a path."""
     got = solve_ivp(

@@ -146,9 +146,7 @@ class Lab:
         key = thickness, crown
         if key not in self.curves:
             depth = thickness * DEEPEST * np.linspace(0.0, 1.0, 46)[1:] ** 1.15
-            self.curves[key] = press(
-                thickness, PUNCH_MM / 2.0, crown, depth, self.batch.yeoh, 0.45 if thickness > 7.0 else 0.3
-            )
+            self.curves[key] = press(thickness, PUNCH_MM / 2.0, crown, depth, self.batch.yeoh)
         poured = self.batch.poured(chosen["ratio"], self.rng)
         young = self.batch.young_MPa(poured) * np.exp(self.rng.normal(0.0, POURS))
         return Pad(

@@ -7,6 +7,7 @@ face, sharp at its edge; what touches sticks.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -45,9 +46,7 @@ def _grid(radius: float, foot: float, cell: float) -> NDArray:
     """Corners of elements along the radius: one at the crown's foot and one at the punch's edge, then ever wider."""
     bends = sorted({0.0, foot, radius})
     bends.append(bends[-1] + 3.0 * cell)
-    inner = [
-        np.linspace(low, high, max(round((high - low) / cell), 1) + 1)[:-1] for low, high in zip(bends, bends[1:])
-    ]
+    inner = [np.linspace(low, high, max(round((high - low) / cell), 1) + 1)[:-1] for low, high in pairwise(bends)]
     out = [bends[-1] - cell, bends[-1]]
     while out[-1] < REACH_MM:
         out.append(out[-1] + 1.35 * (out[-1] - out[-2]))

@@ -50,6 +50,8 @@ from benchmarks.rows import keep_row, read_rows, scratch
 ROOT = Path(__file__).resolve().parents[2]
 PUNCH_MM, CONTACT_MM, POURS = 16.0, 0.004, 0.02
 """Standard deviations of a press's contact, and of the modulus between pours of one batch."""
+NEAR_FOOT_MM = np.array([-0.1, -0.05, 0.0, 0.05, 0.1, 0.2])
+"""Depths beyond the height of a crown at which its force is solved too."""
 RED = ("no_acceptable_pad", "not_representative")
 """Codes of answers that are a verdict, not a fault."""
 
@@ -146,6 +148,9 @@ class Lab:
         key = thickness, crown
         if key not in self.curves:
             depth = thickness * DEEPEST * np.linspace(0.0, 1.0, 46)[1:] ** 1.15
+            if crown:
+                # where the foot is met the force bends sharply
+                depth = np.unique(np.concatenate([depth, crown[1] + NEAR_FOOT_MM]))
             self.curves[key] = press(thickness, PUNCH_MM / 2.0, crown, depth, self.batch.yeoh)
         poured = self.batch.poured(chosen["ratio"], self.rng)
         young = self.batch.young_MPa(poured) * np.exp(self.rng.normal(0.0, POURS))

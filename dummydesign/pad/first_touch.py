@@ -29,6 +29,8 @@ from numpy.typing import ArrayLike
 
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.geometry.interface import BASES, Interface
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.force_law import Array, ForceCurve, PadCurve
 from dummydesign.pad.pad_under_punch import SLAB, Pad, Puck
 
@@ -50,6 +52,9 @@ LEAST_SHARE_RESTING, STUCK_BASE = 0.01, 0.5
 # A contact that grows is solved once at no more than this radius over the thickness, up to which a layer's factor is
 # known to follow the contact's radius.
 EVEN_CONTACT = 0.25
+# Depths over a crown's height at which it is solved too: between two depths 2 % of the pad's thickness apart, a curve
+# through a foot of 5.5 mm under a punch of 8 mm was up to 4.4 % off.
+AT_FOOT = np.array([0.97, 1.0, 1.02, 1.04, 1.06, 1.09, 1.13])
 # A contact grows with depth where the force rises with more than this power of it.
 GROWING = 1.05
 
@@ -265,8 +270,16 @@ def stuck_factor(poisson: float) -> float:
     return (1.0 - poisson) * float(np.log(3.0 - 4.0 * poisson)) / (1.0 - 2.0 * poisson)
 
 
+def foot_depths_mm(shape: PadShape, radius_mm: float) -> Array:
+    """Depths at which the face around a crown's foot comes to touch: the force bends there; none beside the punch."""
+    return shape.height_mm * AT_FOOT if isinstance(shape, Crowned) and shape.foot_mm < radius_mm else np.array([])
+
+
 def solvable_depths(pad: Pad | Puck, depth_mm: Array, in_space: bool = False) -> Array:
-    """Depths of a grid that can be solved, and those that the law of first touch is joined to. [mm]"""
+    """Depths of a grid that can be solved, those of a crown's foot, and those that first touch is joined to. [mm]"""
+    if isinstance(pad, Pad) and not in_space:
+        foot = foot_depths_mm(pad.geometry, pad.radius_mm)
+        depth_mm = np.union1d(depth_mm, foot[foot < depth_mm[-1]])
     touch = touch_of(pad)
     least = least_depth_mm(pad, in_space)
     depth_mm = depth_mm[depth_mm >= least * (1.0 - 1e-9)]

@@ -204,3 +204,19 @@ def test_a_ball_solved_shallow_and_run_down_is_the_layer_s():
     end = low_end(pad, solved.depth_mm, solved.force_N, solved.error_N / solved.force_N)
     at = np.geomspace(1e-7, depth[0], 30)
     assert end.force(at) == pytest.approx(dimitriadis(at, 20.0, 5.0), rel=0.02)
+
+
+@pytest.mark.parametrize(("foot", "solved"), [(5.0, True), (9.0, False)])
+def test_depths_about_a_foot_under_the_punch_are_solved(foot, solved):
+    pad = Pad(11.1, 1.0, 8.0, geometry=read_shape(f"crowned:radius=1.3,height=2.4,foot={foot:g}"))
+    depth = solvable_depths(pad, 0.6 * 11.1 * np.arange(1, 17) / 16.0)
+    assert (2.4 in depth) == solved
+
+
+@pytest.mark.slow
+def test_between_solved_depths_a_crown_follows_where_its_foot_is_met():
+    """A curve through the depths of a design beside solves at other ones: 7 % off without depths about the foot."""
+    pad = Pad(11.1, 1.0, 8.0, geometry=read_shape("crowned:radius=1.3,height=2.4,foot=5"))
+    about = 2.4 * np.array([0.985, 1.01, 1.03, 1.05, 1.075, 1.11])
+    curve, solved = (elastic_curve(pad, "axisymmetric", 5.0, depths) for depths in (None, about))
+    np.testing.assert_allclose(curve.force(about), solved.force(about), rtol=1e-2)

@@ -20,6 +20,7 @@ from dummydesign.design.search.shape_search import MANY_BATCHES, ShapedDesign, c
 from dummydesign.design.search.slabs import SearchSpace
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM, PUNCH_RADIUS_MM, PUNCH_SIDE_MM
 from dummydesign.pad.axisymmetric.shaped_problem import PathCache, Touch
+from dummydesign.pad.first_touch import foot_depths_mm
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.pad_under_punch import Pad
 
@@ -111,7 +112,9 @@ def solved_shares(design: ShapedDesign, space: SearchSpace) -> NDArray:
     if not design.shape.axisymmetric:
         return SPATIAL_SHARES * last
     step = SPACING[design.shape.flat_top]
-    return np.unique(np.minimum(step * np.arange(1, int(np.ceil(last / step - 1e-6)) + 1), limit))
+    even = np.minimum(step * np.arange(1, int(np.ceil(last / step - 1e-6)) + 1), limit)
+    foot = foot_depths_mm(design.shape, space.radius_mm) / design.thickness_mm
+    return np.union1d(even, foot[foot < even[-1]])
 
 
 def _law(design: ShapedDesign, made: Mapping[str, Any], asked: int, radius_mm: float) -> ElementsLaw:

@@ -97,8 +97,7 @@ def _looked_at(
     reach = max(float(x[top] - x[at]), 1e-6)
     out = np.nonzero(x[start : at + 1] <= x[at] - 4.0 * reach)[0]
     near = max(start + int(out[-1]) if out.size else go, go)
-    low = float(x[start : at + 1].min())
-    low = low if share else max(low, float(x[at]) - 2.0 * reach)
+    low = max(float(x[start : at + 1].min()), -np.inf if share else float(x[at]) - 2.0 * reach)
     return _bins(time, x, load, start, near, top), low, float(x[top]) - 0.1 * reach
 
 

@@ -317,10 +317,8 @@ def import_files(paths: Sequence[str | Path], settings: Settings | None = None) 
     problems = [(one, path, sheet) for (path, sheet), one in read.items() if isinstance(one, InputError)]
     if problems:
         first = problems[0][0]
-        if len(listed) > 1:
-            others = _other_files(problems, {one.source for one in imported})
-        else:
-            others = _others([sheet for *_, sheet in problems if sheet], imported, settings)
+        certain = {one.source for one in imported}
+        others = _other_files(problems, certain) if len(listed) > 1 else _others(problems, imported, settings)
         raise type(first)(f"{first}{others}", first.code, first.quantity, first.value, first.allowed)
     if not imported:
         raise InputError(f"none of the {len(listed)} files holds a table of numbers", "nothing_found", "table")
@@ -379,9 +377,11 @@ NAMED = 12
 """Files and reasons that a message names at most."""
 
 
-def _others(doubtful: list[str], imported: Sequence[Imported], settings: Settings | None) -> str:
+def _others(
+    problems: Sequence[tuple[InputError, Path, str]], imported: Sequence[Imported], settings: Settings | None
+) -> str:
     """How to read the sheets of a workbook that are not in doubt."""
-    certain = [one.sheet for one in imported if one.sheet]
+    doubtful, certain = [sheet for *_, sheet in problems if sheet], [one.sheet for one in imported if one.sheet]
     if not doubtful or not certain:
         return ""
     every = settings is None or settings.sheets is None

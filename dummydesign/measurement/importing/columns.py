@@ -218,8 +218,6 @@ def choose_by_behaviour(
     columns: Sequence[Column], chosen: Chosen, missing: Sequence[str], values: Values, log: ImportLog
 ) -> dict[str, Column]:
     """Choose columns that neither name nor unit speaks for: what rises is time, what stands in a hold is position."""
-    if not missing:
-        return {}
     free = [
         column
         for column in columns

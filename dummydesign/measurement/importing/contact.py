@@ -354,8 +354,10 @@ def find_tares(
         return [_constant(first, 0.0)] * len(contacts)
     lines = [_line(one, rest_N, log) for one in contacts]
     level = lines[0].level_N
-    mean = f"{force_text(sign * level)} N with an error of {lines[0].error_N:.2g} N"
-    text = f"{first.samples} samples before contact, {mean}"
+    text = (
+        f"{first.samples} samples before contact, {force_text(sign * level)} N with an error of "
+        f"{lines[0].error_N:.2g} N"
+    )
     if any(one.effect_N for one in lines):
         log.decide("tare", f"a line, {sign * level:.4g} N at contact", _words_of_line(lines[0], text))
         return lines

@@ -132,7 +132,7 @@ def _quantities(
     count = len(values[chosen["force"].index])
     if "time" not in chosen and not named and settings.rate:
         seconds = time_by_rate(columns, values, count, settings.rate, "given by --rate", log)
-        check_rate(settings.rate, columns, values, count, log)
+        check_rate(settings.rate, columns, values, log)
     elif "time" not in chosen and not times and stated:
         seconds = time_by_rate(columns, values, count, stated, "stated above the table", log)
     elif composed and not (named and times[0] not in composed.parts):
@@ -231,8 +231,7 @@ def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, g
     width, date_at, dates = len(layout.kinds), _date_column(layout), list[str]()
     rows: list[list[Any]] = []
     numbers: list[int] = []
-    breaks: list[int] = []
-    between: list[int] = []
+    between: list[tuple[int, int]] = []
     left_out: list[int] = []
     begun = [False] * len(columns)
     for index in range(layout.first, layout.last):
@@ -248,8 +247,7 @@ def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, g
         if short or all(number is None for number in row):
             # A line of text, of units or a header again: what follows may be another test.
             if any(cells):
-                between.append(index)
-                breaks.append(len(rows))
+                between.append((index, len(rows)))
             continue
         if any(map(cell_text.is_excluded, wanted)):
             left_out.append(layout.line(index))
@@ -271,13 +269,13 @@ def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, g
         dates.append("" if date_at is None or not cell_text.is_date(cells[date_at]) else cells[date_at])
         numbers.append(layout.line(index))
     if between:
-        first, line = layout.line(between[0]), layout.lines[between[0]].strip()[:40]
+        first, line = layout.line(between[0][0]), layout.lines[between[0][0]].strip()[:40]
         if len(between) > MOST_INTERRUPTIONS:
             message = f"{len(between)} lines between the rows are not numbers, such as '{line}'; export without them"
             raise log.fault(message, "malformed", "table", len(between), line=first)
         why = f"text between the rows, left out; the first is line {first}: '{line}'"
         log.decide("lines between", f"{len(between)} lines", why)
-        stray = [layout.line(index) for index in between if cell_text.is_number(layout.lines[index].strip(" ,;|\t"))]
+        stray = [layout.line(at) for at, _ in between if cell_text.is_number(layout.lines[at].strip(" ,;|\t"))]
         _warn_left_out(stray, "stray_row", "a single number", log)
     _warn_left_out(left_out, "excluded_values", "a value marked with *", log)
     # the same date in every row is that of the test, not of the row
@@ -291,7 +289,8 @@ def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, g
     finite = (np.isfinite(values) | np.isnan(values)).all(axis=1)
     if not finite.all():
         raise log.fault("a number is too large", "out_of_range", "cell", line=numbers[int(np.argmin(finite))])
-    return TableBody(values, np.array(numbers, int), tuple(dict.fromkeys(at for at in breaks if 0 < at < len(rows))))
+    breaks = dict.fromkeys(row for _, row in between if 0 < row < len(rows))
+    return TableBody(values, np.array(numbers, int), tuple(breaks))
 
 
 def _warn_left_out(lines: Sequence[int], code: str, what: str, log: ImportLog) -> None:

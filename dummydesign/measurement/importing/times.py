@@ -93,11 +93,12 @@ def lengths_by_time(columns: Sequence[Column], values: Values) -> Iterator[tuple
             yield one, float(np.ptp(values[one.index])) * seconds_per_count(one)
 
 
-def check_rate(rate: float, columns: Sequence[Column], values: Values, count: int, log: ImportLog) -> None:
+def check_rate(rate: float, columns: Sequence[Column], values: Values, log: ImportLog) -> None:
     """Refuse a rate of the user's that the file's own time contradicts."""
     for column, length in lengths_by_time(columns, values):
-        if length > 0 and abs(length - (count - 1) / rate) > AGREES * length:
-            message = f"--rate {rate:g}, but '{column.label}' says {(count - 1) / length:.4g} Hz; leave --rate out"
+        count = len(values[column.index]) - 1
+        if length > 0 and abs(length - count / rate) > AGREES * length:
+            message = f"--rate {rate:g}, but '{column.label}' says {count / length:.4g} Hz; leave --rate out"
             raise log.fault(message, "inconsistent", "rate", rate)
 
 

@@ -189,8 +189,7 @@ def read_otherwise(top: TomlTable, tables: list[TomlTable]) -> tuple[list[TomlTa
                 raise own.fault("exchanged", "needs two files", "malformed", len(chosen))
             one, two = (table.data for table in chosen)
             one["file"], two["file"] = two["file"], one["file"]
-            for table in chosen:
-                table.data["confirmed"] = True
+            changes = {"confirmed": True, **changes}
         if "pad_of" in keys:
             of = by_file[keys["pad_of"]].data
             changes |= {key: of.get(key) for key in PAD_KEYS}

@@ -39,6 +39,11 @@ class Clip:
     level_N: float
 
 
+def longest_run(mask: NDArray) -> tuple[int, int]:
+    """First sample of the longest run in which a mask is true, and the one behind it; (0, 0) without one."""
+    return max(true_runs(mask), key=lambda run: run[1] - run[0], default=(0, 0))
+
+
 def find_clip(time: NDArray, x: NDArray, force: NDArray, step_N: float | None = None) -> Clip | None:
     """Find where the force stands at its largest although the punch goes on, or the relaxation begins later only.
 
@@ -52,8 +57,7 @@ def find_clip(time: NDArray, x: NDArray, force: NDArray, step_N: float | None = 
     smooth = middle_of_three(force)
     peak = float(smooth.max())
     noise = max(noise_of(force), 0.5 * (digit_step(force) if step_N is None else step_N), GRAIN * peak)
-    runs = true_runs(smooth >= peak - BAND * noise)
-    first, stop = max(runs, key=lambda run: run[1] - run[0], default=(0, 0))
+    first, stop = longest_run(smooth >= peak - BAND * noise)
     if stop - first < LEAST or first < LEAST or peak <= 0:
         return None
     first, stop = _level_part(force, first, stop, noise)

@@ -202,8 +202,6 @@ def _median(time: NDArray, x: NDArray, use: NDArray | None = None) -> float:
 def crossings(time: NDArray, offset: NDArray, least: float) -> NDArray:
     """Times at which an offset changes its sign, after it went beyond ``least`` on both sides; the first rises. [s]"""
     far = np.flatnonzero(np.abs(offset) > least)
-    if len(far) < 2:
-        return np.zeros(0)
     change = np.flatnonzero(np.diff(np.sign(offset[far])) != 0)
     return np.asarray(0.5 * (time[far[change]] + time[far[change + 1]]))
 

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.user_library import data_folder, read_toml
+from dummydesign.core.user_library import data_folder, fill_table, read_toml
 from dummydesign.measurement.plateau import time_at
 
 UNITS = {
@@ -57,8 +57,7 @@ class Range:
 def ranges() -> Mapping[str, Range]:
     """Return the bounds by quantity, from ``materials/plausible-press.toml``."""
     data, _ = read_toml(data_folder() / "materials" / "plausible-press.toml")
-    names = Range.__dataclass_fields__
-    return {key: Range(**{name: row[name] for name in names}) for key, row in data.items()}
+    return {key: fill_table(Range, row) for key, row in data.items()}
 
 
 def press_quantities(time: NDArray, x: NDArray, force: NDArray) -> dict[str, float]:

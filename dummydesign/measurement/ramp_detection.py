@@ -18,8 +18,6 @@ from dummydesign.measurement.plateau import SLOWED, find_plateau, noise_of, ramp
 if TYPE_CHECKING:
     from dummydesign.measurement.trace import Trace
 
-NOWHERE = Motion(np.zeros(0), np.zeros(0))
-
 
 @dataclass(frozen=True)
 class Ramp:
@@ -35,10 +33,10 @@ class Ramp:
     hold_end_s: float
     depth_mm: float
     velocity_mm_s: float
-    overshoot_mm: float = 0.0
-    settled_s: float = 0.0
-    period_s: float = 0.0
-    path: Motion = field(default=NOWHERE, repr=False, compare=False)
+    overshoot_mm: float
+    settled_s: float
+    period_s: float
+    path: Motion = field(repr=False, compare=False)
 
     @cached_property
     def speed(self) -> CommandedSpeed:
@@ -252,14 +250,10 @@ def find_holds(time_s: NDArray, displacement_mm: NDArray) -> tuple[Hold, ...]:
 
 def _stretch(x: NDArray, first: int, last: int, level: float, reach: float) -> tuple[int, int]:
     """First and last sample within ``reach`` of a place, around the samples that stand still."""
-    begin, end = first, last
-    while begin < last and x[begin] < level - reach:
-        begin += 1
-    while begin > 0 and x[begin - 1] >= level - reach:
-        begin -= 1
-    while end < len(x) - 1 and abs(x[end + 1] - level) <= reach:
-        end += 1
-    return begin, end
+    deep = x >= level - reach
+    begin = first + int(np.argmax(deep[first : last + 1]))
+    before, beyond = np.flatnonzero(~deep[:begin]), np.flatnonzero(np.abs(x[last + 1 :] - level) > reach)
+    return int(before[-1]) + 1 if before.size else 0, last + int(beyond[0]) if beyond.size else len(x) - 1
 
 
 SHORTEST_HOLD_S = 0.3
@@ -297,9 +291,7 @@ def summarise(file: str, time: NDArray, x: NDArray, force: NDArray) -> Summary:
     with errors_within(file, "; record from before contact, or say --contact N"):
         ramp = find_ramp(time, x, "slowed")
     hold = max(ramp.hold_end_s - ramp.stop_time_s, 0.0)
-    steady = None
-    if hold >= SHORTEST_HOLD_S:
-        steady = steady_force(time, x, force, ramp)
+    steady = steady_force(time, x, force, ramp) if hold >= SHORTEST_HOLD_S else None
     held = 0.0 if steady is None else hold
     return Summary(
         ramp.speed.value_mm_s, held, ramp.depth_mm, float(force.max()), steady, ramp.stop_time_s, ramp.hold_end_s

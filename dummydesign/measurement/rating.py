@@ -133,10 +133,9 @@ def _as_shifted(reference: NDArray, compared: NDArray, shift: int) -> tuple[floa
 def averaged_slope(curve: NDArray) -> NDArray:
     """Central differences per sample, each averaged over nine, or as many as there are on both sides of it."""
     slope = np.gradient(curve)
-    total = np.r_[0.0, np.cumsum(slope)]
     at = np.arange(len(slope))
     half = np.minimum(np.minimum(at, len(slope) - 1 - at), AVERAGED // 2)
-    return (total[at + half + 1] - total[at - half]) / (2 * half + 1)
+    return _sums(slope, at - half, 2 * half + 1) / (2 * half + 1)
 
 
 def warped(reference: NDArray, compared: NDArray) -> tuple[NDArray, NDArray]:

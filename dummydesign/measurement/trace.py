@@ -6,7 +6,7 @@ import csv
 import io
 import math
 import shlex
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -130,7 +130,8 @@ def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[
         advice = _header_advice(missing, header, names) + (import_first(path) if any(header) else "")
         raise InputError(f"{path.name}:1: column '{missing}' is missing{advice}", "missing", missing)
     places = [column for column in columns if column is not None]
-    plain = _plain_numbers(text, places)
+    body = text.partition("\n")[2].rstrip("\n")
+    plain = numbers_at_once(body.split("\n"), ",", places) if body and '"' not in text else None
     values: list[list[float]] = []
     lines: list[int] = [] if plain is None else list(range(2, len(plain) + 2))
     one_by_one: Iterable[list[str]] = rows if plain is None else ()
@@ -157,17 +158,13 @@ def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[
     return header, read
 
 
-def _plain_numbers(text: str, places: list[int]) -> NDArray | None:
-    """Numbers below the header all at once; None where a line is anything else, which is then looked at by itself."""
-    body = text.partition("\n")[2].rstrip("\n")
-    if not body or '"' in text:
-        return None
+def numbers_at_once(lines: Sequence[str], delimiter: str | None, places: Sequence[int]) -> NDArray | None:
+    """Numbers of some cells of each line; None where one holds anything else: then lines are looked at one by one."""
     try:
-        numbers = np.loadtxt(io.StringIO(body), delimiter=",", usecols=places, comments=None, ndmin=2)
-    except ValueError:
+        numbers = np.loadtxt(lines, delimiter=delimiter, usecols=places, comments=None, quotechar='"', ndmin=2)
+    except (ValueError, IndexError):
         return None
-    whole = len(numbers) == body.count("\n") + 1 and np.isfinite(numbers).all()
-    return numbers if whole else None
+    return numbers if len(numbers) == len(lines) and np.isfinite(numbers).all() else None
 
 
 def _header_advice(missing: str, header: list[str], names: Sequence[str]) -> str:
@@ -256,19 +253,16 @@ def magnitude_fault(
 
 def _beyond(
     time: NDArray, displacement: NDArray, force: NDArray, deepest: float, strongest: float, seconds: bool
-) -> list[tuple[bool, str, str, str]]:
+) -> Iterator[tuple[bool, str, str, str]]:
     """Depth, force, speed, braking and sampling that cannot be, with the units that would make all of them usual."""
     if deepest <= 0.0 or strongest <= 0.0 or not float(displacement.max()) > 0.0:
-        return []
-    rows = []
+        return
     found = {**press_quantities(time, displacement, np.abs(force)), "depth_mm": deepest, "force_N": strongest}
-    found = {key: value for key, value in found.items() if not (seconds and ROLE.get(key) == "time")}
-    if fault := impossible(found):
+    if fault := impossible({key: found[key] for key in found if not (seconds and ROLE.get(key) == "time")}):
         role = ROLE[fault[0]]
         column = next(name for name in COLUMNS if name.startswith(role))
         fitting = " or ".join(units_that_fit(role, time, displacement, np.abs(force)))
-        rows.append((True, "implausible_unit", column, f": {fault[1]}{'; it may be in ' * bool(fitting)}{fitting}"))
-    return rows
+        yield True, "implausible_unit", column, f": {fault[1]}{'; it may be in ' * bool(fitting)}{fitting}"
 
 
 def _deepest_loaded(displacement: NDArray, force: NDArray) -> tuple[float, float]:

@@ -199,15 +199,11 @@ def _with_changes(
     clear = [kind for kind in (1, 2) if abs(whole[kind]) > CLEAR * error[kind]]
     alone = [fit(0, kind) for kind in (1, 2)]
     steady = [abs(one[0][kind]) > CLEAR * one[1][kind] for kind, one in zip((1, 2), alone)]
-    if clear:
-        value, error, _ = fit(0, *clear)
-    elif all(steady):  # of which kind it is remains open: a drift, until the user settles it
-        value, error, _ = alone[0]
-        plain = replace(plain, drift_alone_N_s=float(alone[0][0][1]), slope_alone_N_mm=float(alone[1][0][2]))
-    elif any(steady):
-        value, error, _ = alone[steady.index(True)]
-    else:
+    if not clear and not any(steady):
         return plain
+    value, error, _ = fit(0, *clear) if clear else alone[steady.index(True)]
+    if not clear and all(steady):  # of which kind it is remains open: a drift, until the user settles it
+        plain = replace(plain, drift_alone_N_s=float(alone[0][0][1]), slope_alone_N_mm=float(alone[1][0][2]))
     effect = abs(value[1]) * lasts + abs(value[2]) * depth
     before = float(value[1] * -clock[0] + value[2] * -way[0])
     return replace(

@@ -38,10 +38,7 @@ def is_comment(line: str) -> bool:
 
 def whole_cells(lines: list[str]) -> list[str]:
     """Join the lines of a header whose quoted cells hold line ends; blank lines keep the numbering."""
-    head = min(len(lines), QUOTED_HEAD)
-    if not any(line.count('"') % 2 for line in lines[:head]):
-        return lines
-    joined, at = list(lines), 0
+    head, joined, at = min(len(lines), QUOTED_HEAD), list(lines), 0
     while at < head:
         end = at
         while _open(lines[at : end + 1]) and end < min(at + 8, head - 1):

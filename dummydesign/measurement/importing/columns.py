@@ -163,18 +163,6 @@ _SIZED = {
 }
 
 
-def choose(candidates: Candidates, values: Values, log: ImportLog) -> dict[str, Column]:
-    """Choose one column for displacement and one for force."""
-    return {role: choose_one(role, candidates[role], values, log) for role in ROLES[1:] if candidates[role]}
-
-
-def choose_one(role: str, candidates: Sequence[Column], values: Values, log: ImportLog) -> Column:
-    """Choose the one among the candidates, when they differ in nothing that matters."""
-    chosen, why = _choose_one(role, candidates, values, log)
-    log.decide(f"{role} column", chosen.label, why)
-    return chosen
-
-
 def check_apart(chosen: Chosen, log: ImportLog) -> None:
     """Refuse one column in two roles."""
     if len({column.index for column in chosen.values()}) < len(chosen):
@@ -182,31 +170,31 @@ def check_apart(chosen: Chosen, log: ImportLog) -> None:
         raise log.question(f"one column would have two meanings ({names})", "--columns ROLE=NAME,...")
 
 
-def _choose_one(role: str, candidates: Sequence[Column], values: Values, log: ImportLog) -> tuple[Column, str]:
-    """The one among the candidates, and why."""
-    if role in log.settings.columns:
-        return candidates[0], "given by --columns"
-    column = candidates[0]
-    why = f"unit {column.unit.text}" if column.unit else "no unit"
-    why = f"name '{column.title}', {why}" if role in column.roles else why
-    why = "clock times" if column.kind == "stamp" else why
+def choose_one(role: str, candidates: Sequence[Column], values: Values, log: ImportLog) -> Column:
+    """Choose the one among the candidates, when they differ in nothing that matters."""
+    first = candidates[0]
+    why = f"unit {first.unit.text}" if first.unit else "no unit"
+    why = f"name '{first.title}', {why}" if role in first.roles else why
+    why = "clock times" if first.kind == "stamp" else why
+    why = "given by --columns" if role in log.settings.columns else why
     moving = [one for one in candidates if len(candidates) > 1 and float(np.ptp(values[one.index])) > 0]
     if role == "time":
         moving = [one for one in moving if _rises(values[one.index])] or moving
         moving = [one for one in moving if one.kind == "number"] or moving
-    if not moving:
-        return column, why
-    first = moving[0]
-    own = _counts(first, role, values)
-    rivals = [one for one in moving[1:] if not _same(own, _counts(one, role, values), role)]
-    if rivals:
-        names = " or ".join(f"'{one.label}'" for one in (first, *rivals))
-        # by its number where another one has its name
-        alone = [one.title for one in candidates].count(first.title) == 1 and not set(first.title) & set(",=")
-        label = first.title if first.title and alone else str(first.index + 1)
-        raise log.question(f"{role} may be {names}", f"--columns {shlex.quote(f'{role}={label}')}")
-    others = ", ".join(f"'{one.label}'" for one in candidates if one is not first)
-    return first, f"{why}; {others} hold the same or nothing"
+    if moving:
+        first = moving[0]
+        own = _counts(first, role, values)
+        rivals = [one for one in moving[1:] if not _same(own, _counts(one, role, values), role)]
+        if rivals:
+            names = " or ".join(f"'{one.label}'" for one in (first, *rivals))
+            # by its number where another one has its name
+            alone = [one.title for one in candidates].count(first.title) == 1 and not set(first.title) & set(",=")
+            label = first.title if first.title and alone else str(first.index + 1)
+            raise log.question(f"{role} may be {names}", f"--columns {shlex.quote(f'{role}={label}')}")
+        others = ", ".join(f"'{one.label}'" for one in candidates if one is not first)
+        why = f"{why}; {others} hold the same or nothing"
+    log.decide(f"{role} column", first.label, why)
+    return first
 
 
 def _counts(column: Column, role: str, values: Values) -> NDArray:
@@ -230,8 +218,6 @@ def choose_by_behaviour(
     columns: Sequence[Column], chosen: Chosen, missing: Sequence[str], values: Values, log: ImportLog
 ) -> dict[str, Column]:
     """Choose columns that neither name nor unit speaks for: what rises is time, what stands in a hold is position."""
-    if not missing:
-        return {}
     free = [
         column
         for column in columns

@@ -97,8 +97,7 @@ def _looked_at(
     reach = max(float(x[top] - x[at]), 1e-6)
     out = np.nonzero(x[start : at + 1] <= x[at] - 4.0 * reach)[0]
     near = max(start + int(out[-1]) if out.size else go, go)
-    low = float(x[start : at + 1].min())
-    low = low if share else max(low, float(x[at]) - 2.0 * reach)
+    low = max(float(x[start : at + 1].min()), -np.inf if share else float(x[at]) - 2.0 * reach)
     return _bins(time, x, load, start, near, top), low, float(x[top]) - 0.1 * reach
 
 
@@ -355,8 +354,10 @@ def find_tares(
         return [_constant(first, 0.0)] * len(contacts)
     lines = [_line(one, rest_N, log) for one in contacts]
     level = lines[0].level_N
-    mean = f"{force_text(sign * level)} N with an error of {lines[0].error_N:.2g} N"
-    text = f"{first.samples} samples before contact, {mean}"
+    text = (
+        f"{first.samples} samples before contact, {force_text(sign * level)} N with an error of "
+        f"{lines[0].error_N:.2g} N"
+    )
     if any(one.effect_N for one in lines):
         log.decide("tare", f"a line, {sign * level:.4g} N at contact", _words_of_line(lines[0], text))
         return lines

@@ -155,16 +155,11 @@ def _decode_by_words(data: bytes, log: ImportLog) -> str:
     letters, enough for a vocabulary.
     """
     heads = {page: _known_words(data[:20000].decode(page, "ignore")) for page in _PAGES}
-    for page in sorted(_PAGES, key=lambda name: -heads[name]):
-        if (text := _try(data, page)) is not None:
-            known = f"{heads[page]} words of its header are known in it" if heads[page] else "numbers read alike in all"
-            log.decide("encoding", page, f"not UTF-8; {known}")
-            return text
-    text = data.decode("latin-1")
-    if sum(not (letter.isprintable() or letter in "\r\n\t") for letter in text[:4096]) > 0.05 * len(text[:4096]):
-        message = "is no text in any encoding tried; export it as UTF-8 or say --encoding NAME"
-        raise log.fault(message, "file_unreadable", "encoding")
-    log.decide("encoding", "latin-1", "not UTF-8; numbers read alike in all")
+    pages = sorted(_PAGES, key=lambda name: -heads[name])
+    # two of the pages have a letter for every byte
+    page, text = next((page, text) for page in pages if (text := _try(data, page)) is not None)
+    known = f"{heads[page]} words of its header are known in it" if heads[page] else "numbers read alike in all"
+    log.decide("encoding", page, f"not UTF-8; {known}")
     return text
 
 

@@ -134,18 +134,10 @@ def find_layout(text: str, log: ImportLog) -> TableLayout:
     before = [lines[at] for at in range(first) if lines[at].strip() and at not in header]
     after = [line for line in lines[last:] if line.strip()]
     rates = {rate for at in range(first) if at not in header if (rate := vocabulary.sampling_rate_in(lines[at]))}
-    if before:
-        log.decide(
-            "preamble",
-            f"{len(before)} lines",
-            f"no numbers of the table; the first: '{shorten(before[0], 60, placeholder='...')}'",
-        )
-    if after:
-        log.decide(
-            "footer",
-            f"{len(after)} lines",
-            f"not rows of the table; the first: '{shorten(after[0], 60, placeholder='...')}'",
-        )
+    for what, beyond, none in (("preamble", before, "no numbers"), ("footer", after, "not rows")):
+        if beyond:
+            first_line = shorten(beyond[0], 60, placeholder="...")
+            log.decide(what, f"{len(beyond)} lines", f"{none} of the table; the first: '{first_line}'")
     thousands = any(cell_text.has_thousands(cell, decimal) for cell in cells)
     rate = rates.pop() if len(rates) == 1 else None
     return TableLayout(

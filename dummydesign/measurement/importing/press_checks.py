@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.interpolation import true_runs
-from dummydesign.measurement.clipping import find_clip
+from dummydesign.measurement.clipping import find_clip, longest_run
 from dummydesign.measurement.importing.baseline import LEAST_LEAD_IN
 from dummydesign.measurement.importing.contact import ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
@@ -25,6 +25,8 @@ from dummydesign.measurement.ramp_detection import Summary, summarise
 from dummydesign.measurement.trace import Trace, import_first
 
 Warn = Callable[[str, str], None]
+Doubts = Iterator[tuple[str, str]]
+"""Codes and messages, without the name of the press."""
 
 FALLING = 0.01
 """Share of the force by which it may still fall over the last fifth of a hold and be called steady."""
@@ -46,7 +48,7 @@ HELD, RELAXED = 0.02, 0.05
 
 @dataclass(frozen=True, eq=False)
 class _Press:
-    """One press with what was found in it; ``warn`` takes a code and a message without the press's name."""
+    """One press with what was found in it."""
 
     time: NDArray
     x: NDArray
@@ -54,102 +56,84 @@ class _Press:
     noise_N: float
     step_N: float
     summary: Summary
-    warn: Warn
 
 
 def check_press(
     time: NDArray, x: NDArray, force: NDArray, contact: ContactEstimate, summary: Summary, warn: Warn
 ) -> Judgement:
     """Warn of what looks wrong in one press; and whether it is explained as a whole."""
-    step_N, codes = contact.baseline.step_N, set()
-    judged = judge_press(time, x, force, summary, step_N)
-
-    def tell(code: str, message: str) -> None:
-        codes.add(code)
+    before = contact.baseline
+    judged = judge_press(time, x, force, summary, before.step_N)
+    press = _Press(time, x, force, max(before.noise_N, noise_of(force)), before.step_N, summary)
+    checks = _computed, _approach, _coarse, _hold, _several_holds, _clipped, _gaps, _frozen, _spikes, _units
+    found = [*_swapped(press)] or [doubt for check in checks for doubt in check(press)]
+    if not judged.explains and not {code for code, _ in found} & (CUT if judged.delay_s else FAULTS):
+        found.append((judged.code, judged.message))
+    for code, message in found:
         warn(code, message)
-
-    press = _Press(time, x, force, max(contact.baseline.noise_N, noise_of(force)), step_N, summary, tell)
-    if _swapped(press):
-        return judged
-    for check in (
-        _computed,
-        _approach,
-        _coarse,
-        _hold,
-        _several_holds,
-        _clipped,
-        _gaps,
-        _frozen,
-        _spikes,
-        _units,
-    ):
-        check(press)
-    if not judged.explains and not codes & (CUT if judged.delay_s else FAULTS):
-        warn(judged.code, judged.message)
     return judged
 
 
-def _swapped(press: _Press) -> bool:
+def _swapped(press: _Press) -> Doubts:
     """Force held while the position relaxes, which no pad does: the columns are the wrong way round.
 
     In a press at held depth the force falls, at held force the depth grows, at a clipped force it stands or grows.
     """
     force, x = press.force, press.x
     top, reach = float(force.max()), float(np.ptp(x))
-    first, last = _longest(force > top - HELD * float(np.ptp(force)))
+    first, last = longest_run(force > top - HELD * float(np.ptp(force)))
     tenth = (last - first) // 10
     if tenth < 3:
-        return False
+        return
     begin, middle = x[first : first + tenth], x[(first + last) // 2 :][:tenth]
     fall = float(begin.mean() - middle.mean())
-    swapped = fall > RELAXED * reach and fall > 4.0 * float(np.hypot(begin.std(), middle.std())) / np.sqrt(tenth)
-    if swapped:
-        press.warn(
+    if fall > RELAXED * reach and fall > 4.0 * float(np.hypot(begin.std(), middle.std())) / np.sqrt(tenth):
+        yield (
             "columns_swapped",
             f"the position falls back by {100 * fall / reach:.0f} % while the force stands: "
             "give --columns displacement and force the other way round",
         )
-    return swapped
 
 
-def _computed(press: _Press) -> None:
+def _computed(press: _Press) -> Doubts:
     """One column a multiple of the other: only a spring that does not relax, or a computation, gives that."""
     steep, begin = np.polyfit(press.x, press.force, 1)
     if np.abs(press.force - steep * press.x - begin).max() < COMPUTED * np.ptp(press.force):
-        press.warn(
+        yield (
             "proportional",
             f"force and displacement are proportional ({steep:.4g} N/mm): was one computed from the other, or a spring "
             "pressed? a pad and skin relax; record the position by itself",
         )
 
 
-def _approach(press: _Press) -> None:
+def _approach(press: _Press) -> Doubts:
     """Motion before the force rises: without any the zero may have been set at a touch."""
     free, depth = -float(press.x[: int(press.x.argmax()) + 1].min()), press.summary.depth_mm
     if free < FREE * depth:
-        press.warn(
+        yield (
             NO_TRAVEL,
             f"no travel without force is recorded: if the zero was set at a touch, contact lies before it and the "
             f"depth of {depth:.3g} mm is too little; record from before contact",
         )
 
 
-def _coarse(press: _Press) -> None:
+def _coarse(press: _Press) -> Doubts:
     """Digits that the noise does not spread, so coarse that the steady force is not known to 1 %."""
     step, steady = press.step_N, press.summary.steady_force_N
     if steady and 0.5 * step > COARSE * steady and press.noise_N < 0.3 * step:
-        press.warn(
+        yield (
             "coarse_digits",
             f"the digits of the force are {step:.2g} N, {100 * step / steady:.1f} % of the "
             "steady force: export it with more digits, or use a smaller range",
         )
 
 
-def _hold(press: _Press) -> None:
+def _hold(press: _Press) -> Doubts:
     steady, hold_s, end_s = press.summary.steady_force_N, press.summary.hold_s, press.summary.hold_end_s
     if steady is None:
-        press.warn(
-            NO_HOLD, "the punch does not stand still: no steady force; 'fit', 'compare' and 'loop' need a hold of 10 s"
+        yield (
+            NO_HOLD,
+            "the punch does not stand still: no steady force; 'fit', 'compare' and 'loop' need a hold of 10 s",
         )
     if steady is None or hold_s >= 0.95 * SHORT_HOLD_S:
         return
@@ -159,14 +143,14 @@ def _hold(press: _Press) -> None:
         return
     fall = -float(np.polyfit(press.time[late] - begin, press.force[late], 1)[0]) * 0.2 * hold_s
     if fall > FALLING * steady and fall > 4.0 * press.noise_N / np.sqrt(late.sum()):
-        press.warn(
+        yield (
             "hold_too_short",
             f"after {hold_s:.3g} s the force still falls, by {100 * fall / steady:.1f} % in "
             f"the last {0.2 * hold_s:.2g} s: {steady:.3g} N is no steady force; hold for 10 s",
         )
 
 
-def _several_holds(press: _Press) -> None:
+def _several_holds(press: _Press) -> Doubts:
     """Staircases: other plateaus than the deepest, where the punch presses and stands.
 
     A position that creeps during one hold is no staircase: more than half of a step is made at speed.
@@ -177,7 +161,7 @@ def _several_holds(press: _Press) -> None:
     deepest = np.abs(x - summary.depth_mm) <= 0.05 * summary.depth_mm
     pressed = slow & (x > 0.1 * summary.depth_mm) & ~deepest
     # a hold found on a staircase reaches over its last steps: only standing at the deepest is compared with
-    first, last = _longest(slow & deepest)
+    first, last = longest_run(slow & deepest)
     least_s = max(0.3, 5.0 * step, 0.3 * min(summary.hold_s, (last - first) * step))
     standing = np.flatnonzero(slow & deepest)
 
@@ -191,17 +175,17 @@ def _several_holds(press: _Press) -> None:
     plateaus = [float(np.median(x[a:b])) for a, b in runs if stepped(a, b)]
     if plateaus:
         depths = ", ".join(f"{depth:.2f}" for depth in sorted({*plateaus, summary.depth_mm}))
-        press.warn(
+        yield (
             "several_holds",
             f"the punch stands at several depths ({depths} mm) without coming back to zero "
             "between; fits read one ramp and one hold: press each depth by itself, or cut the file",
         )
 
 
-def _clipped(press: _Press) -> None:
+def _clipped(press: _Press) -> Doubts:
     """The load cell's end: the force stands within its noise while the punch still moves, or before it relaxes."""
     if clip := find_clip(press.time, press.x, press.force, press.step_N):
-        press.warn(
+        yield (
             "clipped",
             f"the force stands at {clip.level_N:.6g} N for {clip.stop - clip.first} samples from "
             f"{clip.start_s:.4g} s: the load cell or its amplifier is at its end; use a larger range; fits "
@@ -209,11 +193,7 @@ def _clipped(press: _Press) -> None:
         )
 
 
-def _longest(mask: NDArray) -> tuple[int, int]:
-    return max(true_runs(mask), key=lambda run: run[1] - run[0], default=(0, 0))
-
-
-def _gaps(press: _Press) -> None:
+def _gaps(press: _Press) -> Doubts:
     """Time without samples while the punch moves on or the press goes on."""
     time, x, summary = press.time, press.x, press.summary
     step = np.diff(time)
@@ -224,29 +204,29 @@ def _gaps(press: _Press) -> None:
     gaps = np.flatnonzero(hole & (moved | rising | (step > 0.2 * max(summary.hold_s, 1e-9))))
     if gaps.size:
         at = int(gaps[0])
-        press.warn(
+        yield (
             "drop_out",
             f"no samples from {time[at]:.4g} to {time[at + 1]:.4g} s ({gaps.size} such gaps) within "
             "the press; the force between is not known: record again",
         )
 
 
-def _frozen(press: _Press) -> None:
+def _frozen(press: _Press) -> Doubts:
     """Both columns repeat while the punch should move."""
     time, x, depth = press.time, press.x, press.summary.depth_mm
     rise = (x[1:] > 0.02 * depth) & (x[1:] < 0.95 * depth) & (time[1:] < press.summary.stop_time_s)
-    first, last = _longest((np.diff(x) == 0) & (np.diff(press.force) == 0) & rise)
+    first, last = longest_run((np.diff(x) == 0) & (np.diff(press.force) == 0) & rise)
     if last - first < 5 or last >= len(x) - 1:
         return
     if abs(x[last + 1] - x[last]) > 3.0 * float(np.median(np.abs(np.diff(x)[rise]))):
-        press.warn(
+        yield (
             "drop_out",
             f"force and position repeat for {last - first} samples from {time[first]:.4g} s in the "
             "rise and then jump: the recording stood still; record again",
         )
 
 
-def _spikes(press: _Press) -> None:
+def _spikes(press: _Press) -> Doubts:
     """Single samples far off their neighbours, which agree with each other."""
     force = press.force
     if len(force) < 20:
@@ -257,21 +237,21 @@ def _spikes(press: _Press) -> None:
     spikes = np.flatnonzero((off > limit) & (across < 0.3 * off)) + 1
     if 0 < spikes.size <= max(0.01 * len(force), 3):
         worst = int(spikes[np.argmax(off[spikes - 1])])
-        press.warn(
+        yield (
             "spike",
             f"{spikes.size} single samples stand out, by {off[worst - 1]:.3g} N at {press.time[worst]:.4g} s; they are "
             "kept: mend the shielding, or take them out before fitting",
         )
 
 
-def _units(press: _Press) -> None:
+def _units(press: _Press) -> Doubts:
     """Stiffer than any hand or pad: the force or the position may be in another unit."""
     largest, depth = press.summary.peak_force_N, press.summary.depth_mm
     if largest > ranges()["stiffness_N_mm"].usual_high * depth:
         columns = press.time, press.x, press.force
         fitting = [f"{role}={one}" for role in ("force", "displacement") for one in units_that_fit(role, *columns)]
         doubt = f"{largest:.4g} N at {depth:.3g} mm is stiffer than any hand or pad: are both in these units?"
-        press.warn("far_from_known", doubt + f" say --units {' or '.join(fitting)} if not" * bool(fitting))
+        yield ("far_from_known", doubt + f" say --units {' or '.join(fitting)} if not" * bool(fitting))
 
 
 CODES = (
@@ -282,7 +262,7 @@ CODES = (
 """Codes of the warnings of this module."""
 MENDED = ("force_before_contact", "contact_off", "far_from_known")
 """Those that an import mends."""
-CUT = {"clipped", "drop_out", "proportional"}
+CUT = {"clipped", "drop_out", "proportional", "columns_swapped"}
 FAULTS = {"several_holds", "spike", *CUT}
 """Those that say why a force is not explained, and of these those that pass for a delay."""
 OFFSET_SHARE = 0.01

@@ -18,8 +18,8 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_bytes, write_text, writing
 from dummydesign.core.parsing import NUMBER
 from dummydesign.core.serialise import to_plain
-from dummydesign.core.toml_schema import TomlTable
-from dummydesign.core.user_library import DEVICE, Entry, entries, find, read_toml, toml_table, user_folder
+from dummydesign.core.toml_schema import read_table
+from dummydesign.core.user_library import DEVICE, Entry, entries, find, toml_table, user_folder
 from dummydesign.measurement.importing import contact as contact_zero
 from dummydesign.measurement.importing.baseline import Baseline
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, QuestionError, Settings
@@ -310,17 +310,17 @@ def import_files(paths: Sequence[str | Path], settings: Settings | None = None) 
     }
     if zeros:
         names = ", ".join(dict.fromkeys(path.name for path, _ in zeros))
-        message = f"{names}: too fast to show contact; the zero is that of slower presses (see the decisions). If the "
-        message += "surface moved between them, say --contact"
+        message = (
+            f"{names}: too fast to show contact; the zero is that of slower presses (see the decisions). If the "
+            "surface moved between them, say --contact"
+        )
         warnings.append({"code": "contact_of_slower_presses", "message": message})
     imported = [one for one in read.values() if isinstance(one, Imported)]
     problems = [(one, path, sheet) for (path, sheet), one in read.items() if isinstance(one, InputError)]
     if problems:
         first = problems[0][0]
-        if len(listed) > 1:
-            others = _other_files(problems, {one.source for one in imported})
-        else:
-            others = _others([sheet for *_, sheet in problems if sheet], imported, settings)
+        certain = {one.source for one in imported}
+        others = _other_files(problems, certain) if len(listed) > 1 else _others(problems, imported, settings)
         raise type(first)(f"{first}{others}", first.code, first.quantity, first.value, first.allowed)
     if not imported:
         raise InputError(f"none of the {len(listed)} files holds a table of numbers", "nothing_found", "table")
@@ -379,9 +379,11 @@ NAMED = 12
 """Files and reasons that a message names at most."""
 
 
-def _others(doubtful: list[str], imported: Sequence[Imported], settings: Settings | None) -> str:
+def _others(
+    problems: Sequence[tuple[InputError, Path, str]], imported: Sequence[Imported], settings: Settings | None
+) -> str:
     """How to read the sheets of a workbook that are not in doubt."""
-    certain = [one.sheet for one in imported if one.sheet]
+    doubtful, certain = [sheet for *_, sheet in problems if sheet], [one.sheet for one in imported if one.sheet]
     if not doubtful or not certain:
         return ""
     every = settings is None or settings.sheets is None
@@ -489,13 +491,15 @@ _TEXTS = ("separator", "decimal", "encoding", "tare", "contact", "split", "sheet
 
 
 def _read_profile(path: Path) -> Settings:
-    data, text = read_toml(path)
-    top = TomlTable(data, path, text).only(("schema", *vars(_NO_SETTINGS)))
-    if data.get("schema", 1) != 1:
+    top = read_table(path, ("schema", *vars(_NO_SETTINGS)), None)
+    if top.data.get("schema", 1) != 1:
         raise InputError(f"{path.name}: schema is not 1, the one that this version reads", "unsupported", "schema")
-    values = {key: top.get(key, str, "a text", None) for key in _TEXTS}
-    values |= {"rate": top.number("rate", None, above=0.0), "delay": top.number("delay", None)}
-    values |= {"skip": top.get("skip", int, "a whole number from 0", None)}
+    values = {
+        **{key: top.get(key, str, "a text", None) for key in _TEXTS},
+        "rate": top.number("rate", None, above=0.0),
+        "delay": top.number("delay", None),
+        "skip": top.get("skip", int, "a whole number from 0", None),
+    }
     top.number("skip", None, low=0.0)
     for key in ("columns", "units"):
         roles = top.table(key, required=False).only(ROLES).data

@@ -18,7 +18,6 @@ from dummydesign.measurement.importing.columns import (
     Column,
     Values,
     check_apart,
-    choose,
     choose_by_behaviour,
     choose_one,
     describe_columns,
@@ -37,14 +36,15 @@ from dummydesign.measurement.importing.times import (
     compose_time,
     find_bases,
     join_steps,
+    lengths_by_time,
     rows_in_order,
-    seconds_per_count,
     shift,
     time_by_rate,
     timelike,
     unwrap,
 )
 from dummydesign.measurement.importing.vocabulary import ROLES
+from dummydesign.measurement.trace import numbers_at_once
 
 MOST_INTERRUPTIONS = 500
 MIN_SAMPLES = 10
@@ -102,7 +102,7 @@ def columns_of(text: str, log: ImportLog) -> Columns:
         message = f"{len(body.values)} rows of numbers; a press needs at least {MIN_SAMPLES}"
         raise log.fault(message, "not_enough_data", "table", len(body.values))
     values = dict(zip(indices, body.values.T))
-    chosen = choose(candidates, values, log)
+    chosen = {role: choose_one(role, candidates[role], values, log) for role in ROLES[1:] if candidates[role]}
     chosen |= choose_by_behaviour(columns, chosen, missing, values, log)
     time, x, force, inside = _quantities(columns, candidates, chosen, values, layout.rate_Hz, log)
     lines = body.lines[inside]
@@ -132,7 +132,7 @@ def _quantities(
     count = len(values[chosen["force"].index])
     if "time" not in chosen and not named and settings.rate:
         seconds = time_by_rate(columns, values, count, settings.rate, "given by --rate", log)
-        check_rate(settings.rate, [one for one in columns if timelike(one)], values, log)
+        check_rate(settings.rate, columns, values, log)
     elif "time" not in chosen and not times and stated:
         seconds = time_by_rate(columns, values, count, stated, "stated above the table", log)
     elif composed and not (named and times[0] not in composed.parts):
@@ -171,12 +171,8 @@ def _check_time(column: Column, seconds: NDArray, columns: Sequence[Column], val
     if "time" in log.settings.units or column.unit is None:
         return
     text, length = column.unit.text, float(np.ptp(seconds))
-    for other in columns:
-        if other is column or other.index not in values or not timelike(other):
-            continue
-        rising = bool(np.all(np.diff(values[other.index]) >= 0))
-        span = float(np.ptp(values[other.index])) * seconds_per_count(other)
-        if rising and span > 0 and abs(span - length) > max(AGREES * span, 1.0):
+    for other, span in lengths_by_time(columns, values):
+        if other is not column and span > 0 and abs(span - length) > max(AGREES * span, 1.0):
             raise log.question(
                 f"the recording lasts {length:.4g} s by '{column.label}' and {span:.4g} s by '{other.label}'",
                 f"--columns time={other.label} or --units time={text} where the header is right",
@@ -209,9 +205,9 @@ class TableBody:
 
 def read_body(layout: TableLayout, columns: Sequence[int], log: ImportLog, gaps: str = "") -> TableBody:
     """Read the numbers of some columns; NaN above a column's begin, below its ``end``, or for ``any`` without one."""
-    values = _read_at_once(layout, columns)
-    lines = np.arange(layout.last - layout.first) + layout.line(layout.first)
-    return _read_by_line(layout, columns, log, gaps) if values is None else TableBody(values, lines, ())
+    if (values := _read_at_once(layout, columns)) is None:
+        return _read_by_line(layout, columns, log, gaps)
+    return TableBody(values, np.arange(len(values)) + layout.line(layout.first), ())
 
 
 def _read_at_once(layout: TableLayout, columns: Sequence[int]) -> NDArray | None:
@@ -227,12 +223,7 @@ def _read_at_once(layout: TableLayout, columns: Sequence[int]) -> NDArray | None
         if "." in whole:
             return None  # a dot is a thousands sign here
         lines = whole.replace(",", ".").split("\n")
-    delimiter = None if separator == " " else separator
-    try:
-        values = np.loadtxt(lines, delimiter=delimiter, comments=None, quotechar='"', usecols=list(columns), ndmin=2)
-    except (ValueError, IndexError):
-        return None
-    return values if len(values) == len(lines) and np.isfinite(values).all() else None
+    return numbers_at_once(lines, None if separator == " " else separator, columns)
 
 
 def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, gaps: str) -> TableBody:
@@ -240,8 +231,7 @@ def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, g
     width, date_at, dates = len(layout.kinds), _date_column(layout), list[str]()
     rows: list[list[Any]] = []
     numbers: list[int] = []
-    breaks: list[int] = []
-    between: list[int] = []
+    between: list[tuple[int, int]] = []
     left_out: list[int] = []
     begun = [False] * len(columns)
     for index in range(layout.first, layout.last):
@@ -257,8 +247,7 @@ def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, g
         if short or all(number is None for number in row):
             # A line of text, of units or a header again: what follows may be another test.
             if any(cells):
-                between.append(index)
-                breaks.append(len(rows))
+                between.append((index, len(rows)))
             continue
         if any(map(cell_text.is_excluded, wanted)):
             left_out.append(layout.line(index))
@@ -280,13 +269,13 @@ def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, g
         dates.append("" if date_at is None or not cell_text.is_date(cells[date_at]) else cells[date_at])
         numbers.append(layout.line(index))
     if between:
-        first, line = layout.line(between[0]), layout.lines[between[0]].strip()[:40]
+        first, line = layout.line(between[0][0]), layout.lines[between[0][0]].strip()[:40]
         if len(between) > MOST_INTERRUPTIONS:
             message = f"{len(between)} lines between the rows are not numbers, such as '{line}'; export without them"
             raise log.fault(message, "malformed", "table", len(between), line=first)
         why = f"text between the rows, left out; the first is line {first}: '{line}'"
         log.decide("lines between", f"{len(between)} lines", why)
-        stray = [layout.line(index) for index in between if cell_text.is_number(layout.lines[index].strip(" ,;|\t"))]
+        stray = [layout.line(at) for at, _ in between if cell_text.is_number(layout.lines[at].strip(" ,;|\t"))]
         _warn_left_out(stray, "stray_row", "a single number", log)
     _warn_left_out(left_out, "excluded_values", "a value marked with *", log)
     # the same date in every row is that of the test, not of the row
@@ -300,7 +289,8 @@ def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, g
     finite = (np.isfinite(values) | np.isnan(values)).all(axis=1)
     if not finite.all():
         raise log.fault("a number is too large", "out_of_range", "cell", line=numbers[int(np.argmin(finite))])
-    return TableBody(values, np.array(numbers, int), tuple(dict.fromkeys(at for at in breaks if 0 < at < len(rows))))
+    breaks = dict.fromkeys(row for _, row in between if 0 < row < len(rows))
+    return TableBody(values, np.array(numbers, int), tuple(breaks))
 
 
 def _warn_left_out(lines: Sequence[int], code: str, what: str, log: ImportLog) -> None:

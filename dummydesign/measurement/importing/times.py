@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -86,12 +86,18 @@ def time_by_rate(
     return np.arange(count) / rate
 
 
-def check_rate(rate: float, times: Sequence[Column], values: Values, log: ImportLog) -> None:
+def lengths_by_time(columns: Sequence[Column], values: Values) -> Iterator[tuple[Column, float]]:
+    """Columns that may be the time and rise, and how long the recording is by each. [s]"""
+    for one in columns:
+        if one.index in values and timelike(one) and np.all(np.diff(values[one.index]) >= 0):
+            yield one, float(np.ptp(values[one.index])) * seconds_per_count(one)
+
+
+def check_rate(rate: float, columns: Sequence[Column], values: Values, log: ImportLog) -> None:
     """Refuse a rate of the user's that the file's own time contradicts."""
-    for column in times:
-        factor = seconds_per_count(column)
-        length, count = float(np.ptp(values[column.index])) * factor, len(values[column.index]) - 1
-        if length > 0 and np.all(np.diff(values[column.index]) >= 0) and abs(length - count / rate) > AGREES * length:
+    for column, length in lengths_by_time(columns, values):
+        count = len(values[column.index]) - 1
+        if length > 0 and abs(length - count / rate) > AGREES * length:
             message = f"--rate {rate:g}, but '{column.label}' says {count / length:.4g} Hz; leave --rate out"
             raise log.fault(message, "inconsistent", "rate", rate)
 

@@ -86,9 +86,8 @@ def is_known_word(word: str) -> bool:
 def sampling_rate_in(line: str) -> float | None:
     """Return the sampling rate that a line above a table states, from its frequency or its interval. [Hz]"""
     words = words_of(line)
-    if not any(word.startswith(_SAMPLING) for word in words) and not any(one in line for one in _SAMPLING):
-        return None
-    if any(word.startswith(_FILTERS) for word in words):
+    sampled = any(word.startswith(_SAMPLING) for word in words) or any(one in line for one in _SAMPLING)
+    if not sampled or any(word.startswith(_FILTERS) for word in words):
         return None
     numbers = re.findall(r"(?<![\w.])\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?(?![\d:])", line)
     value = float(numbers[0].replace(",", ".")) if len(numbers) == 1 else 0.0
@@ -156,17 +155,12 @@ def find_unit(text: str) -> Unit | None:
 
 def scaled_unit(text: str, kind: str) -> Unit | None:
     """Like :func:`find_unit` for one kind, with an optional number before it: ``0.002s`` a count, ``10um``."""
-    parts = re.fullmatch(r"\s*([0-9.]+(?:[eE][+-]?\d+)?)?\s*\*?\s*(\S.*?)\s*", text)
-    if parts is None:
+    parts = re.fullmatch(r"\s*((?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?\d+)?)?\s*\*?\s*([^\s.].*?)\s*", text)
+    unit = find_unit(parts[2]) if parts else None
+    if parts is None or unit is None or unit.kind != kind:
         return None
-    unit = find_unit(parts[2])
-    try:
-        count = float(parts[1] or 1.0)
-    except ValueError:
-        return None
-    if unit is None or unit.kind != kind or not 0 < count < float("inf"):
-        return None
-    return Unit(kind, count * unit.factor, text.strip())
+    count = float(parts[1] or 1.0)
+    return Unit(kind, count * unit.factor, text.strip()) if 0 < count < float("inf") else None
 
 
 USUAL_UNITS = {"time": "s, ms, us, min, h", "length": "mm, um, cm, m, in", "force": "N, mN, cN, kN, gf, kgf, lbf"}

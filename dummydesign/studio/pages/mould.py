@@ -18,7 +18,7 @@ from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, holds_answer, options
 from dummydesign.studio.markup import Markup, filled, joined
-from dummydesign.studio.state import State, design_state, design_summary, page_link
+from dummydesign.studio.state import State, design_state, page_link
 from dummydesign.studio.widgets import NumberField, html, keep_state
 
 OUTLINE_MM, OUTLINES_MM = (150.0, 120.0), (20.0, 300.0)
@@ -176,8 +176,7 @@ def folder_of(answer: Mapping[str, Any]) -> str:
 
 def verdict_of(root: Path, state: State) -> str:
     """Why the pad must not be cast, in a sentence; empty for one that may be, or that was not judged."""
-    design = project_index.design_of_pad(root, state)
-    summary = design_summary(root, design) if design else {}
+    summary = project_index.summary_of_pad(root, state)
     return str(summary.get("text", "")) if summary.get("verdict") == "not_representative" else ""
 
 

@@ -76,7 +76,11 @@ class JobPanel:
     def renew(self) -> None:
         """Write the command lines anew, after something was chosen, and show what belongs to them."""
         with widgets.fresh(self._lines):
-            widgets.command_lines(self._commands)
+            try:
+                for words in self._commands():
+                    widgets.command_line(words)
+            except InputError as refused:
+                html('<p class="note">{}</p>', widgets.without_options(str(refused)))
         self.update()
 
     def end(self) -> None:

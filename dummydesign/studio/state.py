@@ -286,5 +286,7 @@ def next_state(status: ProjectStatus, state: State) -> State:
         if name.startswith("--") and option in ("tissue", "calibration", "resin", *pad):
             new[_NUMBERS.get(option, option)] = float(value) if option in _NUMBERS else value
     campaigns = {one.folder for one in status.files["campaigns"]}
-    new |= {"campaign": word.rstrip("/") for word in words if word.rstrip("/") in campaigns}
+    for word in words:
+        if word.rstrip("/") in campaigns:
+            new["campaign"] = word.rstrip("/")
     return state.changed(**new)

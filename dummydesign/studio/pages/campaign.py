@@ -405,14 +405,9 @@ class PlanForm:
             made=folder_of,
             needs="trials",
         )
-        self.form.on_change(self.renew)
-        self.renew()
-
-    def renew(self) -> None:
-        """Something was chosen."""
-        for name in PAD:
-            self.form.fields[name].set_visibility(not self.form.fields["moulds"].value)
-        self.work.renew()
+        for one in PAD:
+            self.form.fields[one].bind_visibility_from(self.form.fields["moulds"], "value", lambda chosen: not chosen)
+        self.form.on_change(self.work.renew)
 
     def words(self) -> list[str]:
         """The plan as a command."""

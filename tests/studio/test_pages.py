@@ -168,7 +168,7 @@ def test_every_page_keeps_the_rules_for_screen_readers(studio):
     with browser(viewport={"width": 1280, "height": 900}) as page:
         for path in every_page(page, found):
             assert page.evaluate(RULES) == [], path
-            for choice in page.locator(".q-select:not(.disabled):visible").all()[:4]:
+            for choice in page.locator(".q-select:not(.q-field--disabled):visible").all()[:4]:
                 choice.click()
                 page.wait_for_selector(".q-menu")
                 assert page.evaluate(RULES) == [], path

@@ -33,6 +33,7 @@ class JobPanel:
         words: Callable[[], list[str]],
         show: Callable[[jobs.Job], None],
         belongs: Callable[[jobs.Job, list[str]], bool] | None = None,
+        made: Callable[[jobs.Job], str] = lambda job: "",
         ended: Callable[[jobs.Job, bool], None] | None = None,
         stamp: Callable[[], object] = lambda: None,
         needs: str = "",
@@ -44,15 +45,16 @@ class JobPanel:
     ) -> None:
         """Build it.
 
-        ``belongs`` is given a job and the command that is chosen (empty when that is refused), ``ended`` a job that
-        ended and whether it belongs to what is chosen; what is shown is renewed when ``stamp`` changes. Answers without
-        the key ``needs`` are not shown. The commands of ``first`` run before. ``check`` refuses what is chosen before
+        ``belongs`` is given a job and the command that is chosen (empty when that is refused); ``made`` tells the file
+        or folder of a job, without which it belongs to nothing any more. ``ended`` is given a job that ended and
+        whether it belongs to what is chosen; what is shown is renewed when ``stamp`` changes. Answers without the key
+        ``needs`` are not shown. The commands of ``first`` run before. ``check`` refuses what is chosen before
         anything is started. What was found stands in ``found``, else under the button, which is the ``main`` one; what
         the command warned of follows it, unless ``show`` shows that itself (``warn`` False).
         """
         self.root, self.name = root, name
         self._commands: Callable[[], Steps] = lambda: [*first(), words()]
-        self._show, self._belongs, self._ended, self._stamp = show, belongs, ended, stamp
+        self._show, self._belongs, self._made, self._ended, self._stamp = show, belongs, made, ended, stamp
         self._needs, self._check, self.main, self._warn = needs, check, main, warn
         self._seen: object = None
         self.shown: jobs.Job | None = None
@@ -74,7 +76,11 @@ class JobPanel:
     def renew(self) -> None:
         """Write the command lines anew, after something was chosen, and show what belongs to them."""
         with widgets.fresh(self._lines):
-            widgets.command_lines(self._commands)
+            try:
+                for words in self._commands():
+                    widgets.command_line(words)
+            except InputError as refused:
+                html('<p class="note">{}</p>', widgets.without_options(str(refused)))
         self.update()
 
     def end(self) -> None:
@@ -105,9 +111,12 @@ class JobPanel:
         def same(job: jobs.Job, words: list[str]) -> bool:
             return [list(one) for one in job.commands] == commands
 
-        belongs, words = self._belongs or same, commands[-1]
+        def belongs(job: jobs.Job) -> bool:
+            asked = self._belongs or same
+            return asked(job, commands[-1]) and jobs.is_there(self.root, job, self._made)
+
         newest = every[-1] if every else None
-        mine = newest is not None and belongs(newest, words)
+        mine = newest is not None and belongs(newest)
         self.running = newest is not None and newest.state == "running"
         self._timer.interval = AT_WORK_S if self.running else IDLE_S
         self._button.set_enabled(not self.running)
@@ -117,7 +126,7 @@ class JobPanel:
         if self._pressed and not self.running:
             self._pressed = False
             _move_focus(self._stop, self._button)
-        answer = next((one for one in reversed(every) if belongs(one, words) and one.has_answer), None)
+        answer = next((one for one in reversed(every) if belongs(one) and one.has_answer), None)
         self.shown = answer if answer is not None and self._needs in ("", *answer.answer) else None
         if newest is not None and self.running:
             self._watched = newest.folder.name
@@ -125,7 +134,7 @@ class JobPanel:
                 self._usual = newest.folder, jobs.usual_s(self.name)
             line = jobs.progress_line(newest, self._usual[1])
             self._status.set_text(line if mine else f"At work for another choice: {line}")
-        as_chosen = answer is not None and same(answer, words)
+        as_chosen = answer is not None and same(answer, commands[-1])
         # what was asked is there: the button that comes next is the main one
         if ("outline" in self._button.props) != (quiet := as_chosen or not self.main):
             self._button.props("outline") if quiet else self._button.props(remove="outline")

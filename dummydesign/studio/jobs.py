@@ -94,7 +94,7 @@ def holds_answer(root: Path, folder: str, answer: Mapping[str, Any]) -> bool:
     """Whether a folder still holds an answer: it may be gone, or another command has written it since."""
     kept, asked = read_json(root / folder / MANIFEST).get("inputs"), answer.get("inputs") or {}
     same = not isinstance(kept, dict) or all(kept[name] == asked[name] for name in kept.keys() & asked.keys())
-    return (root / folder).is_dir() and same
+    return (root / folder).exists() and same
 
 
 def changed_since(paths: list[Path], started: float) -> bool:
@@ -308,6 +308,12 @@ def is_last(root: Path, job: Job, made: Callable[[Job], str]) -> bool:
     """Whether no later command of the step made the same file or folder, which took the place of this one's."""
     same = (one for one in reversed(all_jobs(root, job.name)) if made(one) == made(job))
     return next(same, job).folder == job.folder
+
+
+def is_there(root: Path, job: Job, made: Callable[[Job], str]) -> bool:
+    """Whether what a command made is still there, and no other command has written it since."""
+    path = made(job)
+    return not path or (holds_answer(root, path, job.answer) and is_last(root, job, made))
 
 
 def stop(job: Job) -> None:

@@ -88,12 +88,9 @@ def answers(root: Path, folder: str, state: State) -> bool:
 
 def verdict_of_design(root: Path, state: State) -> tuple[str, str] | None:
     """Light and sentence of the design of this pad, made for what is chosen from files that are still the same."""
-    folder = design_of_pad(root, state)
-    if not folder or not answers(root, folder, state) or changed_inputs(root, root / folder / MANIFEST):
-        return None
-    summary = design_summary(root, folder)
+    folder, summary = design_of_pad(root, state), summary_of_pad(root, state)
     light = LIGHTS.get(str(summary.get("verdict")))
-    return None if light is None else (light, str(summary.get("text", "")))
+    return None if light is None or doubts_of_design(root, folder, state) else (light, str(summary.get("text", "")))
 
 
 def doubts_of_design(root: Path, folder: str, state: State) -> list[str]:
@@ -107,14 +104,14 @@ def doubts_of_design(root: Path, folder: str, state: State) -> list[str]:
 
 def wants_puck(root: Path, state: State) -> bool:
     """Whether the design of this pad is settled by a puck of its resin, which was not measured yet."""
+    unsettled = summary_of_pad(root, state).get("verdict") == "not_settled"
+    return unsettled and not measured(absolute(root, state.resin))
+
+
+def summary_of_pad(root: Path, state: State) -> dict[str, Any]:
+    """The summary of the design of the pad that is chosen; empty without one."""
     folder = design_of_pad(root, state)
-    summary = design_summary(root, folder) if folder else {}
-    return summary.get("verdict") == "not_settled" and not measured_resin(root, state)
-
-
-def measured_resin(root: Path, state: State) -> bool:
-    """Whether a puck of the resin that is chosen was measured."""
-    return measured(absolute(root, state.resin))
+    return design_summary(root, folder) if folder else {}
 
 
 @dataclass(frozen=True)

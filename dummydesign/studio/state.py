@@ -101,20 +101,23 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
     if given.get("design") in designs:
         base |= design_state(project.root, given["design"])
     elif newest and "shape" not in given:
-        base |= design_state(project.root, newest[-1])
-    known = select_options.tissues(project.root)
-    for one in fields(State):
-        if one.name in given and one.name != "missing":
-            base[one.name] = _number(given[one.name], base.get(one.name, one.default), one.type == "float")
-    campaigns = list(select_options.campaigns(project.root))
-    base["campaign"] = base.get("campaign") or next(reversed(campaigns), "")
-    state = State(**base)
+        base |= design_state(project.root, newest[-1]) | {"design": given.get("design", newest[-1])}
+    before = State(**base)
     # where the address changes what the design was made for, the pad is no longer that design
-    source = design_state(project.root, state.design) if state.design in designs else {}
-    kept = all(getattr(state, name) == source.get(name) for name in (*PAD_FIELDS, *QUESTION_FIELDS) if name in given)
-    if state.design not in designs or not kept:
-        state = replace(state, design="")
-    return replace(state, missing=_missing(project.root, state, known, campaigns, designs, given))
+    state = before.changed(
+        **{
+            one.name: _number(given[one.name], getattr(before, one.name), one.type == "float")
+            for one in fields(State)
+            if one.name in given and one.name not in ("design", "missing")
+        }
+    )
+    campaigns = list(select_options.campaigns(project.root))
+    state = replace(
+        state,
+        design=state.design if state.design in designs else "",
+        campaign=state.campaign or next(reversed(campaigns), ""),
+    )
+    return replace(state, missing=_missing(project.root, state, campaigns, designs, given))
 
 
 def _in_project(root: Path, name: str, text: str) -> bool:
@@ -187,14 +190,13 @@ def _number(text: str, before: Any, is_number: bool) -> Any:
 def _missing(
     root: Path,
     state: State,
-    known: Mapping[str, str],
     campaigns: list[str],
     designs: list[str],
     given: Mapping[str, str],
 ) -> tuple[str, ...]:
     """What is chosen and not there."""
     there = (
-        ("tissue", state.tissue, ["", *known], "Choose another, or bring its file back."),
+        ("tissue", state.tissue, ["", *select_options.tissues(root)], "Choose another, or bring its file back."),
         ("calibration", state.calibration, [""], "Choose another, or none."),
         ("resin", state.resin, select_options.resins(), "Choose another."),
         ("campaign", state.campaign, ["", *campaigns], "Choose another."),
@@ -273,13 +275,12 @@ def next_page(status: ProjectStatus) -> str:
 def next_state(status: ProjectStatus, state: State) -> State:
     """What the next step is about: its campaign, calibration, tissue and design."""
     words = shlex.split(status.next_command)[1:]
-    command = words[0]
     new: dict[str, object] = {}
     designs = [one for one in status.files["designs"] if is_design(one) and one.command == "suggest"]
-    if designs and (command in ("mold", "status") or words[:2] == ["campaign", "new"]):
+    if designs and (words[0] in ("mold", "status") or words[:2] == ["campaign", "new"]):
         new |= design_state(status.project.root, designs[-1].folder)
     # shape, thickness and ratio of a search are what is searched, not a pad
-    pad = () if command == "suggest" else ("shape", "ratio", "thickness")
+    pad = () if words[0] == "suggest" else ("shape", "ratio", "thickness")
     for name, value in pairwise(words):
         option = name.removeprefix("--")
         if name.startswith("--") and option in ("tissue", "calibration", "resin", *pad):

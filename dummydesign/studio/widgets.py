@@ -368,15 +368,6 @@ def without_options(text: str) -> str:
     return re.sub(r"--([a-z][a-z-]+)", lambda found: found[1].replace("-", " "), text)
 
 
-def command_lines(commands: Callable[[], Sequence[Sequence[str]]]) -> None:
-    """Show the commands of what is chosen, or why it is refused."""
-    try:
-        for words in commands():
-            command_line(words)
-    except InputError as refused:
-        html('<p class="note">{}</p>', without_options(str(refused)))
-
-
 def tell_changes(root: Path, manifest: str, advice: str) -> None:
     """Name the files that are no longer what a command read, with what to do."""
     for name in changed_inputs(root, root / manifest):

@@ -68,7 +68,7 @@ def test_after_a_search_of_the_same_kind_every_panel_is_that_of_the_pad_that_was
     text = f"{best['thickness_mm']:g} mm, ratio {best['ratio']:g}"
     page.wait_for_function("(text) => document.querySelector('small.label').textContent.includes(text)", arg=text)
     page.wait_for_selector(SETTLED)
-    page.wait_for_timeout(500)
+    page.wait_for_selector(f'iframe.solid[src*="thickness={best["thickness_mm"]:g}"]', state="attached")
     assert page.locator(by("plots")).inner_html() != before
     assert page.locator(by("number-thickness")).input_value() == f"{best['thickness_mm']:g}"
     assert f"thickness={best['thickness_mm']:g}" in page.locator("iframe.solid").get_attribute("src")

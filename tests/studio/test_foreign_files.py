@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import threading
-import time
 from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
 
 from dummydesign.project.folder import make_project
-from tests.support.studio import browser, live, running
+from tests.support.studio import browser, live, running, until
 
 pytestmark = pytest.mark.slow
 
@@ -100,9 +99,7 @@ def test_the_test_itself_sees_what_reaches_the_other_server(tmp_path):
         page.goto(f"{other}/first")
         page.set_content(EVIL.replace("OTHER", other).replace("STUDIO", other))
         wanted = {"/image", "/script", "/frame", "/fetch", "/post", "/socket", "/style", "/events", "/picture"}
-        deadline = time.monotonic() + 60
-        while not wanted <= {path for path, _ in reached} and time.monotonic() < deadline:
-            page.wait_for_timeout(100)
+        until(lambda: wanted <= {path for path, _ in reached}, page, 60)
     assert wanted <= {path for path, _ in reached}
 
 
@@ -111,12 +108,12 @@ def test_a_file_of_the_project_reaches_no_server(tmp_path, framed):
     with project_with(tmp_path, evil=EVIL) as (studio, page, _, reached):
         place = f"{studio.home}files/designs/evil/evil.html"
         if framed:
-            page.evaluate(
-                "(place) => { const f = document.createElement('iframe'); f.src = place; f.id = 'evil';"
-                "document.body.append(f); }",
-                place,
-            )
-            page.wait_for_timeout(1000)
+            with page.expect_event("framenavigated", lambda frame: "/view/" in frame.url):
+                page.evaluate(
+                    "(place) => { const f = document.createElement('iframe'); f.src = place; f.id = 'evil';"
+                    "document.body.append(f); }",
+                    place,
+                )
         else:
             page.goto(place)
         shown = next(frame for frame in page.frames[1:] if "/view/" in frame.url)
@@ -246,5 +243,4 @@ def test_a_pdf_opens_in_the_viewer_of_the_browser(tmp_path):
         (tmp_path / "thumb" / "designs" / "evil" / "a.pdf").write_bytes(content)
         page.set_default_timeout(30_000)
         assert page.goto(f"{studio.home}files/designs/evil/a.pdf").status == 200
-        page.wait_for_timeout(2000)
-        assert any(frame.url.startswith("chrome-extension://") for frame in page.frames)
+        assert until(lambda: any(frame.url.startswith("chrome-extension://") for frame in page.frames), page, 30)

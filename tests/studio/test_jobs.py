@@ -19,6 +19,7 @@ from dummydesign.studio import jobs
 from dummydesign.studio.trash import keep_file
 from tests.support import lab_project as lab
 from tests.support.refusal import raises_code
+from tests.support.studio import until
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -29,11 +30,8 @@ def every_process_is_waited_for():
 
 
 def wait_for(folder, *states, seconds=600):
-    deadline = time.monotonic() + seconds
-    while (found := jobs.read_job(folder)).state not in states:
-        assert time.monotonic() < deadline, found
-        time.sleep(0.1)
-    return found
+    assert until(lambda: jobs.read_job(folder).state in states, seconds=seconds), jobs.read_job(folder)
+    return jobs.read_job(folder)
 
 
 def test_a_command_is_run_in_the_folder_takes_no_module_of_it_and_its_answer_is_kept(tmp_path):
@@ -114,9 +112,7 @@ def test_a_command_can_be_stopped_and_leaves_no_half_written_folder(tmp_path):
     job = jobs.start(tmp_path, "suggest", words)
     with raises_code("busy", "step"):
         jobs.start(tmp_path, "suggest", words)
-    deadline = time.monotonic() + 600
-    while not list(tmp_path.glob("designs/.a.part-*")) and time.monotonic() < deadline:
-        time.sleep(0.05)
+    until(lambda: list(tmp_path.glob("designs/.a.part-*")))
     jobs.stop(job)
     found = wait_for(job.folder, "stopped", "done", "failed")
     assert found.state == "stopped" and "stopped" in found.error
@@ -125,19 +121,15 @@ def test_a_command_can_be_stopped_and_leaves_no_half_written_folder(tmp_path):
 
 def test_a_command_that_was_killed_while_its_runner_lives_says_so(tmp_path):
     job = jobs.start(tmp_path, "suggest", ["suggest", "--tissue", "forefinger", "--no-cad", "--out", "designs/a"])
-    deadline = time.monotonic() + 600
-    while not (job.folder / runner.CHILD).exists() or not (job.folder / runner.CHILD).read_text(encoding="utf-8"):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-    os.kill(int((job.folder / runner.CHILD).read_text(encoding="utf-8")), signal.SIGKILL)
+    child = job.folder / runner.CHILD
+    assert until(lambda: child.exists() and child.read_text(encoding="utf-8"))
+    os.kill(int(child.read_text(encoding="utf-8")), signal.SIGKILL)
     assert "run it again" in wait_for(job.folder, "failed").error
 
 
 def test_a_command_whose_process_was_killed_is_lost_and_says_so(tmp_path):
     job = jobs.start(tmp_path, "suggest", ["suggest", "--tissue", "forefinger", "--no-cad", "--out", "designs/a"])
-    deadline = time.monotonic() + 600
-    while not (job.folder / runner.PID).exists() and time.monotonic() < deadline:
-        time.sleep(0.05)
+    until((job.folder / runner.PID).exists)
     number = int((job.folder / runner.PID).read_text(encoding="utf-8"))
     os.killpg(number, signal.SIGKILL)
     assert "run it again" in wait_for(job.folder, "lost").error
@@ -149,9 +141,7 @@ def test_a_command_whose_process_was_killed_is_lost_and_says_so(tmp_path):
 def test_a_command_whose_runner_alone_was_killed_goes_on_is_known_and_can_be_stopped(tmp_path):
     words = ["suggest", "--tissue", "forefinger", "--no-cad", "--out", "designs/a"]
     job = jobs.start(tmp_path, "suggest", words)
-    deadline = time.monotonic() + 600
-    while not list(tmp_path.glob("designs/.a.part-*")) and time.monotonic() < deadline:
-        time.sleep(0.05)
+    until(lambda: list(tmp_path.glob("designs/.a.part-*")))
     child = int((job.folder / runner.CHILD).read_text(encoding="utf-8"))
     os.kill(int((job.folder / runner.PID).read_text(encoding="utf-8")), signal.SIGKILL)
     jobs._CHILDREN[-1].wait(60)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import tomllib
 from pathlib import Path
 
@@ -261,6 +262,21 @@ force_N = { value = 0.3, low = 0.3, high = 0.3, kind = "assumed", source = "our 
 pressure_N_per_cm2 = { value = 300.0, low = 300.0, high = 300.0, kind = "assumed", source = "our lab" }
 transient_factor = { value = 2.0, low = 2.0, high = 2.0, kind = "assumed", source = "our lab" }
 """
+
+
+def test_another_pad_of_a_campaign_has_its_own_verdict_of_a_replay(page, studio):
+    root, calibration = studio[1], "calibrations/terminal-first/calibration.json"
+    os.utime(root / calibration, (0, 0))  # older than the answer
+    words = ["replay", "campaigns/first", "--calibration", calibration, "--tissue", "forefinger"]
+    pads = [{"thickness_mm": mm, "verdict": {"light": "green", "text": f"That of {mm:g} mm."}} for mm in (6.0, 15.0)]
+    answer = {"holds": True, "rmse_N": 0.1, "base_rmse_N": 0.2, "pads": pads, "trials": []}
+    lab.job(root, 1, "replay", words, answer, 0)
+    chosen = f"thickness_mm=6&ratio=15&campaign=campaigns/first&calibration={calibration}"
+    opened(page, studio, f"cast?tissue=forefinger&shape=slab&{chosen}&cast_tab=compare")
+    unfold(page, "model")
+    page.wait_for_selector(f"{by('found-replay')} >> text=That of 6 mm.")
+    choose(page, "pad", "campaigns/first: slab, 15 mm, 4 presses")
+    page.wait_for_selector(f"{by('found-replay')} >> text=That of 15 mm.")
 
 
 def test_presses_of_a_pad_are_put_on_people_by_a_drive_and_limits_of_ones_own(page, studio):

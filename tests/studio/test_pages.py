@@ -9,7 +9,7 @@ import pytest
 
 from dummydesign.project.folder import make_project
 from dummydesign.studio import jobs
-from tests.support.studio import browser, live, processor_s, running, settled
+from tests.support.studio import browser, live, processor_s, running, settled, until
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -168,12 +168,12 @@ def test_every_page_keeps_the_rules_for_screen_readers(studio):
     with browser(viewport={"width": 1280, "height": 900}) as page:
         for path in every_page(page, found):
             assert page.evaluate(RULES) == [], path
-            for choice in page.locator(".q-select:not(.disabled):visible").all()[:4]:
+            for choice in page.locator(".q-select:not(.q-field--disabled):visible").all()[:4]:
                 choice.click()
-                page.wait_for_timeout(400)
+                page.wait_for_selector(".q-menu")
                 assert page.evaluate(RULES) == [], path
                 page.keyboard.press("Escape")
-                page.wait_for_timeout(400)
+                page.wait_for_selector(".q-menu", state="detached")
 
 
 def test_the_rules_find_what_is_wrong():
@@ -250,8 +250,7 @@ def test_files_can_be_chosen_by_the_keyboard(studio):
         for _ in range(5):  # a browser forgets on a busy machine that a key was pressed: a second press is no fault
             page.locator(by("choose")).focus()
             page.keyboard.press("Enter")
-            page.wait_for_timeout(2000)
-            if choosers:
+            if until(lambda: choosers, page, 5):
                 break
         assert choosers and choosers[0].is_multiple()
 
@@ -304,11 +303,11 @@ def test_the_keyboard_moves_a_slider_and_the_verdict_stays_in_sight(studio):
         page.wait_for_function(f"{slider}.ariaValueNow === '8.4'")
         number.fill("999")
         number.press("Enter")
-        page.wait_for_timeout(400)
+        page.wait_for_selector(".slider [role=status] >> text=999 is not allowed")
         page.wait_for_function(f"{slider}.ariaValueNow === '8.4'")
         page.mouse.wheel(0, 500)
         page.wait_for_selector('[data-test="verdict"] .verdict[data-state="settled"]')
-        page.wait_for_timeout(300)
+        page.wait_for_function("window.scrollY > 0")
         box = page.locator(f"{by('verdict')} .verdict").bounding_box()
         assert 0 <= box["y"] < 60
         page.goto(f"{found.home}tissue")
@@ -337,10 +336,9 @@ def test_files_that_are_too_large_or_badly_named_or_unreadable_are_said_and_noth
         for name in ("../evil.csv", "../../evil.csv", "/evil.csv", ".evil.csv"):
             sent = {"name": name, "mimeType": "text/csv", "buffer": b"1,2\n"}
             page.request.post(address, multipart={"file": sent})
-        page.wait_for_timeout(1500)
-        assert [path for path in folder.parent.rglob("*evil.csv") if path.parent != folder / "measured"] == []
         page.locator(by("run-import")).click()
         page.wait_for_selector(".problem >> text=words.csv", timeout=600_000)
+        assert [path for path in folder.parent.rglob("*evil.csv") if path.parent != folder / "measured"] == []
     assert not (folder / "measured" / ".evil.csv").exists()
     assert (folder / "measured" / "words.csv").read_bytes() == b"no numbers here\n"
     assert not list((folder / "measured").glob("import-*"))

@@ -8,7 +8,6 @@ import os
 import re
 import shutil
 import socket
-import time
 import zipfile
 from urllib.parse import quote
 
@@ -16,6 +15,7 @@ import pytest
 
 from dummydesign.project.folder import make_project
 from tests.support.raw_studio import LARGEST_BYTES, raw_studio
+from tests.support.studio import until
 
 pytest.importorskip("nicegui", reason="no NiceGUI here: pip install nicegui")
 JAPANESE = 'moulds/親指 "パッド"'
@@ -333,9 +333,7 @@ def test_a_client_that_goes_away_leaves_no_archive(studio, root):
         link.sendall("\r\n".join([*lines, "", ""]).encode())
         assert link.recv(1000).startswith(b"HTTP/1.1 200")
         assert opened(root) > 0
-    deadline = time.monotonic() + 30
-    while opened(root) and time.monotonic() < deadline:
-        time.sleep(0.05)
+    until(lambda: not opened(root), seconds=30)
     assert opened(root) == 0 and left(root) == []
 
 

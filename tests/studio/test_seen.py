@@ -203,20 +203,23 @@ def test_a_drop_of_many_files_keeps_the_button_in_sight_and_a_page_is_refused(pa
     assert box["y"] + box["height"] <= 800
 
 
+RING = (
+    "(() => { const s = getComputedStyle(document.activeElement);"
+    "return (s.outlineStyle === 'solid' && parseFloat(s.outlineWidth) >= 2)"
+    "|| s.boxShadow.includes('0px 0px 0px 5px'); })()"
+)
+
+
 def test_what_has_the_focus_is_seen(page, studio):
     for path, test in (("measured", "run-import"), ("design", "run-suggest"), ("tissue", "use"), ("", "next")):
         opened(page, studio, path)
         page.locator(by(test)).focus()
         page.keyboard.press("Shift+Tab")
         page.keyboard.press("Tab")
-        page.wait_for_timeout(500)
-        seen = page.evaluate(
-            "(() => { const s = getComputedStyle(document.activeElement);"
-            "return (s.outlineStyle === 'solid' && parseFloat(s.outlineWidth) >= 2)"
-            "|| s.boxShadow.includes('0px 0px 0px 5px'); })()"
-        )
+        page.wait_for_function("(one) => document.activeElement.matches(one)", arg=by(test))
+        page.wait_for_function(RING)
         assert page.evaluate("(one) => document.activeElement.matches(one)", by(test)), test
-        assert seen, test
+        assert page.evaluate(RING), test
 
 
 def test_numbers_that_must_not_be_used_stand_under_a_red_light(page, studio):

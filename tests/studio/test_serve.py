@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 import socket
 import subprocess
-import time
 import urllib.error
 import urllib.request
 
 import pytest
 
 from dummydesign.project.folder import make_project
-from tests.support.studio import command, running, surroundings
+from tests.support.studio import command, running, surroundings, until
 
 pytestmark = pytest.mark.slow
 
@@ -86,10 +85,7 @@ def test_a_command_goes_on_when_the_studio_ends_and_the_next_one_knows_it(tmp_pa
         job = jobs.start(tmp_path / "thumb", "suggest", words)
     assert jobs.read_job(job.folder).state in ("running", "done")
     with running(tmp_path / "thumb", tmp_path / "home") as studio:
-        for _ in range(2400):
-            if jobs.read_job(job.folder).state != "running":
-                break
-            time.sleep(0.5)
+        until(lambda: jobs.read_job(job.folder).state != "running", seconds=1200)
         assert jobs.read_job(job.folder).answer["recommendation"]["shape"] == "slab"  # red or not
         assert b"designs/a" in get(studio, "")[1]
     manifest = json.loads((tmp_path / "thumb" / "designs" / "a" / "manifest.json").read_text(encoding="utf-8"))

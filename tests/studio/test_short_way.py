@@ -8,7 +8,7 @@ import zipfile
 
 import pytest
 
-from tests.support.studio import browser, live, running, settled
+from tests.support.studio import browser, live, running, settled, until
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -84,7 +84,7 @@ def test_the_short_way_goes_by_the_keyboard_alone(tmp_path):
             page.keyboard.press("ArrowDown")
             page.wait_for_timeout(200)
         page.keyboard.press("Enter")
-        page.wait_for_timeout(700)
+        page.wait_for_selector(".q-menu", state="detached")
         assert focused()
         tab_to(by("make"))
         page.keyboard.press("Enter")
@@ -97,22 +97,20 @@ def test_the_short_way_goes_by_the_keyboard_alone(tmp_path):
         tab_to(by("number-thickness"))
         page.keyboard.type("7")
         page.keyboard.press("Enter")
-        page.wait_for_timeout(2000)
+        page.wait_for_selector(f"{by('verdict')} [data-state=settled] >> text=slab, 7 mm")
         assert page.evaluate("(words) => document.activeElement.matches(words)", by("number-thickness"))
         tab_to(by("run-suggest"))
         page.keyboard.press("Enter")
         page.wait_for_selector(f"{by('found-suggest')} {by('why')}")
         page.wait_for_selector(f"{by('verdict')} [data-state=settled]")
-        page.wait_for_timeout(2000)
-        assert focused()
+        assert until(focused, page, 30)
         tab_to(f"{by('next-of-pad')} {by('mould')}")
         page.keyboard.press("Enter")
         opened("Mould")
         tab_to(by("run-mould"))
         page.keyboard.press("Enter")
         page.wait_for_selector(f"{by('found-mould')} {by('zip')}")
-        page.wait_for_timeout(1000)
-        assert focused()
+        assert until(focused, page, 30)
         tab_to(f"{by('found-mould')} {by('zip')}")
         with page.expect_download() as download:
             page.keyboard.press("Enter")

@@ -211,7 +211,6 @@ def test_a_person_whose_fit_fails_ends_the_chain_with_the_reason(page, studio):
     page.locator(by("run-people")).click()
     page.wait_for_selector(".work .problem >> text=-3")
     page.wait_for_selector(f"{by('run-people')}:not([disabled])")
-    page.wait_for_timeout(1500)
     assert len(list((root / ".studio" / "jobs").glob("*-people"))) == 1
     assert not (home / "materials").exists()
     # mended, it goes to the end

@@ -14,7 +14,7 @@ import pytest
 
 from dummydesign.measurement.campaign_status import check_campaign
 from tests.support.pressed_plan import press_campaign
-from tests.support.studio import browser, choose, processor_s, running, surroundings
+from tests.support.studio import browser, choose, processor_s, running, surroundings, until
 from tests.support.studio import test_id as by
 from tests.support.walkthrough_files import write as write_exports
 
@@ -138,9 +138,7 @@ def _to_calibration(page, studio, base, told):
     click(by("again"))
     page.wait_for_selector('[data-test="verdict"] .verdict[data-state="settled"]')
     _search_slabs(page, click)
-    deadline = time.monotonic() + LONG_MS / 1e3
-    while not list((folder / "designs").glob("*calibrated*/manifest.json")) and time.monotonic() < deadline:
-        page.wait_for_timeout(500)
+    until(lambda: list((folder / "designs").glob("*calibrated*/manifest.json")), page, LONG_MS / 1e3)
     page.wait_for_selector(f"{by('run-suggest')}:not([disabled])", timeout=LONG_MS)
     page.goto(f"{studio.home}")
     told["overview"] = page.locator("body").inner_text()

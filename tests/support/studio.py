@@ -154,6 +154,14 @@ def opened(page, studio, path):
     live(page)
 
 
+def until(true, page=None, seconds=600.0):
+    """Wait until something is true, ``seconds`` at most, and return it; a page goes on meanwhile."""
+    deadline = time.monotonic() + seconds
+    while not (found := true()) and time.monotonic() < deadline:
+        page.wait_for_timeout(50) if page else time.sleep(0.05)
+    return found
+
+
 def settled(page) -> None:
     """Wait until the page has been the same for a second, 20 seconds at most."""
     before = ""

@@ -402,17 +402,12 @@ class PlanForm:
             "Change the plan" if replaced else "Plan it",
             self.words,
             self.show,
-            self.belongs,
+            made=folder_of,
             needs="trials",
         )
-        self.form.on_change(self.renew)
-        self.renew()
-
-    def renew(self) -> None:
-        """Something was chosen."""
-        for name in PAD:
-            self.form.fields[name].set_visibility(not self.form.fields["moulds"].value)
-        self.work.renew()
+        for one in PAD:
+            self.form.fields[one].bind_visibility_from(self.form.fields["moulds"], "value", lambda chosen: not chosen)
+        self.form.on_change(self.work.renew)
 
     def words(self) -> list[str]:
         """The plan as a command."""
@@ -427,12 +422,6 @@ class PlanForm:
             folder,
             *jobs.options(plan_options(given) | {"replace": bool(self.replaced)}),
         ]
-
-    def belongs(self, job: jobs.Job, words: list[str]) -> bool:
-        """Whether a job made the plan that is chosen, and it is still there."""
-        folder = folder_of(job)
-        there = not folder or ((self.root / folder).is_dir() and jobs.is_last(self.root, job, folder_of))
-        return list(job.words) == words and there
 
     def show(self, job: jobs.Job) -> None:
         """Show what was planned."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -96,6 +97,7 @@ class PressComparison:
                     self.replay_words,
                     self.show_replay,
                     self.replay_belongs,
+                    stamp=lambda: self.pad.value,
                     needs="trials",
                 )
         with people_place:
@@ -109,7 +111,7 @@ class PressComparison:
         """Read which pads were pressed; the one that is chosen stays, unless presses were dropped."""
         before = self.pad.value
         self.pads = project_index.pads(self.root, self.state)
-        named = {one.label: one.label for one in self.pads}
+        named = [one.label for one in self.pads]
         first = project_index.nearest(self.pads, self.state)
         if dropped:
             first, before = next(one for one in self.pads if one.files[0].startswith(project_index.DROPPED)), None
@@ -131,16 +133,14 @@ class PressComparison:
     def new_pad(self) -> None:
         """Offer the presses and the records of the pad."""
         pad = self.chosen()
-        names = {path: path.rpartition("/")[2] for path in pad.files} if pad else {}
+        names = {path: Path(path).name for path in pad.files} if pad else {}
         self.files.set_options(names, value=list(names))
         self.files.set_enabled(bool(names))
-        records = project_index.records(self.root, pad) if pad else []
-        self.record.set_options(
-            {"": "none"} | {one: one for one in records},
-            value=self.record.value if self.record.value in records else "",
-        )
+        records = {"": "none"} | {one: one for one in (project_index.records(self.root, pad) if pad else [])}
+        self.record.set_options(records, value=self.record.value if self.record.value in records else "")
         self.model.set_visibility(bool(pad and pad.campaign))
-        self.people.tell_pad(f"Presses of {pad.label}, against {self.tissue.value}." if pad else "No presses yet.")
+        shown = f"Presses of {pad.label}, against {self.tissue.value}." if pad else "No presses yet."
+        self.people.pad.set_content(filled("<p>{} Choose others under Compare.</p>", shown))
         self.renew_lines()
 
     def renew(self) -> None:
@@ -168,14 +168,12 @@ class PressComparison:
         return ["compare", *presses, *options(given)]
 
     def replay_words(self) -> list[str]:
-        """The prediction as a command."""
-        pad = self.chosen()
-        if pad is None or not pad.campaign:
-            raise InputError("choose a pad of a campaign", "missing", "campaign")
+        """The prediction as a command; offered for a pad of a campaign alone."""
         if not self.calibration.value:
             message = "choose a calibration: the model is then compared with the presses too"
             raise InputError(message, "missing", "calibration")
-        return ["replay", pad.campaign, *options({"calibration": self.calibration.value, "tissue": self.tissue.value})]
+        pad, given = self.chosen(), {"calibration": self.calibration.value, "tissue": self.tissue.value}
+        return ["replay", pad.campaign if pad else "", *options(given)]
 
     def replay_belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a job predicted this campaign with this calibration."""
@@ -235,8 +233,8 @@ OTHERS = {
 def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> None:
     """Fields for what was really cast, a map of where it is gauged, and the verdict of the record."""
     every = project_index.moulds(root)[::-1]
-    moulds = [one for one in every if project_index.gauge_points(root / one.folder)]
-    if lacking := [one.folder for one in every if one not in moulds]:
+    moulds = {one.folder: one for one in every if project_index.gauge_points(root / one.folder)}
+    if lacking := [one.folder for one in every if one.folder not in moulds]:
         html(
             '<p class="note" data-test="no-points">No gauge points in {} (spec.json). {}, then record its pad.</p>',
             ", ".join(lacking),
@@ -246,11 +244,10 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
         html('<p class="note">No mould in this project yet: {}.</p>', page_link("/mould", "make one"))
     if not moulds:
         return
-    known = {one.folder: f"{one.folder}: {one.label}" for one in moulds}
-    first = next((one for one in moulds if one.is_of(kept.state)), moulds[0]).folder
-    before = kept.own.get(MOULD, "")
+    known = {folder: f"{folder}: {one.label}" for folder, one in moulds.items()}
+    wanted = [kept.own.get(MOULD), *(folder for folder, one in moulds.items() if one.is_of(kept.state)), *moulds]
     typed = {name.removeprefix(TYPED): text for name, text in kept.own.items()}
-    chosen = widgets.select("Mould it was cast in", known, before if before in known else first, "record-mould")
+    chosen = widgets.select("Mould it was cast in", known, next(one for one in wanted if one in known), "record-mould")
     with ui.element("div").classes("pair"):
         map_of = html("")
         with ui.element("div"):
@@ -267,24 +264,16 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
             button = ui.element("div")
 
     def words() -> list[str]:
-        thickness = gauged.filled(**{name: f"thickness at {name}" for name in gauged.fields})
-        return [
-            "mold",
-            "record",
-            chosen.value,
-            *options(
-                {"thickness": ",".join(f"{name}={value:g}" for name, value in thickness.items())}
-                | others.filled(mass="the mass of the trimmed pad")
-            ),
-        ]
-
-    def show(job: Job) -> None:
-        show_record(job.answer)
-        then()
+        gauges = gauged.filled(**{name: f"thickness at {name}" for name in gauged.fields})
+        thickness = ",".join(f"{name}={value:g}" for name, value in gauges.items())
+        given = {"thickness": thickness, **others.filled(mass="the mass of the trimmed pad")}
+        return ["mold", "record", chosen.value, *options(given)]
 
     def list_records() -> None:
+        """List what was recorded, here and among the choices of the comparison."""
         with widgets.fresh(records):
             _records(root, chosen.value)
+        then()
 
     def renew() -> None:
         read = {f"{TYPED}{name}": text for name, text in (gauged.kept() | others.kept()).items()}
@@ -293,10 +282,8 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
         work.renew()
 
     def draw_map() -> None:
-        mould = next(one for one in moulds if one.folder == chosen.value)
-        map_of.set_content(
-            gauge_map(project_index.gauge_points(root / chosen.value), mould.length_mm, mould.width_mm, gauged.kept())
-        )
+        mould, points = moulds[chosen.value], project_index.gauge_points(root / chosen.value)
+        map_of.set_content(gauge_map(points, mould.length_mm, mould.width_mm, gauged.kept()))
 
     found, records = widgets.area(), widgets.area()
     with button:
@@ -305,7 +292,7 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
             "record",
             "Keep this record",
             words,
-            show,
+            lambda job: show_record(job.answer),
             ended=lambda job, mine: list_records(),
             needs="limits",
             found=found,
@@ -399,11 +386,13 @@ class PeopleOfPad:
         with widgets.fields():
             known = {name: f"{name}: {SHORT[name]}" if name in SHORT else name for name in DRIVES}
             self.drive = widgets.select("What moves the robot", known, "position", "drive")
-            self.numbers: dict[str, NumberField] = {}
+            self.numbers: dict[QuantitySpec, NumberField] = {}
             for purpose, usual in _numbers().items():
                 name = purpose.quantity.partition(" in ")[0]
                 label = f"{name[0].upper()}{name[1:]}" + (f" [{purpose.unit}]" if purpose.unit else "")
-                self.numbers[purpose.quantity] = NumberField(label, usual, test=f"drive-{name}")
+                self.numbers[purpose] = NumberField(label, usual, test=f"drive-{name}").bind_visibility_from(
+                    self.drive, "value", partial(_is_wanted, purpose)
+                )
             self.limits = widgets.select("Your limits", self._known_limits(), "", "limits")
         self.work = JobPanel(
             self.root,
@@ -421,21 +410,15 @@ class PeopleOfPad:
                 "A TOML file as 'on-person --limits' takes it.",
                 "limits",
             )
-        self.drive.on_value_change(self._new_drive)
-        widgets.on_change(self.work.renew, self.limits, *self.numbers.values())
-        self._new_drive()
-
-    def tell_pad(self, words: str) -> None:
-        """Say whose presses are put on people."""
-        self.pad.set_content(filled("<p>{} Choose others under Compare.</p>", words))
+        widgets.on_change(self.work.renew, self.drive, self.limits, *self.numbers.values())
 
     def words(self) -> list[str]:
         """The command of what is chosen."""
         (pad, presses), tissue = self.comparison.presses(), self.comparison.tissue.value
-        values = {name: self.numbers[name].number for name in self._wanted()}
-        for name, value in values.items():
+        values = {purpose: self.numbers[purpose].number for purpose, _ in DRIVES[self.drive.value].numbers}
+        for purpose, value in values.items():
             if value is None:
-                raise InputError(f"type {name}", "missing", "drive")
+                raise InputError(f"type {purpose.quantity}", "missing", "drive")
         numbers = ",".join(f"{value:g}" for value in values.values())
         drive = read_drive(f"{self.drive.value}:{numbers}" if numbers else self.drive.value)
         given = {
@@ -447,15 +430,6 @@ class PeopleOfPad:
             "out": f"designs/on-person-{Path(tissue).stem}",
         }
         return ["on-person", *presses, *options(given)]
-
-    def _wanted(self) -> list[str]:
-        """What the chosen drive needs to know."""
-        return [purpose.quantity for purpose, _ in DRIVES[self.drive.value].numbers]
-
-    def _new_drive(self) -> None:
-        for name, field in self.numbers.items():
-            field.set_visibility(name in self._wanted())
-        self.work.renew()
 
     def _known_limits(self) -> dict[str, str]:
         return {"": "none"} | {f"{LIMITS}/{one.name}": one.stem for one in sorted((self.root / LIMITS).glob("*.toml"))}
@@ -474,6 +448,11 @@ class PeopleOfPad:
         kept = keep_file(self.root, self.root / LIMITS, name, content)
         self.limits.set_options(self._known_limits(), value=f"{LIMITS}/{kept.name}")
         return kept
+
+
+def _is_wanted(purpose: QuantitySpec, drive: str) -> bool:
+    """Whether a drive needs to know a number."""
+    return purpose in dict(DRIVES[drive].numbers)
 
 
 def _numbers() -> dict[QuantitySpec, float | None]:

@@ -45,6 +45,7 @@ class LearnPage:
             self.words,
             self.show,
             self.belongs,
+            lambda job: str(job.answer.get("calibration_file") or ""),
             lambda job, mine: self.list_calibrations(),
             needs="answer",
         )
@@ -57,6 +58,7 @@ class LearnPage:
             self.next_words,
             self.show_plan,
             self.belongs,
+            lambda job: _plan_folder(job.answer),
             lambda job, mine: self.list_calibrations(),
             main=False,
         )
@@ -86,9 +88,8 @@ class LearnPage:
         return [*words, *options({"plan": f"campaigns/{name}", "replace": same})]
 
     def belongs(self, job: Job, words: list[str]) -> bool:
-        """Whether a job was of the campaign that is chosen, and what it made is still there."""
-        path = _plan_folder(job.answer) if job.name == "next" else str(job.answer.get("calibration_file") or "")
-        return job.words[1:2] == (self.campaign.value,) and (self.root / path).exists()
+        """Whether a job was of the campaign that is chosen."""
+        return job.words[1:2] == (self.campaign.value,)
 
     def renew(self) -> None:
         """Another campaign was chosen."""

@@ -69,6 +69,7 @@ class MeasuredPage:
             self._words,
             self._show,
             self._belongs,
+            lambda job: _out(job) if job.answer.get("files") else "",
             lambda job, mine: self._list_imports(),
             needs="files",
             warn=False,
@@ -129,9 +130,8 @@ class MeasuredPage:
         ]
 
     def _belongs(self, job: jobs.Job, words: list[str]) -> bool:
-        """Whether a job read the chosen files, and its presses are still there."""
-        same = set(_sources(job)) == {f"measured/{name}" for name in self._chosen.value or []}
-        return same and (not job.answer.get("files") or (self._root / _out(job)).is_dir())
+        """Whether a job read the chosen files."""
+        return set(_sources(job)) == {f"measured/{name}" for name in self._chosen.value or []}
 
     def _list_files(self) -> None:
         names = self._names() if self._change.value else []

@@ -16,9 +16,9 @@ from dummydesign.project.folder import Project
 from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
-from dummydesign.studio.jobs import Job, holds_answer, options
+from dummydesign.studio.jobs import Job, options
 from dummydesign.studio.markup import Markup, filled, joined
-from dummydesign.studio.state import State, design_state, design_summary, page_link
+from dummydesign.studio.state import State, design_state, page_link
 from dummydesign.studio.widgets import NumberField, html, keep_state
 
 OUTLINE_MM, OUTLINES_MM = (150.0, 120.0), (20.0, 300.0)
@@ -54,7 +54,8 @@ class MouldPage:
             "Make the mould",
             self.words,
             self.show,
-            self.belongs,
+            lambda job, words: pad_of(job.words) == pad_of(words),
+            lambda job: folder_of(job.answer),
             lambda job, mine: self.list_moulds(),
             needs="batch",
         )
@@ -80,11 +81,6 @@ class MouldPage:
             with suppress(InputError):
                 now = now.changed(**{name: self.form.fields[field].number or getattr(now, name)})
         return now
-
-    def belongs(self, job: Job, words: list[str]) -> bool:
-        """Whether a job made the mould that is chosen, and its files are still there."""
-        folder = folder_of(job.answer)
-        return pad_of(job.words) == pad_of(words) and (not folder or holds_answer(self.root, folder, job.answer))
 
     def renew(self) -> None:
         """Something was chosen."""
@@ -176,8 +172,7 @@ def folder_of(answer: Mapping[str, Any]) -> str:
 
 def verdict_of(root: Path, state: State) -> str:
     """Why the pad must not be cast, in a sentence; empty for one that may be, or that was not judged."""
-    design = project_index.design_of_pad(root, state)
-    summary = design_summary(root, design) if design else {}
+    summary = project_index.summary_of_pad(root, state)
     return str(summary.get("text", "")) if summary.get("verdict") == "not_representative" else ""
 
 

@@ -11,11 +11,11 @@ from nicegui import ui
 
 from dummydesign.core.levels import LEVELS, LIGHTS, level_name
 from dummydesign.project.folder import Project, make_example, make_project
-from dummydesign.project.status import STANDARD_RESIN, ProjectFile, ProjectStatus, pads_of, status_of
+from dummydesign.project.status import STANDARD_RESIN, ProjectFile, ProjectStatus, measured, pads_of, status_of
 from dummydesign.studio import figures, jobs, project_index, select_options, widgets
 from dummydesign.studio.file_actions import deleted_files
 from dummydesign.studio.markup import Markup, filled, joined
-from dummydesign.studio.state import State, address, design_state, is_design, next_page, next_state, page_link
+from dummydesign.studio.state import State, absolute, address, design_state, is_design, next_page, next_state, page_link
 from dummydesign.studio.widgets import html
 
 ROOMS = {
@@ -132,7 +132,7 @@ def _strip(status: ProjectStatus, next_path: str, following: State) -> Markup:
         "/measured": (bool(imports), read or ("tissue of the library" if own else "")),
         "/tissue": (bool(own), own),
         "/design": (verdict not in ("", LEVELS[-1]), level_name(verdict)),
-        "/resin": (project_index.measured_resin(status.project.root, following), following.resin),
+        "/resin": (measured(absolute(status.project.root, following.resin)), following.resin),
         "/mould": (bool(moulds), f"{len(moulds)} made" if moulds else ""),
         "/cast": (
             bool(compared),

@@ -65,7 +65,8 @@ def state_of_answer(state: State, answer: dict[str, Any], folder: str) -> State:
 
 def _folder(job: jobs.Job) -> str:
     """The folder of a search's answer, from the project folder on; another number than requested when it was taken."""
-    return "designs/" + str(job.answer["inputs"]["out"]).replace("\\", "/").rpartition("/")[2]
+    out = str(job.answer["inputs"]["out"]) if "recommendation" in job.answer else ""
+    return out and "designs/" + out.replace("\\", "/").rpartition("/")[2]
 
 
 class Search:
@@ -88,7 +89,8 @@ class Search:
                 "Find the best pad",
                 self.words,
                 self.show,
-                self.belongs,
+                lambda job, words: question_of(job.words, job.answer) == self.state().question,
+                _folder,
                 self.ended,
                 lambda: sliders.stamp_of(self.root, self.state()),
                 "recommendation",
@@ -107,15 +109,9 @@ class Search:
             {**state.question, "shape": self.kinds.value}, f"suggest-{stem}{'-calibrated' if state.calibration else ''}"
         )
 
-    def belongs(self, job: jobs.Job, words: list[str]) -> bool:
-        """Whether a search was for what is chosen."""
-        if question_of(job.words, job.answer) != self.state().question:
-            return False
-        return "recommendation" not in job.answer or jobs.holds_answer(self.root, _folder(job), job.answer)
-
     def ended(self, job: jobs.Job, mine: bool) -> None:
         """Put the sliders at the pad that was found, when it is for what is chosen."""
-        if mine and "recommendation" in job.answer:
+        if mine and _folder(job):
             self.take(state_of_answer(self.state(), job.answer, _folder(job)))
 
     def show(self, job: jobs.Job) -> None:
@@ -200,7 +196,13 @@ class SolvedPad:
         self.box = widgets.area("solved")
         with self.box:
             self.work = JobPanel(
-                self.root, "pad", "Solve this pad", self.words, self.show, self.belongs, lambda job, mine: solved()
+                self.root,
+                "pad",
+                "Solve this pad",
+                self.words,
+                self.show,
+                self.belongs,
+                ended=lambda job, mine: solved(),
             )
         self.renew(False, False)
 

@@ -165,10 +165,8 @@ def fit_panel(page: TissuePage) -> None:
         return ["fit", *picked.value, *jobs.options({**given, "out": f"tissue/{kept}"})]
 
     def belongs(job: jobs.Job, chosen: list[str]) -> bool:
-        """Whether a fit is of the chosen presses and name, and its tissue is still there."""
-        same = set(_presses(job.words)) == set(_presses(chosen)) and [job.words[-1]] == chosen[-1:]
-        tissue = _tissue_of(job)
-        return same and (not tissue or ((root / tissue).is_file() and jobs.is_last(root, job, _tissue_of)))
+        """Whether a fit is of the chosen presses and name."""
+        return set(_presses(job.words)) == set(_presses(chosen)) and [job.words[-1]] == chosen[-1:]
 
     def ended(job: jobs.Job, mine: bool) -> None:
         """Choose what was fitted, when it answers what is chosen."""
@@ -182,6 +180,7 @@ def fit_panel(page: TissuePage) -> None:
         words,
         lambda job: _show(page, job),
         belongs,
+        _tissue_of,
         ended,
         needs="parameters",
         main=False,

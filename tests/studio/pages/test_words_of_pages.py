@@ -92,7 +92,9 @@ def test_a_part_has_one_row_with_a_link_to_each_of_its_formats():
 @pytest.mark.parametrize(("verdict", "told"), [("not_representative", True), ("not_settled", False), (None, False)])
 def test_a_mould_of_a_red_design_says_why_it_must_not_be_cast(monkeypatch, verdict, told):
     monkeypatch.setattr(mould.project_index, "design_of_pad", lambda root, state: "designs/a")
-    monkeypatch.setattr(mould, "design_summary", lambda root, design: {"verdict": verdict, "text": "Reads low."})
+    monkeypatch.setattr(
+        mould.project_index, "design_summary", lambda root, design: {"verdict": verdict, "text": "Reads low."}
+    )
     assert mould.verdict_of(Path(), State("palm")) == ("Reads low." if told else "")
     monkeypatch.setattr(mould.project_index, "design_of_pad", lambda root, state: "")
     assert mould.verdict_of(Path(), State("palm")) == ""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.core.options import command_words
+from dummydesign.core.parsing import command_words
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.design.problem import recipe_of_pour
 from dummydesign.design.request import Request

@@ -137,7 +137,7 @@ def lay_out(page: FrontPage) -> bytes:
     return typeset(TEMPLATE, content)
 
 
-def sentence(text: str) -> str:
+def full_sentence(text: str) -> str:
     """The text with a capital, unless it begins with a file's name, and a full stop."""
     first = text.partition(" ")[0].rstrip(",;:")
     return text and f"{text[0].upper() if first.isalpha() else text[0]}{text[1:].removesuffix('.')}."
@@ -148,7 +148,9 @@ def warning_texts(warnings: Sequence[Mapping[str, str]]) -> list[str]:
     kinds: dict[str, list[str]] = {}
     for item in warnings:
         kinds.setdefault(item["code"], []).append(item["message"])
-    return [sentence(texts[0]) + (f" ({len(texts) - 1} more)" if len(texts) > 1 else "") for texts in kinds.values()]
+    return [
+        full_sentence(texts[0]) + (f" ({len(texts) - 1} more)" if len(texts) > 1 else "") for texts in kinds.values()
+    ]
 
 
 def _range(panels: Sequence[Panel]) -> tuple[float, float] | None:

@@ -10,7 +10,7 @@ from typing import Any
 
 from dummydesign.core.tables import Table
 from dummydesign.design.request import base_words
-from dummydesign.report.sections.curves import curves_text
+from dummydesign.report.sections import curves_text
 from dummydesign.tissue.model.people_share import is_strict
 
 MOST_NOTES = 4

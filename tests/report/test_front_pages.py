@@ -142,7 +142,7 @@ def test_the_page_of_a_study_has_the_best_designs_or_the_plane(made):
 
 @pytest.mark.slow
 def test_the_page_on_people_has_the_closest_limit_and_every_press(made):
-    from dummydesign.report.on_person_facts import limit_name, number_text
+    from dummydesign.report.on_person import limit_name, number_text
 
     page, answer = texts_of(made, "on-person"), made["on-person"][1]
     rows = [row for press in answer["presses"] for row in press["limits"]]

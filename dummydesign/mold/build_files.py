@@ -13,8 +13,8 @@ import numpy as np
 
 from dummydesign.core.progress import write_progress
 from dummydesign.mold.cad.build import build
+from dummydesign.mold.cad.kernel import beside
 from dummydesign.mold.cad.parts import Parts
-from dummydesign.mold.cad.process_copy import beside
 from dummydesign.mold.checks import Check, release
 from dummydesign.mold.checks import files as check_files
 from dummydesign.mold.checks.process import check_process

@@ -16,8 +16,8 @@ import numpy as np
 from dummydesign._version import __version__
 from dummydesign.core.tables import Table
 from dummydesign.core.typeset import typeset
+from dummydesign.report.drawing import draw_plot
 from dummydesign.report.plot import Plot
-from dummydesign.report.plot_drawing import draw_plot
 
 TEMPLATE = Path(__file__).with_name("front_page.typ")
 MOST_PANELS, MOST_NUMBERS = 6, 5
@@ -61,8 +61,8 @@ class FrontPage:
     verdict : tuple of (str or None, str)
         Light (green, amber, red or none) and words; the words up to the first full stop are set in bold.
     drawing : tuple of (str, dict)
-        Heading and what is drawn, by :func:`dummydesign.report.plot_drawing.plot_drawing` or
-        :func:`dummydesign.report.pad_drawing.pad_section`.
+        Heading and what is drawn, by :func:`dummydesign.report.drawing.plot_drawing` or
+        :func:`dummydesign.report.drawing.pad_section`.
     facts_title, facts : str, sequence of Fact
         What stands right of the drawing.
     panels_title, panels : str, sequence of Panel

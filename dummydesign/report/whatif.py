@@ -14,10 +14,10 @@ import numpy as np
 from dummydesign.core.parsing import command_words
 from dummydesign.core.tables import Table
 from dummydesign.design.request import Request
+from dummydesign.report.drawing import plot_drawing
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, full_sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, write_report
 from dummydesign.report.plot import Plot, Series
-from dummydesign.report.plot_drawing import plot_drawing
 
 if TYPE_CHECKING:
     from dummydesign.design.sweep.spec import Study

@@ -10,9 +10,9 @@ import pytest
 
 from dummydesign.cli.entry import run
 from dummydesign.report.compare import next_steps
+from dummydesign.report.drawing import draw_plot, plot_drawing
 from dummydesign.report.front_page import lay_out
 from dummydesign.report.plot import Plot, Series
-from dummydesign.report.plot_drawing import draw_plot, plot_drawing
 from tests.report.test_front_page import PAPER_MM, some_page
 from tests.support.answer_inputs import make_inputs
 from tests.support.pdf_paths import pages_mm

@@ -400,27 +400,23 @@ def limit_text(row: dict[str, Any]) -> str:
 
 def next_steps(result: dict[str, Any]) -> list[str]:
     """What to do now: first what makes the numbers valid, then what the worst check of the limits asks for."""
-    word, steps = headline(result)[0], list[str]()
+    word, worst = headline(result)[0], worst_beyond(result["presses"])
     wrong = next((one for one in result["presses"] if one["drive_contradicted"]), None)
-    if wrong is not None:
-        steps.append(other_drive(result["drive"], wrong["signs"]))
-    worst = worst_beyond(result["presses"])
-    if worst is not None:
-        steps.append(_into_range(worst[0]))
-    if word == "fail":
-        steps.append("reduce speed, force or moving mass; press the pad again with the new setting")
-    elif word == "pass":
-        steps.append("keep speed, force and moving mass at or below those of these presses")
-    elif word == "undecided" and worst is None:
-        steps.append(
-            "reduce speed, force or moving mass, or measure more subjects: dummydesign tissues add NAME TRACE.csv..."
-        )
-    elif word == "result":
-        template = result["files"].get("limits_template", LIMITS_TEMPLATE)
-        steps.append(
-            f"compare with your limits: copy {template} to limits.toml, fill it in, repeat with --limits limits.toml"
-        )
-    return steps
+    template = result["files"].get("limits_template", LIMITS_TEMPLATE)
+    fewer = "reduce speed, force or moving mass, or measure more subjects: dummydesign tissues add NAME TRACE.csv..."
+    asked = {
+        "fail": "reduce speed, force or moving mass; press the pad again with the new setting",
+        "pass": "keep speed, force and moving mass at or below those of these presses",
+        "undecided": "" if worst else fewer,
+        "result": f"compare with your limits: copy {template} to limits.toml, fill it in, "
+        "repeat with --limits limits.toml",
+    }
+    steps = (
+        wrong and other_drive(result["drive"], wrong["signs"]),
+        worst and _into_range(worst[0]),
+        asked[word],
+    )
+    return [step for step in steps if step]
 
 
 def _into_range(way: dict[str, Any]) -> str:

@@ -14,8 +14,16 @@ from dummydesign.core.files import csv_text, write_bytes, write_text
 from dummydesign.core.tables import Table
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
-from dummydesign.report.drawing import picture, plot_drawing
-from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, full_sentence, warning_texts
+from dummydesign.report.front_page import (
+    FOOT,
+    Fact,
+    FrontPage,
+    Panel,
+    full_sentence,
+    picture,
+    plot_drawing,
+    warning_texts,
+)
 from dummydesign.report.page import STYLES, Section, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, Series, press_plot, steady_plot
 from dummydesign.report.sections import budget_section, curves_section

@@ -10,7 +10,7 @@ import numpy as np
 
 from dummydesign.core.files import write_bytes, write_text
 from dummydesign.core.tables import Table
-from dummydesign.report.drawing import picture
+from dummydesign.report.front_page import picture
 from dummydesign.report.page import STYLES, Section, log_start, table_of_parameters, unique, write_report
 from dummydesign.report.plot import Plot, Series, press_plot
 from dummydesign.tissue.fitting.fit import TissueFit, subject_from_fit

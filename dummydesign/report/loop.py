@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.tables import Table
 from dummydesign.loop.result import LoopResult, answer_rows, answer_words, listed, named, read_as_words, result_dict
-from dummydesign.report.drawing import plot_drawing
-from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, full_sentence, warning_texts
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, full_sentence, plot_drawing, warning_texts
 from dummydesign.report.page import STYLES, Section, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, Series, press_plot
 

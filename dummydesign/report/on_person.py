@@ -15,8 +15,7 @@ from dummydesign.core.tables import Table
 from dummydesign.core.user_library import data_folder
 from dummydesign.person.on_person import OnPerson, PersonPress
 from dummydesign.person.validity_range import FAR, short_number, subject_words
-from dummydesign.report.drawing import plot_drawing
-from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, full_sentence, warning_texts
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, full_sentence, plot_drawing, warning_texts
 from dummydesign.report.page import Section, log_start, unique, write_report
 from dummydesign.report.plot import Plot, Series, press_plot
 from dummydesign.report.sections import budget_section

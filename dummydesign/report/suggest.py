@@ -24,8 +24,7 @@ from dummydesign.design.request import base_words
 from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_view, view_script
 from dummydesign.report import suggest_facts
-from dummydesign.report.drawing import pad_section
-from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, full_sentence
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, full_sentence, pad_section
 from dummydesign.report.page import STYLES, Section, solid_section, write_report
 from dummydesign.report.plot import Plot, Series, press_plot, steady_plot
 from dummydesign.report.sections import budget_section, curves_section

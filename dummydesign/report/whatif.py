@@ -14,8 +14,7 @@ import numpy as np
 from dummydesign.core.parsing import command_words
 from dummydesign.core.tables import Table
 from dummydesign.design.request import Request
-from dummydesign.report.drawing import plot_drawing
-from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, full_sentence, warning_texts
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, full_sentence, plot_drawing, warning_texts
 from dummydesign.report.page import STYLES, Section, write_report
 from dummydesign.report.plot import Plot, Series
 

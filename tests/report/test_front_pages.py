@@ -10,8 +10,7 @@ import pytest
 
 from dummydesign.cli.entry import run
 from dummydesign.report.compare import next_steps
-from dummydesign.report.drawing import draw_plot, plot_drawing
-from dummydesign.report.front_page import lay_out
+from dummydesign.report.front_page import draw_plot, lay_out, plot_drawing
 from dummydesign.report.plot import Plot, Series
 from tests.report.test_front_page import PAPER_MM, some_page
 from tests.support.answer_inputs import make_inputs

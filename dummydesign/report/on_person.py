@@ -36,8 +36,10 @@ IN_HEADLINE = ("drive_mismatch", "beyond_range", "inferred_tissue")
 
 def write_on_person(answer: OnPerson, result: dict[str, Any], rate_hz: float, folder: Path) -> dict[str, str]:
     """Write the report, ``on_person.csv`` (curves at a uniform rate), ``on_person.json`` and a template of limits."""
-    pressed = people_sections(answer, result["presses"])
-    sections = [*pressed, *budget_section(result["budget"]), _drive_section(answer, result)]
+    names: set[str] = set()
+    pressed = [_press_section(one, row, names) for one, row in zip(answer.presses, result["presses"])]
+    limits = [_limit_section(result["presses"])] if any(row["limits"] for row in result["presses"]) else []
+    sections = [*limits, *pressed, *budget_section(result["budget"]), _drive_section(answer, result)]
     worst = max(result["presses"], key=lambda row: row["factor_peak"][1] or 0.0)
     shown = [
         (span_text(worst["factor_peak"]), "times the pad's peak force: the subjects, largest press"),
@@ -101,13 +103,6 @@ def _front(title: str, lead: str, result: dict[str, Any], plots: list[Plot]) -> 
     )
 
 
-def people_sections(answer: OnPerson, rows: list[dict[str, Any]], prefix: str = "press") -> list[Section]:
-    """Sections of the limits, where there are any, and of each press."""
-    names: set[str] = set()
-    limits = [_limit_section(rows)] if any(row["limits"] for row in rows) else []
-    return [*limits, *(_press_section(one, row, prefix, names) for one, row in zip(answer.presses, rows))]
-
-
 def on_grid(one: PersonPress, time_s: NDArray) -> tuple[NDArray, NDArray]:
     """Depths and forces of the subjects at times since contact, shape (subjects, n); NaN where they are not known."""
     rows = []
@@ -157,7 +152,7 @@ def press_figure(one: PersonPress, name: str) -> Plot:
     return press_plot(name, title, alt, series, (start, end))
 
 
-def _press_section(one: PersonPress, row: dict[str, Any], prefix: str, names: set[str]) -> Section:
+def _press_section(one: PersonPress, row: dict[str, Any], names: set[str]) -> Section:
     body = [
         [
             f"{words} [{unit}]",
@@ -179,7 +174,7 @@ def _press_section(one: PersonPress, row: dict[str, Any], prefix: str, names: se
     text = f"The peak force on the subjects is {span_text(row['factor_peak'])} times the pad's."
     if one.beyond:
         text += " Extrapolated: " + "; ".join(entry.text for entry in one.beyond) + "."
-    plot = press_figure(one, unique(prefix, names))
+    plot = press_figure(one, unique("press", names))
     table = Table(["", "pad", "subjects", "95 % of people"], body)
     return Section(f"Press {one.press.trace.name}", text, [plot], table)
 

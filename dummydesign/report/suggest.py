@@ -513,19 +513,12 @@ def _conditions(best: dict[str, Any]) -> Table:
             "depth / thickness": "depth_over_thickness",
             "gel compression": "gel_compression",
             "peak N": "peak_force_N",
-            "subjects' peaks N": lambda row: f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}",
-            "reads": _reads,
+            "subjects' peaks N": lambda row: suggest_facts.press_texts(row)[0],
+            "reads": lambda row: suggest_facts.press_texts(row)[1],
             "inside": "inside_fraction",
             "": lambda row: row["out_of_reach"] or "",
         },
     )
-
-
-def _reads(row: dict[str, Any]) -> str:
-    """How a press reads, with its size."""
-    if row["reads"] in (None, "inside"):
-        return row["reads"] or ""
-    return f"{row['percent_outside']:.0f} % {row['reads']}"
 
 
 def _alternatives(result: dict[str, Any]) -> Table | None:

@@ -299,7 +299,7 @@ ROWS, SETTINGS = "rows.csv", "study.json"
 _NAMED = ("thickness_mm", "ratio", "punch", "condition", "base", "shape", "edge_radius_mm")
 
 
-def _columns(study: Study) -> dict[str, tuple[str, ...]]:
+def columns_of_rows(study: Study) -> dict[str, tuple[str, ...]]:
     """Where each column's value is in a row; nested values have one column a key, such as ``depth_mm_at_5_N``."""
     forces, speeds = study.forces_N, study.velocities_mm_s
     columns: dict[str, tuple[str, ...]] = {name: (name,) for name in (*_NAMED, "young_kPa")}
@@ -320,8 +320,8 @@ def key_of(row: dict[str, Any]) -> Key:
 def write_rows(folder: Path, study: Study, settings: dict[str, Any], rows: Iterable[dict[str, Any]]) -> Path:
     """Write the rows of a study, numbers in full, and beside them the settings that they share."""
     write_text(folder / SETTINGS, json.dumps(settings, indent=1) + "\n")
-    columns = _columns(study)
-    values = ((row[at[0]] if len(at) == 1 else row[at[0]][at[1]] for at in columns.values()) for row in rows)
+    columns = columns_of_rows(study)
+    values = ([row[at[0]] if len(at) == 1 else row[at[0]][at[1]] for at in columns.values()] for row in rows)
     return write_text(folder / ROWS, csv_text(columns, values))
 
 

@@ -22,13 +22,12 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.files import write_text
 from dummydesign.design.assessment.decision import MISFIT_N, ShapeComparison, force_at
-from dummydesign.design.protocol import RADIUS_MM
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.press_simulation import DEPTH_SHARE
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.suggest import centring_tolerance, suggest
 from dummydesign.design.suggestion import CentringTolerance, Suggestion
-from dummydesign.geometry.dimensions import PUNCH_SIDE_MM
+from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM, PUNCH_SIDE_MM
 from dummydesign.geometry.interface import CONDITIONS
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.pad_under_punch import Pad
@@ -72,7 +71,8 @@ def check(item: ShapeComparison, targets: Targets) -> Solved:
         force = np.full(len(depth), np.nan)
         try:
             curve = solve_shaped_pad(
-                Pad(thickness, float(slabs.young_MPa[0]), RADIUS_MM, geometry=item.shape, condition=condition), within
+                Pad(thickness, float(slabs.young_MPa[0]), PUNCH_RADIUS_MM, geometry=item.shape, condition=condition),
+                within,
             )
         except NoAnswerError:
             forces[condition] = force
@@ -112,7 +112,7 @@ def study(tissue: str) -> tuple[Suggestion, list[Row]]:
             rows.append(Row(tissue, item, None, None))
             continue
         solved = check(item, answer.targets) if item.kind != Slab.name and item.shape.axisymmetric else None
-        lands = centring_tolerance(item.candidate, item.shape, RADIUS_MM, 0.5 * PUNCH_SIDE_MM)
+        lands = centring_tolerance(item.candidate, item.shape, PUNCH_RADIUS_MM, 0.5 * PUNCH_SIDE_MM)
         rows.append(Row(tissue, item, solved, lands))
         print(f"{tissue} {item.shape}: misfit {item.low_force.misfit_rms_ln_force}", flush=True)
     return answer, rows
@@ -123,9 +123,9 @@ def lowest_slab(answer: Suggestion, law: Any) -> tuple[float, float, float]:
     depth = answer.targets.aim_depth_mm(CHECKED_N)
     best = (float("nan"), float("nan"), float("inf"))
     for thickness in np.arange(3.0, 30.5, 0.5):
-        if depth[-1] > min(DEPTH_SHARE * thickness, float(law.depth_limit_mm(thickness, RADIUS_MM))):
+        if depth[-1] > min(DEPTH_SHARE * thickness, float(law.depth_limit_mm(thickness, PUNCH_RADIUS_MM))):
             continue
-        away = np.log(CHECKED_N / np.asarray(law.force(depth, thickness, 1.0, RADIUS_MM)))
+        away = np.log(CHECKED_N / np.asarray(law.force(depth, thickness, 1.0, PUNCH_RADIUS_MM)))
         if away.std() < best[2]:
             best = (float(thickness), 1e3 * float(np.exp(away.mean())), float(away.std()))
     return best

@@ -26,8 +26,7 @@ from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.mold.model.preset import mould_spec
-from dummydesign.mold.pour.acceptance import gauge_points
-from dummydesign.mold.pour.crown import COMPARED_DEPTH, crown_shape
+from dummydesign.mold.pour.acceptance import COMPARED_DEPTH, crown_shape, gauge_points
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.record import Measured, record_pad
 from dummydesign.pad.force_source import solve_points

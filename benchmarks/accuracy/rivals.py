@@ -41,9 +41,17 @@ from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.loop.calibration import Model, calibration_of
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects
-from dummydesign.loop.fitting.candidates import first_fit, modest
+from dummydesign.loop.fitting.candidates import (
+    Projection,
+    Screened,
+    change_by,
+    first_fit,
+    modest,
+    project,
+    screen,
+    starts_of,
+)
 from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit, fit_base, fit_with_noise, prior_precision
-from dummydesign.loop.fitting.screening import Projection, Screened, change_by, project, screen, starts_of
 from dummydesign.loop.model.campaign_law import law_of, within_reach
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import LAW_TERMS, readings

@@ -403,7 +403,7 @@ def calibrate(
     prior : CALIBRATION
         calibration.json of an earlier campaign of the same material.
 
-        See :mod:`dummydesign.loop.prior`.
+        See :mod:`dummydesign.loop.calibration`.
     plan : DIR
         Write the next measurement as a campaign to press.
 

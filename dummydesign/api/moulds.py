@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +15,10 @@ from dummydesign.core.parsing import LENGTH, WIDTH, read_number
 
 if TYPE_CHECKING:
     from dummydesign.mold.model.spec import MouldSpec
+    from dummydesign.mold.puck.ring import PuckSpec
+
+SUMMED_UP = ("shape", "thickness_mm", "ratio", "resin", "preset")
+"""Inputs that the list of past answers shows."""
 
 
 def make_mould(
@@ -151,7 +155,6 @@ def make_mould(
 def _make_one(
     spec: MouldSpec, resin: str | None, preset: str, out: FilePath | None, replace: bool, paper: str
 ) -> Result:
-    from dummydesign.core.outputs import new_folder
     from dummydesign.mold.client import make_mold
 
     folder = Path(out) if out else Path(f"mould_{spec.tag}")
@@ -173,18 +176,7 @@ def _make_one(
         inputs["count"] = spec.count
     if spec.box.face_sheet_mm:
         inputs["face_sheet_mm"] = spec.box.face_sheet_mm
-    asked = question("mold", {**inputs, "specification": spec.hash}, resin=resin, preset=preset)
-    with new_folder(folder, asked, replace=replace) as output:
-        head = {"inputs": {**inputs, "out": str(output.folder)}, "sources": list(spec.sources)}
-        try:
-            made = make_mold(spec, output.work, paper=paper)
-            mould = dataclasses.replace(made, files=output.settled(made.files))
-        except NoAnswerError as reason:
-            result = output.settled({**head, **reason.result})
-            raise NoAnswerError(reason.code, output.settled(str(reason)), result, reason.quantity) from None
-        output.extra["hash"] = spec.hash
-        output.extra["summary"] = {name: inputs[name] for name in ("shape", "thickness_mm", "ratio", "resin", "preset")}
-        result = output.answer({**head, **mould.to_dict(), "spec": spec.to_dict()})
+    mould, result = _made(make_mold, spec, folder, inputs, resin, preset, replace)
     # Memory differs from run to run; the same question shall get the same answer but for seconds.
     del result["memory_MB"]
     return Result(mould, result, "make_mould")
@@ -193,7 +185,6 @@ def _make_one(
 def _make_pucks(
     puck: str, preset: str, resin: str | None, ratio: float, out: FilePath | None, replace: bool, paper: str
 ) -> Result:
-    from dummydesign.core.outputs import new_folder
     from dummydesign.mold.client import make_puck_rings
     from dummydesign.mold.puck.ring import PRINTED, puck_spec, read_pucks
 
@@ -211,19 +202,34 @@ def _make_pucks(
         "ratio_meaning": spec.pour.ratio_meaning,
         "paper": paper,
     }
-    asked = question("mold", {**inputs, "specification": spec.hash}, resin=resin, preset=spec.preset)
+    return Result(*_made(make_puck_rings, spec, folder, inputs, resin, spec.preset, replace), "make_mould")
+
+
+def _made(
+    make: Callable[..., Any],
+    spec: MouldSpec | PuckSpec,
+    folder: Path,
+    inputs: dict[str, Any],
+    resin: str | None,
+    preset: str,
+    replace: bool,
+) -> tuple[Any, dict[str, Any]]:
+    """What is made by a specification into a folder of its own, and the answer."""
+    from dummydesign.core.outputs import new_folder
+
+    asked = question("mold", {**inputs, "specification": spec.hash}, resin=resin, preset=preset)
     with new_folder(folder, asked, replace=replace) as output:
         head = {"inputs": {**inputs, "out": str(output.folder)}, "sources": list(spec.sources)}
         try:
-            made = make_puck_rings(spec, output.work, paper=paper)
-            rings_made = dataclasses.replace(made, files=output.settled(made.files))
+            made = make(spec, output.work, paper=inputs["paper"])
+            made = dataclasses.replace(made, files=output.settled(made.files))
         except NoAnswerError as reason:
             result = output.settled({**head, **reason.result})
             raise NoAnswerError(reason.code, output.settled(str(reason)), result, reason.quantity) from None
         output.extra["hash"] = spec.hash
-        output.extra["summary"] = {name: inputs[name] for name in ("ratio", "resin", "preset")}
-        result = output.answer({**head, **rings_made.to_dict(), "spec": spec.to_dict()})
-    return Result(rings_made, result, "make_mould")
+        output.extra["summary"] = {name: inputs[name] for name in SUMMED_UP if name in inputs}
+        result = output.answer({**head, **made.to_dict(), "spec": spec.to_dict()})
+    return made, result
 
 
 def record_pad(

@@ -39,7 +39,7 @@ def add_options(parser: argparse._ActionsContainer, call: Call, leave: Collectio
     """
     from inspect import Parameter, getdoc, signature
 
-    from dummydesign.core.options import flag_of, quantity_of
+    from dummydesign.core.parsing import flag_of, quantity_of
 
     function, declared = loaded(call), {action.dest for action in parser._actions}
     parameters = signature(function).parameters

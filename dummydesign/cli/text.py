@@ -106,15 +106,13 @@ FIRST = (
 CODES = {"green": "32", "amber": "33", "red": "31"}
 
 
-def verdict_lines(verdict: dict[str, Any] | None, coloured: bool | None = None) -> list[str]:
+def verdict_lines(verdict: dict[str, Any] | None) -> list[str]:
     """The verdict and an empty line; nothing where there is none."""
     if verdict is None:
         return []
-    if coloured is None:
-        coloured = sys.stdout.isatty() and not os.environ.get("NO_COLOR")
-    lines = labelled(verdict["light"].upper(), verdict["text"])
-    if coloured:
-        light = verdict["light"].upper()
+    light = verdict["light"].upper()
+    lines = labelled(light, verdict["text"])
+    if sys.stdout.isatty() and not os.environ.get("NO_COLOR"):
         lines[0] = f"\033[1;{CODES[verdict['light']]}m{light}\033[0m{lines[0].removeprefix(light)}"
     return [*lines, ""]
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.design.protocol import Protocol
+from dummydesign.design.request import Protocol
 from dummydesign.design.scoring.press_simulation import PadBatch, make_curves, press_to_depth, steady_depth
 from dummydesign.design.test_conditions import pad_of_request
 from dummydesign.geometry.dimensions import THICKNESS_MM

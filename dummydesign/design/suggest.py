@@ -19,8 +19,7 @@ from dummydesign.design.assessment.pad_castings import pour_yield, shares_of_pad
 from dummydesign.design.assessment.warnings import count_unmeasured, design_warnings
 from dummydesign.design.pad_evaluator import judged
 from dummydesign.design.problem import Problem, read_problem
-from dummydesign.design.protocol import NAGOYA_PROTOCOL
-from dummydesign.design.request import Request
+from dummydesign.design.request import NAGOYA_PROTOCOL, Request
 from dummydesign.design.scoring.press_simulation import make_curves
 from dummydesign.design.scoring.targets import people_warnings
 from dummydesign.design.search.shape_family import FamilyLaw

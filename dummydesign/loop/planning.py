@@ -23,10 +23,10 @@ from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.inference.noise import Noise
 from dummydesign.loop.data.trials import Presses, make_presses, planned_trace
 from dummydesign.loop.effects.registry import known_effects
+from dummydesign.loop.fitting.candidates import change_by, project, starts_of
 from dummydesign.loop.fitting.fit import fit_at, start_vector
 from dummydesign.loop.fitting.noise import NoiseSizes
 from dummydesign.loop.fitting.problem import CampaignProblem
-from dummydesign.loop.fitting.screening import change_by, project, starts_of
 from dummydesign.loop.model.campaign_law import CampaignLaw, law_without_solve, pad_of
 from dummydesign.loop.model.effect import SetupLaw
 from dummydesign.loop.model.forward_model import simulate

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.errors import InputError
 from dummydesign.core.progress import Progress, quiet
-from dummydesign.loop.calibration import Calibration
+from dummydesign.loop.calibration import Calibration, check_prior, join, with_prior_effects
 from dummydesign.loop.data.pad_modulus_factors import with_pad_factors
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects, refuse_unsound
@@ -26,7 +26,6 @@ from dummydesign.loop.model.forward_model import readings
 from dummydesign.loop.model.material import material_of
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.pad_scatter import known_pads
-from dummydesign.loop.prior import check_prior, join, with_prior_effects
 from dummydesign.loop.result import EffectModel, LoopResult, PooledFit, listed, named
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.doubts import doubt_warnings, doubts_of, without_doubted

@@ -20,7 +20,7 @@ from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.pad.pad_under_punch import Pad, Puck
 from dummydesign.pad.predict import MotionPrediction, curve_to, motion_on_curve
 from dummydesign.person.integrate import TOLERANCE, PersonResponse, PressedBody, run_robot
-from dummydesign.person.ringing import RobotArm
+from dummydesign.person.smoothing import RobotArm
 
 LONGEST_S, AFTER_STOP = 60.0, 1.0
 CURVE_STEPS = 400

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.person.people import People
-from dummydesign.person.ringing import GAP_S, RobotArm
-from dummydesign.person.smoothing import interpolation
+from dummydesign.person.smoothing import GAP_S, RobotArm, interpolation
 
 # ISO/TS 15066: contact below 0.5 s is transient, what lasts longer quasi-static (second-hand, docs/references.md).
 QUASI_STATIC_AFTER_S = 0.5

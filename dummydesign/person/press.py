@@ -13,8 +13,15 @@ from dummydesign.measurement.plateau import noise_of
 from dummydesign.measurement.ramp_detection import Ramp, ramp_of
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
-from dummydesign.person.ringing import RobotArm, growing_nodes, real_bends, smoothed_ringing, still_rings
-from dummydesign.person.smoothing import SmoothCurve, smooth_curve
+from dummydesign.person.smoothing import (
+    RobotArm,
+    SmoothCurve,
+    growing_nodes,
+    real_bends,
+    smooth_curve,
+    smoothed_ringing,
+    still_rings,
+)
 from dummydesign.tissue.fitting.reduction import rounded_velocity
 
 RISE_NODES, AFTER = 160, 0.25

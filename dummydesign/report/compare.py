@@ -14,12 +14,19 @@ from dummydesign.core.files import csv_text, write_bytes, write_text
 from dummydesign.core.tables import Table
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
-from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, sentence, warning_texts
+from dummydesign.report.front_page import (
+    FOOT,
+    Fact,
+    FrontPage,
+    Panel,
+    full_sentence,
+    picture,
+    plot_drawing,
+    warning_texts,
+)
 from dummydesign.report.page import STYLES, Section, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, Series, press_plot, steady_plot
-from dummydesign.report.plot_drawing import picture, plot_drawing
-from dummydesign.report.sections.conformity import budget_section
-from dummydesign.report.sections.curves import curves_section
+from dummydesign.report.sections import budget_section, curves_section
 from dummydesign.tissue.comparison import Comparison
 from dummydesign.tissue.model.ranges import interpolate_rows
 from dummydesign.tissue.model.tissue import Tissue
@@ -119,7 +126,7 @@ def _front(title: str, data: dict[str, Any], answer: dict[str, Any], steady: Plo
         [("band", "subjects"), ("main", "this pad")],
         table,
         notes=warning_texts(data["warnings"]),
-        steps=[one if one.startswith("dummydesign ") else sentence(one) for one in next_steps(answer)],
+        steps=[one if one.startswith("dummydesign ") else full_sentence(one) for one in next_steps(answer)],
         foot=FOOT,
     )
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from dummydesign.core.files import write_bytes, write_text
 from dummydesign.core.tables import Table
+from dummydesign.report.front_page import picture
 from dummydesign.report.page import STYLES, Section, log_start, table_of_parameters, unique, write_report
 from dummydesign.report.plot import Plot, Series, press_plot
-from dummydesign.report.plot_drawing import picture
 from dummydesign.tissue.fitting.fit import TissueFit, subject_from_fit
 from dummydesign.tissue.fitting.problem import fitted_force, residual_table
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups

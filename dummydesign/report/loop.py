@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from dummydesign.core.tables import Table
 from dummydesign.loop.result import LoopResult, answer_rows, answer_words, listed, named, read_as_words, result_dict
-from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, sentence, warning_texts
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, full_sentence, plot_drawing, warning_texts
 from dummydesign.report.page import STYLES, Section, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, Series, press_plot
-from dummydesign.report.plot_drawing import plot_drawing
 
 MOST_BARS = 12
 FITTED_FROM = 2.0
@@ -304,7 +303,7 @@ def _front(title: str, data: dict[str, Any], presses: list[Plot], trials: Plot) 
         facts.append(Fact("long-term modulus", words))
     blocks = [
         ("Effects", _effect_words(data)),
-        (data["verdict"].capitalize(), [sentence(text) for text in data["residual"]["unexplained_because"]]),
+        (data["verdict"].capitalize(), [full_sentence(text) for text in data["residual"]["unexplained_because"]]),
     ]
     return FrontPage(
         title,
@@ -319,7 +318,7 @@ def _front(title: str, data: dict[str, Any], presses: list[Plot], trials: Plot) 
         Table([*answer.head, ""], answer.rows),
         [(name, texts) for name, texts in blocks if texts],
         warning_texts(data["warnings"]),
-        [sentence(coming["text"])] if coming else [],
+        [full_sentence(coming["text"])] if coming else [],
         foot=FOOT,
     )
 

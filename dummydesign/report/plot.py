@@ -172,7 +172,7 @@ class Plot:
         x["unifiedhovertitle"] = {"text": f"{x_word} %{{x:.4~g}}{x_unit}"}
         bars = next((one for one in self.series if one.kind == "bars"), None)
         if bars is not None:
-            y |= {"tickvals": _bar_places(bars).tolist(), "ticktext": [*bars.names], "automargin": True}
+            y |= {"tickvals": bar_places(bars).tolist(), "ticktext": [*bars.names], "automargin": True}
             y |= {"showgrid": False, "fixedrange": True}
             x["zeroline"] = True
         if self.to_scale:
@@ -305,7 +305,8 @@ def _range(ends: tuple[float, float] | None, log: bool = False) -> dict[str, Any
     return {} if ends is None else {"range": [math.log10(end) if log else float(end) for end in ends]}
 
 
-def _bar_places(bars: Series) -> NDArray:
+def bar_places(bars: Series) -> NDArray:
+    """Where bars lie along y, the first on top."""
     return len(bars.names) - 0.5 - np.arange(len(bars.names))
 
 
@@ -325,7 +326,7 @@ def _traces(one: Series, log_x: bool, x_unit: str, y_unit: str, most: int) -> li
                 "type": "bar",
                 "orientation": "h",
                 "width": 0.6,
-                "y": _bar_places(one).tolist(),
+                "y": bar_places(one).tolist(),
                 "base": base,
                 "x": wide,
                 "customdata": end,

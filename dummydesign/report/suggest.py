@@ -24,13 +24,11 @@ from dummydesign.design.request import base_words
 from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_view, view_script
 from dummydesign.report import suggest_facts
-from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel
-from dummydesign.report.pad_drawing import pad_section
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, full_sentence, pad_section
 from dummydesign.report.page import STYLES, Section, solid_section, write_report
 from dummydesign.report.plot import Plot, Series, press_plot, steady_plot
-from dummydesign.report.sections.conformity import budget_section
-from dummydesign.report.sections.curves import curves_section
-from dummydesign.report.suggest_sections import full_sentence, pressed_section
+from dummydesign.report.sections import budget_section, curves_section
+from dummydesign.report.suggest_sections import pressed_section
 
 if TYPE_CHECKING:
     from dummydesign.design.suggestion import Suggestion
@@ -515,19 +513,12 @@ def _conditions(best: dict[str, Any]) -> Table:
             "depth / thickness": "depth_over_thickness",
             "gel compression": "gel_compression",
             "peak N": "peak_force_N",
-            "subjects' peaks N": lambda row: f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}",
-            "reads": _reads,
+            "subjects' peaks N": lambda row: suggest_facts.press_texts(row)[0],
+            "reads": lambda row: suggest_facts.press_texts(row)[1],
             "inside": "inside_fraction",
             "": lambda row: row["out_of_reach"] or "",
         },
     )
-
-
-def _reads(row: dict[str, Any]) -> str:
-    """How a press reads, with its size."""
-    if row["reads"] in (None, "inside"):
-        return row["reads"] or ""
-    return f"{row['percent_outside']:.0f} % {row['reads']}"
 
 
 def _alternatives(result: dict[str, Any]) -> Table | None:

@@ -10,7 +10,7 @@ from typing import Any
 
 from dummydesign.core.tables import Table
 from dummydesign.design.request import base_words
-from dummydesign.report.sections.curves import curves_text
+from dummydesign.report.sections import curves_text
 from dummydesign.tissue.model.people_share import is_strict
 
 MOST_NOTES = 4
@@ -138,30 +138,32 @@ def valid_text(result: dict[str, Any]) -> str:
 
 def press_rows(result: dict[str, Any]) -> Table:
     """The table of presses; a row of a press out of reach ends after its test."""
-    rows = []
-    for row in result["recommendation"]["conditions"]:
-        test = [f"{row['steady_force_N']:g}", f"{row['velocity_mm_s']:g}"]
-        if row["depth_mm"] is None:
-            rows.append([*test, "out of reach"])
-            continue
-        rows.append(
-            [
-                *test,
-                f"{row['depth_mm']:.2f}",
-                f"{100 * row['gel_compression']:.0f} %",
-                f"{row['peak_force_N']:.1f}",
-                *press_texts(row),
-            ]
-        )
+    rows = [
+        [
+            f"{row['steady_force_N']:g}",
+            f"{row['velocity_mm_s']:g}",
+            *(
+                ["out of reach"]
+                if row["depth_mm"] is None
+                else [
+                    f"{row['depth_mm']:.2f}",
+                    f"{100 * row['gel_compression']:.0f} %",
+                    f"{row['peak_force_N']:.1f}",
+                    *press_texts(row),
+                ]
+            ),
+        ]
+        for row in result["recommendation"]["conditions"]
+    ]
     head = ["steady N", "mm/s", "depth mm", "% of gel", "pad peak N", "subjects N", ""]
     outside = frozenset(number for number, cells in enumerate(rows) if cells[-1] != "inside")
     return Table(head, rows, marked=outside)
 
 
 def press_texts(row: dict[str, Any]) -> tuple[str, str]:
-    """The subjects' peaks in a press, and how the pad reads beside them."""
-    people = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
-    return people, row["reads"] if row["reads"] == "inside" else f"{row['percent_outside']:.0f} % {row['reads']}"
+    """The subjects' peaks in a press, and how the pad reads beside them; nothing out of reach."""
+    people, reads = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}", row["reads"] or ""
+    return people, reads if reads in ("", "inside") else f"{row['percent_outside']:.0f} % {reads}"
 
 
 def people_text(people: dict[str, Any]) -> str:

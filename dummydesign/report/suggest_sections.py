@@ -8,6 +8,7 @@ import numpy as np
 
 from dummydesign.core.tables import Table
 from dummydesign.design.plot_data import ABOVE_MM, PressedPad, PressPictures
+from dummydesign.report.front_page import full_sentence
 from dummydesign.report.page import Section
 from dummydesign.report.plot import Plot, Series
 
@@ -36,11 +37,6 @@ def pressed_section(answer: Suggestion, pictures: PressPictures) -> Section:
     plots.append(_pressure(pictures))
     words = "\n\n".join(part for part in (text, _compared(pictures), full_sentence(pictures.left_out)) if part)
     return Section(TITLE, words, plots, _table(pictures))
-
-
-def full_sentence(text: str) -> str:
-    """The text with a capital and a full stop."""
-    return text and f"{text[0].upper()}{text[1:].removesuffix('.')}."
 
 
 def _section(answer: Suggestion, pad: PressedPad, ceiling_kPa: float) -> Plot:

@@ -11,13 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.core.options import command_words
+from dummydesign.core.parsing import command_words
 from dummydesign.core.tables import Table
 from dummydesign.design.request import Request
-from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, sentence, warning_texts
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Panel, full_sentence, plot_drawing, warning_texts
 from dummydesign.report.page import STYLES, Section, write_report
 from dummydesign.report.plot import Plot, Series
-from dummydesign.report.plot_drawing import plot_drawing
 
 if TYPE_CHECKING:
     from dummydesign.design.sweep.spec import Study
@@ -196,7 +195,7 @@ def _front(study: Study, rows: Rows, lead: str, plots: Sequence[Plot], warnings:
         [Panel(plot, plot.title.partition(" thickness ")[2], "") for plot in plots[:2]],
         (),
         table,
-        [("Cells", [sentence(", ".join(plane_texts(ordered)))])] if plane else (),
+        [("Cells", [full_sentence(", ".join(plane_texts(ordered)))])] if plane else (),
         warning_texts(warnings),
         steps,
         foot=f"{FOOT} rows.csv has every design.",

@@ -160,7 +160,7 @@ def test_bad_input_is_one_line_and_status_2(here, capsys):
 
 @pytest.mark.slow
 def test_a_press_beyond_people_is_named_before_any_factor(here, capsys):
-    from dummydesign.report.on_person_facts import extrapolation_text
+    from dummydesign.report.on_person import extrapolation_text
 
     words = ["v10.csv", "--tissue", "forefinger", "--drive"]
     inside, deep = (answer(capsys, *words, drive)["presses"] for drive in ("steady", "spring:1000,3"))
@@ -193,7 +193,7 @@ def test_where_people_get_the_pad_s_force_the_answer_is_their_depth(here, capsys
 
 def test_one_value_is_printed_once_and_a_multiple_as_a_multiple():
     from dummydesign.person.validity_range import short_number, subject_words
-    from dummydesign.report.on_person_facts import span_text
+    from dummydesign.report.on_person import span_text
 
     assert span_text([8.4141, 8.4149]) == "8.41" and span_text([8.41, 8.43]) == "8.41 to 8.43"
     assert short_number(152.79, 2) == "150" and short_number(1493.0) == "1490" and short_number(0.001234) == "0.00123"

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import pytest
 
 from dummydesign.cli.common_options import add_options
-from dummydesign.core.options import command_words
+from dummydesign.core.parsing import command_words
 from dummydesign.design.request import Request
 from tests.support.refusal import raises_code
 

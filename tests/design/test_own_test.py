@@ -8,8 +8,7 @@ import pytest
 from dummydesign.design.assessment.decision import ShapeComparison, low_force
 from dummydesign.design.assessment.warnings import _reasons
 from dummydesign.design.problem import read_problem
-from dummydesign.design.protocol import NAGOYA_PROTOCOL, Protocol
-from dummydesign.design.request import Request
+from dummydesign.design.request import NAGOYA_PROTOCOL, Protocol, Request
 from dummydesign.design.scoring.law_parameters import gamma1_score
 from dummydesign.design.scoring.press_simulation import PadBatch, Sampling, make_curves
 from dummydesign.design.scoring.score import evaluate, steady_gamma1

@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.core.options import command_words
+from dummydesign.core.parsing import command_words
 from dummydesign.design import measured_pad, suggest, suggestion
 from dummydesign.design.assessment import warnings
 from dummydesign.design.assessment.pad_castings import limits_that_bind
 from dummydesign.design.measured_pad import PARABOLA, energy_of, peak_of
-from dummydesign.design.protocol import NAGOYA_PROTOCOL
-from dummydesign.design.request import Request
+from dummydesign.design.request import NAGOYA_PROTOCOL, Request
 from dummydesign.design.scoring.castings import Pours
 from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, SlabCurves
 from dummydesign.design.scoring.settings import verdict_limits

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.design.protocol import NAGOYA_PROTOCOL, Protocol
-from dummydesign.design.request import face_of
+from dummydesign.design.request import NAGOYA_PROTOCOL, Protocol, face_of
 
 
 def test_the_published_test_is_5_to_15_newtons_at_two_speeds():

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from dummydesign.design.plot_data import press_pictures, reactions
-from dummydesign.design.protocol import RADIUS_MM
 from dummydesign.design.request import Request
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.suggest import suggest
+from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 from dummydesign.report.suggest import write_suggestion
 
 pytestmark = pytest.mark.slow
@@ -30,7 +30,7 @@ def test_the_law_of_the_cast_pad_comes_with_the_answer(crowned):
     assert isinstance(crowned.cast, FamilyLaw) and crowned.cast.cast and crowned.cast.shape == crowned.shape
     thicker = crowned.best.thickness_mm + 0.2
     depth = 0.3 * crowned.best.thickness_mm
-    force = [float(law.force(depth, thicker, 0.04, RADIUS_MM)) for law in (crowned.law, crowned.cast)]
+    force = [float(law.force(depth, thicker, 0.04, PUNCH_RADIUS_MM)) for law in (crowned.law, crowned.cast)]
     assert abs(force[0] / force[1] - 1.0) > 1e-3
 
 

@@ -12,14 +12,23 @@ from scipy.stats import chi2
 
 from dummydesign.loop import next_measurement as next_module
 from dummydesign.loop import planning
-from dummydesign.loop.calibration import Calibration, Model, Posterior, model_of, posterior_of
+from dummydesign.loop.calibration import (
+    Calibration,
+    Model,
+    Posterior,
+    _shared,
+    check_prior,
+    join,
+    model_of,
+    posterior_of,
+    with_prior_effects,
+)
 from dummydesign.loop.data.trials import BACK_MM_S, planned_trace
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.forward_model import LAW_TERMS, WAVES, Active, BaseParameters, LawError, parameter_names
 from dummydesign.loop.model.material import ARM_TOLERANCE, UNDECLARED
 from dummydesign.loop.next_measurement import HOLD_S, LUBRICATED, next_measurement, options, planned_presses
-from dummydesign.loop.prior import _shared, check_prior, join, with_prior_effects
 from dummydesign.loop.selection.cross_validation import widened
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.pad.tables.slab import load_table

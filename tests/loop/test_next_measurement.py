@@ -11,9 +11,8 @@ import pytest
 from dummydesign.loop import next_measurement as planning
 from dummydesign.loop.data import trials
 from dummydesign.loop.effects.registry import effect_named
-from dummydesign.loop.fitting.candidates import first_fit
+from dummydesign.loop.fitting.candidates import first_fit, screen
 from dummydesign.loop.fitting.fit import fit_base
-from dummydesign.loop.fitting.screening import screen
 from dummydesign.measurement.motion import ramp_and_hold
 
 

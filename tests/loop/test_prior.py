@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.loop.calibration import Calibration, calibration_of, model_of, posterior_of
+from dummydesign.loop.calibration import Calibration, calibration_of, check_prior, join, model_of, posterior_of
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.effects.registry import effect_named
@@ -20,7 +20,6 @@ from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.model.forward_model import LAW_TERMS
 from dummydesign.loop.next_measurement import next_measurement
 from dummydesign.loop.planning import REPEATS, plan_of, write_plan
-from dummydesign.loop.prior import check_prior, join
 from dummydesign.loop.run import close_loop, replay
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import campaign_generator as generator

@@ -10,7 +10,7 @@ from dummydesign.person.drives.spring import press_by_spring
 from dummydesign.person.on_person import on_person
 from dummydesign.person.people import People
 from dummydesign.person.press import read_press
-from dummydesign.person.ringing import RobotArm
+from dummydesign.person.smoothing import RobotArm
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.laws import SPRING
 from tests.support.robot_presses import (

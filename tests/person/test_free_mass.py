@@ -14,7 +14,7 @@ from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.person.free_mass import PadBody, mass_on_pad, stop_mass, work_over
 from dummydesign.person.integrate import run_robot
-from dummydesign.person.ringing import RobotArm
+from dummydesign.person.smoothing import RobotArm
 from tests.support.refusal import raises_code
 
 RADIUS = 14.0 / np.sqrt(np.pi)

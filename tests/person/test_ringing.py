@@ -9,7 +9,7 @@ from dummydesign.person.integrate import run_robot
 from dummydesign.person.on_person import on_person
 from dummydesign.person.people import People
 from dummydesign.person.press import read_press
-from dummydesign.person.ringing import RobotArm, quiet_noise, real_bends, slow_mean
+from dummydesign.person.smoothing import RobotArm, quiet_noise, real_bends, slow_mean
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.laws import SPRING
 from tests.support.robot_presses import Run, by_robot, command, gel_pad, sampled, skin_of

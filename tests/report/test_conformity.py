@@ -8,8 +8,15 @@ import pytest
 
 from dummydesign.core.serialise import to_plain
 from dummydesign.design.assessment.budget import Budget, Reading, UncertaintyComponent, decide
-from dummydesign.report.sections.conformity import budget_lines, budget_section, probability_text, statement_table
-from dummydesign.report.sections.curves import curves_section, curves_text, moment_text
+from dummydesign.report.sections import (
+    budget_lines,
+    budget_section,
+    curves_section,
+    curves_text,
+    moment_text,
+    probability_text,
+    statement_table,
+)
 
 
 def budget(value=1.0, tolerance=(0.5, 2.0), u=0.1, **changes):

@@ -13,10 +13,8 @@ from dummydesign.core.tables import Table
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.report.front_page import Fact, FrontPage, Panel, lay_out
-from dummydesign.report.pad_drawing import SIZE, pad_section
+from dummydesign.report.front_page import SIZE, Fact, FrontPage, Panel, lay_out, pad_section, picture
 from dummydesign.report.plot import Series, press_plot
-from dummydesign.report.plot_drawing import picture
 from tests.support.pdf_paths import pages_mm
 from tests.support.pdf_texts import MM, objects, pdf_text, pdf_texts, placed_texts
 

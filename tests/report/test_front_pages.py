@@ -10,9 +10,8 @@ import pytest
 
 from dummydesign.cli.entry import run
 from dummydesign.report.compare import next_steps
-from dummydesign.report.front_page import lay_out
+from dummydesign.report.front_page import draw_plot, lay_out, plot_drawing
 from dummydesign.report.plot import Plot, Series
-from dummydesign.report.plot_drawing import draw_plot, plot_drawing
 from tests.report.test_front_page import PAPER_MM, some_page
 from tests.support.answer_inputs import make_inputs
 from tests.support.pdf_paths import pages_mm
@@ -142,7 +141,7 @@ def test_the_page_of_a_study_has_the_best_designs_or_the_plane(made):
 
 @pytest.mark.slow
 def test_the_page_on_people_has_the_closest_limit_and_every_press(made):
-    from dummydesign.report.on_person_facts import limit_name, number_text
+    from dummydesign.report.on_person import limit_name, number_text
 
     page, answer = texts_of(made, "on-person"), made["on-person"][1]
     rows = [row for press in answer["presses"] for row in press["limits"]]

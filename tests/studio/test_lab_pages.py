@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from dummydesign.report.compare import next_steps
-from dummydesign.report.suggest_sections import full_sentence
+from dummydesign.report.front_page import full_sentence
 from dummydesign.studio import jobs
 from dummydesign.studio import trash as bin
 from tests.support import lab_project as lab

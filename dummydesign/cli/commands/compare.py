@@ -33,7 +33,7 @@ ABOUT_STEPS = 13
 def render(result: dict[str, Any]) -> str:
     """The verdict, each press beside the subjects' range, then which parameters lie outside."""
     from dummydesign.report import compare as facts
-    from dummydesign.report.sections.curves import curves_text
+    from dummydesign.report.sections import curves_text
     from dummydesign.report.suggest_facts import people_text
 
     tissue = f"{result['tissue']}, {facts.law_text(result)}"
@@ -77,8 +77,7 @@ PRESSES = {
 def render_details(result: dict[str, Any]) -> str:
     """Make the readable tables."""
     from dummydesign.report import compare as facts
-    from dummydesign.report.sections.conformity import budget_lines
-    from dummydesign.report.sections.curves import curves_text
+    from dummydesign.report.sections import budget_lines, curves_text
     from dummydesign.report.suggest_facts import people_lines
 
     against = f"against {result['tissue']}, {facts.law_text(result)}"

@@ -18,7 +18,7 @@ NUMBER_UNIT = re.compile(r"(?<=\d) (?=(?:%|N|mm|mJ|kg|s|mm/s|N/mm|N/cm2|times)(?
 
 def render(result: dict[str, Any]) -> str:
     """Lay the answer out on one screen."""
-    from dummydesign.report import on_person_facts as facts
+    from dummydesign.report import on_person as facts
 
     limits = ["", *_limits(result, 4)] if facts.limit_rows(result) else []
     notes, checks = len(result["warnings"]), "all limits, " if limits else ""
@@ -36,8 +36,8 @@ def render(result: dict[str, Any]) -> str:
 
 def render_details(result: dict[str, Any]) -> str:
     """Lay everything out."""
-    from dummydesign.report import on_person_facts as facts
-    from dummydesign.report.sections.conformity import budget_lines
+    from dummydesign.report import on_person as facts
+    from dummydesign.report.sections import budget_lines
 
     lines = [*_headline(result), "", *_table(result), ""]
     for press in result["presses"]:
@@ -53,7 +53,7 @@ def render_details(result: dict[str, Any]) -> str:
 
 def _headline(result: dict[str, Any]) -> list[str]:
     """A drive that does not fit; then limits where there are any, else the peak of people over the pad's."""
-    from dummydesign.report.on_person_facts import headline, mismatch
+    from dummydesign.report.on_person import headline, mismatch
 
     word, text = headline(result)
     return [*_whole("CAUTION", mismatch(result)), *_whole(word.upper(), text)]
@@ -68,7 +68,7 @@ def _whole(word: str, text: str) -> list[str]:
 
 def _table(result: dict[str, Any]) -> list[str]:
     """All five numbers of a single press; of several presses a line each."""
-    from dummydesign.report.on_person_facts import press_table
+    from dummydesign.report.on_person import press_table
 
     table = press_table(result)
     forms = ("<22 >8 >18 >18" if len(result["presses"]) == 1 else "<20 >5 >10 >14 >14 >14 >14").split()
@@ -78,7 +78,7 @@ def _table(result: dict[str, Any]) -> list[str]:
 
 def _limits(result: dict[str, Any], most: int | None) -> list[str]:
     """Checks of the limits; on one screen the worst of them."""
-    from dummydesign.report.on_person_facts import limit_name, limit_rows, number_text, span_text
+    from dummydesign.report.on_person import limit_name, limit_rows, number_text, span_text
 
     every = limit_rows(result)
     rows = every if most is None else every[:most]
@@ -103,7 +103,7 @@ def _limits(result: dict[str, Any], most: int | None) -> list[str]:
 
 def _drive(result: dict[str, Any]) -> list[str]:
     from dummydesign.person.drives import read_drive
-    from dummydesign.report.on_person_facts import people_text
+    from dummydesign.report.on_person import people_text
 
     drive = labelled("DRIVE", f"{result['drive']}: {read_drive(result['drive']).words}")
     return [*drive, *labelled("PEOPLE", people_text(result))]

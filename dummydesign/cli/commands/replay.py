@@ -58,7 +58,7 @@ def _pads(result: dict[str, Any]) -> list[str]:
 
 def render_details(result: dict[str, Any]) -> str:
     """Make the readable table."""
-    from dummydesign.report.sections.conformity import budget_lines
+    from dummydesign.report.sections import budget_lines
 
     lines = [*_held(result), *verdict_lines(result["verdict"])]
     if pads := _pads(result):

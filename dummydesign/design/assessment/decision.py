@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.levels import LEVELS, level_name
 from dummydesign.core.serialise import Serialised, to_plain
-from dummydesign.design.protocol import NAGOYA_PROTOCOL
+from dummydesign.design.request import NAGOYA_PROTOCOL
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.shape_search import ShapedDesign, fitted_candidates, none_usable
 from dummydesign.design.search.slabs import DesignCandidate, SearchSpace

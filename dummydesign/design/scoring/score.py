@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.protocol import NAGOYA_PROTOCOL, Protocol
+from dummydesign.design.request import NAGOYA_PROTOCOL, Protocol
 from dummydesign.design.scoring.press_simulation import (
     COARSE,
     PadBatch,

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import HALF_WIDTH, Quantity
 from dummydesign.core.serialise import Serialised
-from dummydesign.design.protocol import NAGOYA_PROTOCOL, Protocol
+from dummydesign.design.request import NAGOYA_PROTOCOL, Protocol
 from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.settings import VerdictLimits, Weights, verdict_limits, weights_of
 from dummydesign.measurement.motion import work_mJ

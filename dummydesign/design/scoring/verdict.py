@@ -92,11 +92,11 @@ class Deviations:
         short, over, force = np.quantile(every, QUANTILE, axis=-1).tolist()
         return short, over, force
 
-    def worst(self, ratios: dict[str, NDArray], pad: int = 0) -> tuple[float, str, int]:
-        """Largest ratio of one pad, its quantity and the place of its press or steady force."""
+    def worst(self, ratios: dict[str, NDArray]) -> tuple[float, str, int]:
+        """Largest ratio of the first pad, its quantity and the place of its press or steady force."""
         best = (np.nan, PEAK, 0)
         for name, values in ratios.items():
-            row = values[pad]
+            row = values[0]
             if np.isfinite(row).any():
                 at = int(np.nanargmax(row))
                 if not row[at] <= best[0]:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import io
 import json
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -17,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.core.files import write_text
+from dummydesign.core.files import csv_text, write_text
 from dummydesign.design.scoring.press_simulation import (
     DEPTH_SHARE,
     SAMPLES,
@@ -301,39 +299,16 @@ ROWS, SETTINGS = "rows.csv", "study.json"
 _NAMED = ("thickness_mm", "ratio", "punch", "condition", "base", "shape", "edge_radius_mm")
 
 
-class RowFormat:
-    """Columns of a study's rows; nested values become one column a key, such as ``depth_mm_at_5_N``."""
-
-    def __init__(self, study: Study) -> None:
-        # where each column's value is in a row
-        self.paths: dict[str, tuple[str, ...]] = {name: (name,) for name in (*_NAMED, "young_kPa")}
-        for name in _BY_FORCE:
-            for force in study.forces_N:
-                self.paths[f"{name}_at_{force:g}_N"] = (f"{name}_at_N", f"{force:g}")
-        for speed in study.velocities_mm_s:
-            self.paths[f"peak_over_steady_at_{speed:g}_mm_s"] = ("peak_over_steady", f"{speed:g}")
-        self.paths |= {name: (name,) for name in ("force_error_percent", "limit")}
-        if study.tissue is not None:
-            self.paths |= {f"score_{name}": ("score", name) for name in SCORES}
-        self.columns = list(self.paths)
-
-    def header(self) -> str:
-        """First line of the file, with its end."""
-        return _line(self.columns)
-
-    def text(self, rows: Iterable[dict[str, Any]]) -> str:
-        """Lines of the given rows; numbers in full, so that what is read back is what was worked out."""
-        lines = []
-        for row in rows:
-            values = (row[at[0]] if len(at) == 1 else row[at[0]][at[1]] for at in self.paths.values())
-            lines.append(["" if v is None else repr(v) if isinstance(v, float) else v for v in values])
-        return _line(*lines)
-
-
-def _line(*rows: list[Any]) -> str:
-    stream = io.StringIO()
-    csv.writer(stream, lineterminator="\n").writerows(rows)
-    return stream.getvalue()
+def columns_of_rows(study: Study) -> dict[str, tuple[str, ...]]:
+    """Where each column's value is in a row; nested values have one column a key, such as ``depth_mm_at_5_N``."""
+    forces, speeds = study.forces_N, study.velocities_mm_s
+    columns: dict[str, tuple[str, ...]] = {name: (name,) for name in (*_NAMED, "young_kPa")}
+    columns |= {f"{name}_at_{force:g}_N": (f"{name}_at_N", f"{force:g}") for name in _BY_FORCE for force in forces}
+    columns |= {f"peak_over_steady_at_{speed:g}_mm_s": ("peak_over_steady", f"{speed:g}") for speed in speeds}
+    columns |= {name: (name,) for name in ("force_error_percent", "limit")}
+    if study.tissue is not None:
+        columns |= {f"score_{name}": ("score", name) for name in SCORES}
+    return columns
 
 
 def key_of(row: dict[str, Any]) -> Key:
@@ -343,10 +318,11 @@ def key_of(row: dict[str, Any]) -> Key:
 
 
 def write_rows(folder: Path, study: Study, settings: dict[str, Any], rows: Iterable[dict[str, Any]]) -> Path:
-    """Write the rows of a study and, beside them, the settings that they share."""
+    """Write the rows of a study, numbers in full, and beside them the settings that they share."""
     write_text(folder / SETTINGS, json.dumps(settings, indent=1) + "\n")
-    columns = RowFormat(study)
-    return write_text(folder / ROWS, columns.header() + columns.text(rows))
+    columns = columns_of_rows(study)
+    values = ([row[at[0]] if len(at) == 1 else row[at[0]][at[1]] for at in columns.values()] for row in rows)
+    return write_text(folder / ROWS, csv_text(columns, values))
 
 
 def settings_of(study: Study, resin: Any, tissue: Any) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from dummydesign.core.errors import InputError, out_of_range, quantity_name, unknown_name
 from dummydesign.core.parsing import DECELERATION, positive, read_numbers
 from dummydesign.core.serialise import Serialised
-from dummydesign.design.protocol import NAGOYA_PROTOCOL, Protocol
+from dummydesign.design.request import NAGOYA_PROTOCOL, Protocol
 from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.test_conditions import check_numbers
 from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS, THICKNESS_MM

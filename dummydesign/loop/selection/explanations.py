@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.fitting.candidates import EffectCandidate, first_fit
+from dummydesign.loop.fitting.candidates import EffectCandidate, Screened, first_fit, project, screen
 from dummydesign.loop.fitting.fit import CampaignFit, fit
 from dummydesign.loop.fitting.noise import NoiseSizes, contrasts
-from dummydesign.loop.fitting.screening import Screened, project, screen
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import LAW_TERMS
 from dummydesign.loop.selection.residuals import hats

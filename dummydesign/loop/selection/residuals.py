@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from dummydesign.core.serialise import Serialised
 from dummydesign.inference.noise import whitener
 from dummydesign.loop.data.reduction import HOLD, PRE, UNLOADING
+from dummydesign.loop.fitting.candidates import project
 from dummydesign.loop.fitting.fit import CampaignFit
-from dummydesign.loop.fitting.screening import project
 
 LINE_RATIO = 2.3
 STEP_Z = 6.0

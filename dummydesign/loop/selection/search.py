@@ -10,9 +10,17 @@ from numpy.typing import NDArray
 
 from dummydesign.core.progress import Progress, quiet
 from dummydesign.loop.fitting.budget import budget_spent
-from dummydesign.loop.fitting.candidates import EffectCandidate, finished, first_fit, first_fits, modest, to_the_end
+from dummydesign.loop.fitting.candidates import (
+    EffectCandidate,
+    Screened,
+    finished,
+    first_fit,
+    first_fits,
+    modest,
+    screen,
+    to_the_end,
+)
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise, same_noise
-from dummydesign.loop.fitting.screening import Screened, screen
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess, errors, holds_null
 from dummydesign.loop.selection.residuals import diagnose

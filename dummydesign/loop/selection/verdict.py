@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.quantity import HALF_WIDTH
-from dummydesign.loop.fitting.candidates import EffectCandidate
+from dummydesign.loop.fitting.candidates import EffectCandidate, Screened
 from dummydesign.loop.fitting.fit import CampaignFit, fit_at, prior_precision
 from dummydesign.loop.fitting.noise import make_whitener
-from dummydesign.loop.fitting.screening import Screened
 from dummydesign.loop.model.forward_model import base_names
 from dummydesign.loop.selection.cross_validation import AssessedModel, Errors, errors, expected_heldout_N, lack_of_fit
 from dummydesign.loop.selection.residuals import ResidualDiagnostics

@@ -1,4 +1,5 @@
-"""Import a large library without parts of others that it loads and a mould never asks for. Child processes only.
+"""Import a large library without parts of others that it loads and a mould never asks for; do work beside the work of
+this process, in a copy of it. Child processes only.
 
 CadQuery loads VTK for its own pictures and solvers for its assemblies, trimesh SciPy for its searches: seconds of
 processor time and a hundred megabytes for nothing. They are left out while the library is loaded, no longer.
@@ -6,14 +7,21 @@ processor time and a hundred megabytes for nothing. They are left out while the 
 
 from __future__ import annotations
 
+import ctypes
 import importlib
+import os
+import pickle
+import signal
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
-from typing import Any
+from typing import Any, TypeVar
+
+from dummydesign.core.progress import VARIABLE
 
 
 class _StandIn(ModuleType):
@@ -104,3 +112,62 @@ def cad_problem() -> str | None:
         text = " ".join(str(problem).split())
         return f"CadQuery cannot load a system library ({text}): {LIBRARIES}"
     return None
+
+
+T = TypeVar("T")
+_SIGNAL_WHEN_PARENT_ENDS = 1
+"""PR_SET_PDEATHSIG of prctl(2)."""
+
+
+def beside(work: Callable[[], T]) -> Callable[[], T]:
+    """Begin work in a copy of this process, which has all solids already; what is returned waits for its result.
+
+    The kernel keeps Python's lock, so that a thread would wait for it. Files that the work writes are there, anything
+    else that it changes is not. An exception of the work is raised as a RuntimeError with its type and text. Where the
+    system copies no process, or has no room for one, or this one has threads, the work is done once its result is
+    wanted.
+    """
+    if sys.platform != "linux" or threading.active_count() > 1:
+        return work
+    # a copy has none of the threads that the kernel would wait for
+    occ.OSD_ThreadPool.DefaultPool_s().Init(1)
+    reading, writing = os.pipe()
+    try:
+        copy = os.fork()
+    except OSError:
+        os.close(reading)
+        os.close(writing)
+        return work
+    if not copy:
+        os.close(reading)
+        _work_and_leave(work, writing)
+    os.close(writing)
+
+    def result() -> T:
+        with os.fdopen(reading, "rb") as stream:
+            answer = stream.read()
+        status = os.waitstatus_to_exitcode(os.waitpid(copy, 0)[1])
+        if status < 0:  # out of its processor time, or a fault of the kernel: both end together
+            signal.raise_signal(-status)
+        found, fault = pickle.loads(answer)
+        if fault:
+            raise RuntimeError(fault)
+        return found  # type: ignore[no-any-return]
+
+    return result
+
+
+def _work_and_leave(work: Callable[[], object], answer: int) -> None:
+    """Do the work of a copy, write its result to a pipe and end; never returns."""
+    with suppress(OSError):
+        ctypes.CDLL(None).prctl(_SIGNAL_WHEN_PARENT_ENDS, signal.SIGKILL)
+    os.environ.pop(VARIABLE, None)
+    try:
+        found: tuple[object, str] = work(), ""
+    except BaseException as problem:
+        found = None, f"{type(problem).__name__}: {problem}"
+    try:
+        with os.fdopen(answer, "wb") as stream:
+            pickle.dump(found, stream)
+    finally:
+        os._exit(0)

@@ -13,7 +13,7 @@ from typing import Any
 
 from dummydesign.mold.cad.parts import Part, Parts
 from dummydesign.mold.cad.solids import rough_bounds
-from dummydesign.mold.checks.check import Check, above, below, equal, genera, skipped
+from dummydesign.mold.checks import Check, above, below, equal, genera, skipped
 from dummydesign.mold.files.step import canonical_step, read_step, time_stamp
 from dummydesign.mold.model.layout import Outline, bed_spare_mm
 from dummydesign.mold.model.printed_parts import MOST_OVERHANG_MM2, STEEPEST_DEG

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from dummydesign.mold.checks.check import Check, above, below, equal, skipped
+from dummydesign.mold.checks import Check, above, below, equal, skipped
 from dummydesign.mold.model.layout import bed_spare_mm
 from dummydesign.mold.model.printed_parts import part_title, printed_parts
 from dummydesign.mold.model.spec import MouldSpec, Pour

@@ -11,7 +11,7 @@ import numpy as np
 from dummydesign.mold.cad.kernel import cq
 from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.cad.solids import corners_of, heights_over, rough_bounds
-from dummydesign.mold.checks.check import Check, above, equal
+from dummydesign.mold.checks import Check, above, equal
 from dummydesign.mold.model.layout import Layout, Outline
 
 FLAT = 0.9999

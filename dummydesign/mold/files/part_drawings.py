@@ -12,7 +12,7 @@ from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.cad.solids import edges_of, height_range
 from dummydesign.mold.files.drawing_layout import LETTER, Measure, Title, View, arrange, crown_detail, profile_words
 from dummydesign.mold.files.drawing_sheet import Drawing
-from dummydesign.mold.pour.crown import MOST_PERCENT, CrownLimits, crown_limits
+from dummydesign.mold.pour.acceptance import MOST_PERCENT, CrownLimits, crown_limits
 from dummydesign.mold.pour.printing import face_factor
 from dummydesign.mold.pour.steps import shape_mark
 

@@ -9,8 +9,13 @@ from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import layout, plug_top_mm
 from dummydesign.mold.model.printed_parts import lying_words
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.pour.acceptance import force_change_percent
-from dummydesign.mold.pour.crown import COMPARED_DEPTH, MOST_PERCENT, crown_change_percent, crown_limits
+from dummydesign.mold.pour.acceptance import (
+    COMPARED_DEPTH,
+    MOST_PERCENT,
+    crown_change_percent,
+    crown_limits,
+    force_change_percent,
+)
 from dummydesign.mold.pour.steps import BLANK
 
 ALLOWED_PERCENT = 1.0

@@ -16,20 +16,18 @@ from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.acceptance import (
     BUBBLES,
     NO_WINDOW,
-    WRONG_MODULUS,
-    GaugePoint,
-    force_change_percent,
-    gauge_points,
-    spread_mm,
-)
-from dummydesign.mold.pour.crown import (
     SHOULDER,
     TIP,
+    WRONG_MODULUS,
+    GaugePoint,
     MeasuredCrown,
     crown_change_percent,
     crown_limits,
     crown_shape,
+    force_change_percent,
+    gauge_points,
     measured_crown,
+    spread_mm,
 )
 from dummydesign.mold.pour.plan import pour_plan
 

@@ -18,7 +18,7 @@ from dummydesign.person.press import SHORTEST_HOLD_S, Press
 
 if TYPE_CHECKING:
     from dummydesign.person.people import People
-    from dummydesign.person.ringing import RobotArm
+    from dummydesign.person.smoothing import RobotArm
 
 
 FASTER = 20.0

@@ -19,7 +19,7 @@ from dummydesign.person.drives.drive import (
 from dummydesign.person.integrate import RINGS, TOLERANCE, Input, PersonResponse, run_robot
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
-from dummydesign.person.ringing import RobotArm
+from dummydesign.person.smoothing import RobotArm
 from dummydesign.person.validity_range import short_number
 
 STEPS, FEWER = 48.0, 32.0

@@ -15,9 +15,9 @@ from dummydesign.core.files import read_json
 from dummydesign.core.parsing import QuantitySpec
 from dummydesign.person.drives import DRIVES, read_drive
 from dummydesign.project.folder import Project
-from dummydesign.report import on_person_facts as people
+from dummydesign.report import on_person as people
+from dummydesign.report.front_page import full_sentence
 from dummydesign.report.plot import plots_html
-from dummydesign.report.suggest_sections import full_sentence
 from dummydesign.studio import figures, file_transfer, project_index, select_options, widgets
 from dummydesign.studio.file_actions import DropList
 from dummydesign.studio.job_panel import JobPanel

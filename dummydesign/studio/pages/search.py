@@ -18,7 +18,7 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
 from dummydesign.report import suggest_facts
-from dummydesign.report.suggest_sections import full_sentence
+from dummydesign.report.front_page import full_sentence
 from dummydesign.studio import figures, jobs, select_options, widgets
 from dummydesign.studio import slider_model as sliders
 from dummydesign.studio.file_actions import thing

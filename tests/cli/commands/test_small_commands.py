@@ -11,8 +11,7 @@ import pytest
 
 from dummydesign._version import __version__
 from dummydesign.api import campaigns, health
-from dummydesign.cli import suggest_text
-from dummydesign.cli.commands import campaign, doctor, history, init, resins, status, studio
+from dummydesign.cli.commands import campaign, doctor, history, init, resins, status, studio, suggest
 from dummydesign.core.errors import InputError
 from dummydesign.project import folder as projects
 from dummydesign.project.status import ProjectFile
@@ -189,21 +188,21 @@ def press(**more):
 
 
 def test_details_of_a_press_have_its_range_or_why_it_is_out_of_reach():
-    assert suggest_text._press(press()) == [10.0, 250.0, 2.5, 0.25, 0.3, 21.0, "18.0 to 22.0", 0.9, "inside"]
-    assert suggest_text._press(press(depth_mm=None)) == [10.0, 250.0, "too deep"]
+    assert suggest._press(press()) == [10.0, 250.0, 2.5, 0.25, 0.3, 21.0, "18.0 to 22.0", 0.9, "inside"]
+    assert suggest._press(press(depth_mm=None)) == [10.0, 250.0, "too deep"]
 
 
 def test_parameters_are_listed_with_their_units_and_dampers_by_speed():
     parameters = {"gamma1_N_per_mm3": 0.0512, "c2_N_s_per_mm": {"10": 1.25, "250": 0.5}}
     best = {"parameters_law": "ode", "parameters": parameters}
-    lines = suggest_text._parameters(best)
+    lines = suggest._parameters(best)
     assert lines[2].split() == ["gamma1", "0.0512", "N/mm3"]
     assert lines[3].endswith("1.25 at 10 mm/s, 0.5 at 250 mm/s N s/mm")
-    assert suggest_text._parameters({"parameters": None}) == []
+    assert suggest._parameters({"parameters": None}) == []
 
 
 def test_forces_of_the_shapes_are_those_of_the_test_and_a_fifth_of_the_lowest():
-    assert suggest_text._forces({"inputs": {"force_N": [15.0, 5.0, 10.0]}}) == (5.0, 15.0, ("1", "5", "15"))
+    assert suggest._forces({"inputs": {"force_N": [15.0, 5.0, 10.0]}}) == (5.0, 15.0, ("1", "5", "15"))
 
 
 @pytest.mark.parametrize(
@@ -215,7 +214,7 @@ def test_a_pad_with_a_better_score_that_is_not_acceptable_is_named(acceptable, s
         {"shape": "slab", "kind": "slab", "total": 0.6, "acceptable": True},
         {"shape": None, "kind": "layered", "total": 0.0, "acceptable": False},
     ]
-    lines = suggest_text._passed_over({"shapes": rows, "recommendation": {"shape": "slab"}})
+    lines = suggest._passed_over({"shapes": rows, "recommendation": {"shape": "slab"}})
     assert bool(lines) is named and all("--shape boned" in line for line in lines)
 
 

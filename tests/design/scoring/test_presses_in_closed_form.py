@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.design.protocol import NAGOYA_PROTOCOL
+from dummydesign.design.request import NAGOYA_PROTOCOL
 from dummydesign.design.scoring import law_parameters, score
 from dummydesign.design.scoring.law_parameters import (
     RATES,

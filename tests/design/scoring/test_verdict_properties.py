@@ -8,11 +8,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from dummydesign.core.levels import LEVELS
-from dummydesign.design.protocol import RADIUS_MM
 from dummydesign.design.scoring.press_simulation import PadBatch, Sampling, make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import Readings, ranges_of, readings_of, verdict
+from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 from tests.support.judged_pads import pad, ranges
 from tests.support.slab_by_formula import make_tissue
 
@@ -92,7 +92,7 @@ def sampling():
 def slabs_of(law, young_MPa, thickness_mm, beta=(0.6, 0.5)):
     """Slabs of one thickness and several moduli that relax in 0.03 and 0.5 s."""
     young = np.atleast_1d(young_MPa)
-    curves = make_curves(law, [thickness_mm], RADIUS_MM, 0.6)
+    curves = make_curves(law, [thickness_mm], PUNCH_RADIUS_MM, 0.6)
     return PadBatch(curves, np.zeros(len(young), int), young, (0.03, 0.5), np.tile(beta, (len(young), 1)))
 
 

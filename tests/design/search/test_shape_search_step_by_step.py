@@ -11,8 +11,7 @@ import pytest
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.design import calibrated
 from dummydesign.design.assessment.decision import MISFIT_N, force_at, low_force, misfit
-from dummydesign.design.protocol import NAGOYA_PROTOCOL, Protocol
-from dummydesign.design.request import Request
+from dummydesign.design.request import NAGOYA_PROTOCOL, Protocol, Request
 from dummydesign.design.scoring.press_simulation import DEPTH_SHARE, SAMPLES, PadBatch, Sampling, SlabCurves
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.search import shape_search as module

@@ -24,7 +24,7 @@ from dummydesign.design.plot_data import (
     reactions,
     relative_force,
 )
-from dummydesign.design.protocol import NAGOYA_PROTOCOL
+from dummydesign.design.request import NAGOYA_PROTOCOL
 from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, Sampling, SlabCurves
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.search.slabs import DesignCandidate

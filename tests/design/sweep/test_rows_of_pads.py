@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -10,20 +11,20 @@ import pytest
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.design.scoring.press_simulation import DEPTH_SHARE, SAMPLES, PadBatch, SlabCurves
-from dummydesign.design.sweep import rows as module
 from dummydesign.design.sweep.rows import (
     SOLVED_SHARES,
-    RowFormat,
     Task,
     _errors,
     _limits,
     _plain,
     _solved,
+    columns_of_rows,
     empty_row,
     empty_rows,
     key_of,
     rows_of,
     work,
+    write_rows,
 )
 from dummydesign.design.sweep.spec import Study
 
@@ -199,19 +200,19 @@ def test_a_table_that_does_not_hold_a_pad_and_a_pad_that_cannot_be_cast_say_so()
     assert made[2]["depth_mm_at_N"]["5"] is None or made[2]["limit"] is None
 
 
-def test_a_line_has_the_values_of_its_row_in_full():
+def test_a_line_has_the_values_of_its_row_in_full(tmp_path):
     study = Study(
         (10.0, 20.0), (15.0, 16.0), (("square:14", 7.9),), forces_N=(5.0, 10.0, 20.0), velocities_mm_s=(10.0, 250.0)
     )
-    form = RowFormat(study)
     made = rows_of(task(), slabs_of((2.0, 8.0)), lambda depth: 0.01 * depth)
-    lines = form.text(made).splitlines()
-    for row, line in zip(made, lines):
-        fields = dict(zip(form.columns, next(module.csv.reader([line])), strict=True))
+    written = write_rows(tmp_path, study, {}, made).read_text(encoding="utf-8").splitlines()
+    head, columns = written[0].split(","), list(columns_of_rows(study))
+    for row, line in zip(made, written[1:], strict=True):
+        fields = dict(zip(columns, next(csv.reader([line])), strict=True))
         for force, depth in row["depth_mm_at_N"].items():
             assert fields[f"depth_mm_at_{force}_N"] == ("" if depth is None else repr(depth))
         assert float(fields["young_kPa"]) == row["young_kPa"] and fields["limit"] == (row["limit"] or "")
-    assert form.header().strip().split(",") == form.columns and len(set(form.columns)) == len(form.columns)
+    assert head == columns and len(set(columns)) == len(columns)
 
 
 def test_a_task_keeps_the_designs_that_are_taken():

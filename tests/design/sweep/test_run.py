@@ -8,7 +8,7 @@ import pytest
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.parsing import parse_limits, read_numbers
-from dummydesign.design.sweep.rows import RowFormat
+from dummydesign.design.sweep.rows import write_rows
 from dummydesign.design.sweep.run import whatif
 from dummydesign.design.sweep.spec import Study
 from dummydesign.geometry.punch import equal_area_radius_mm
@@ -130,11 +130,10 @@ def test_a_thousand_designs_take_less_than_a_second_of_work(layer_law):
     assert whatif(study, layer_law)["seconds"] < 1.0
 
 
-def test_csv_has_one_line_a_row_and_a_column_a_value(layer_law):
+def test_csv_has_one_line_a_row_and_a_column_a_value(layer_law, tmp_path):
     study = Study((5.0, 15.0), (15.0,), SQUARE)
     rows = whatif(study, layer_law)["rows"]
-    layout = RowFormat(study)
-    lines = (layout.header() + layout.text(rows)).splitlines()
+    lines = write_rows(tmp_path, study, {}, rows).read_text(encoding="utf-8").splitlines()
     assert len(lines) == 3
     head = lines[0].split(",")
     assert {"depth_mm_at_5_N", "exponent_at_15_N", "peak_over_steady_at_250_mm_s", "limit"} <= set(head)

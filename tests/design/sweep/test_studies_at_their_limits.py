@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.protocol import NAGOYA_PROTOCOL
-from dummydesign.design.request import Request
+from dummydesign.design.request import NAGOYA_PROTOCOL, Request
 from dummydesign.design.sweep.spec import SHOWN_N, Study, check_friction, parse_shapes
 from dummydesign.design.test_conditions import (
     beyond_people,

@@ -11,7 +11,15 @@ import pytest
 from dummydesign.inference.noise import Noise
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting import candidates
-from dummydesign.loop.fitting.candidates import EffectCandidate, first_fit, first_fits, modest, to_the_end
+from dummydesign.loop.fitting.candidates import (
+    EffectCandidate,
+    Screened,
+    first_fit,
+    first_fits,
+    modest,
+    starts_of,
+    to_the_end,
+)
 from dummydesign.loop.fitting.fit import (
     fit,
     prior_precision,
@@ -22,7 +30,6 @@ from dummydesign.loop.fitting.fit import (
 )
 from dummydesign.loop.fitting.noise import NoiseSizes, contrasts, estimate_slow_noise, make_whitener
 from dummydesign.loop.fitting.problem import CampaignProblem
-from dummydesign.loop.fitting.screening import Screened, starts_of
 from dummydesign.loop.model.forward_model import LAW_TERMS, SMOOTH_TERMS, WAVES, simulate_yielding
 from dummydesign.loop.model.material import UNDECLARED
 from tests.support import puck_presses as pucks

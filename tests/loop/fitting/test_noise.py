@@ -167,7 +167,7 @@ def test_left_out_errors_are_not_smaller_than_fitted_ones_and_near_the_noise(bas
 
 def test_the_threshold_has_a_floor_and_grows_with_lack_of_fit():
     assert gain_threshold([], None) == GAIN_FLOOR
-    from dummydesign.loop.fitting.screening import Screened
+    from dummydesign.loop.fitting.candidates import Screened
 
     rng = np.random.default_rng(1)
     made = []

@@ -13,8 +13,8 @@ from dummydesign.core.progress import quiet
 from dummydesign.loop.data.reduction import UNLOADING
 from dummydesign.loop.effects.learned import FOLLOWED, Learned, SmoothChange, followed, largest_change
 from dummydesign.loop.effects.registry import effect_named
+from dummydesign.loop.fitting.candidates import project
 from dummydesign.loop.fitting.fit import fit, fit_base, prior_precision
-from dummydesign.loop.fitting.screening import project
 from dummydesign.loop.selection import nonparametric_effect
 from dummydesign.loop.selection.nonparametric_effect import closed_form, learn
 from dummydesign.loop.selection.residuals import Dependence, ResidualDiagnostics

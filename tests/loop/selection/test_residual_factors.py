@@ -12,10 +12,9 @@ from dummydesign.loop.data.reduction import HOLD, PRE, UNLOADING
 from dummydesign.loop.data.trials import stack
 from dummydesign.loop.effects.learned import followed
 from dummydesign.loop.effects.registry import known_effects
-from dummydesign.loop.fitting.candidates import first_fit
+from dummydesign.loop.fitting.candidates import first_fit, project, screen, starts_of
 from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.fitting.noise import estimate_slow_noise, repeat_pairs
-from dummydesign.loop.fitting.screening import project, screen, starts_of
 from dummydesign.loop.selection.cross_validation import assess
 from dummydesign.loop.selection.nonparametric_effect import refitted_squares
 from dummydesign.loop.selection.residuals import (

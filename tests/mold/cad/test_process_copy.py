@@ -14,13 +14,13 @@ import pytest
 
 from dummydesign.core.blas_threads import surroundings
 from dummydesign.mold.build_files import produce
-from dummydesign.mold.cad.process_copy import beside
+from dummydesign.mold.cad.kernel import beside
 from dummydesign.mold.client import make_mold, papers
 from dummydesign.mold.files.pour_sheet import Foot
 from dummydesign.mold.model.preset import mould_spec
 
 ON_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="copies of a process are made on Linux alone")
-BEGIN = "import os, signal, sys, time; from dummydesign.mold.cad.process_copy import beside; "
+BEGIN = "import os, signal, sys, time; from dummydesign.mold.cad.kernel import beside; "
 
 
 def run(text: str, **options) -> subprocess.CompletedProcess:

@@ -12,8 +12,14 @@ from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.measurement.pad_record import read_record
 from dummydesign.mold.files import pour_sheet as sheet
-from dummydesign.mold.pour.acceptance import gauge_points, spread_mm
-from dummydesign.mold.pour.crown import MOST_PERCENT, crown_change_percent, crown_limits, measured_crown
+from dummydesign.mold.pour.acceptance import (
+    MOST_PERCENT,
+    crown_change_percent,
+    crown_limits,
+    gauge_points,
+    measured_crown,
+    spread_mm,
+)
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.printing import face_factor, height_words
 from dummydesign.mold.pour.record import Measured, judge, record_pad

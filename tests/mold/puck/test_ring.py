@@ -13,7 +13,7 @@ import pytest
 
 from dummydesign.cli.entry import run
 from dummydesign.mold.model.preset import mould_spec
-from dummydesign.mold.pour.cost import mould_cost, printed_volumes_mm3
+from dummydesign.mold.pour.bill_of_materials import mould_cost, printed_volumes_mm3
 from dummydesign.mold.puck import ring as rings
 from dummydesign.mold.puck.plan import puck_plan, ring_cost
 from dummydesign.mold.puck.ring import Ring, cavity_mm3, puck_spec, read_pucks, ring_volume_mm3
@@ -86,7 +86,8 @@ def test_a_ring_prints_in_about_an_hour_where_the_silicone_mould_of_a_puck_takes
 def test_costs_load_no_cad():
     code = (
         "import sys; from dummydesign.mold.puck.plan import ring_cost; ring_cost(); "
-        "from dummydesign.mold.pour.cost import mould_cost; from dummydesign.mold.model.preset import mould_spec; "
+        "from dummydesign.mold.pour.bill_of_materials import mould_cost; "
+        "from dummydesign.mold.model.preset import mould_spec; "
         "mould_cost(mould_spec(10.0)); print('cadquery' in sys.modules, 'OCP' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)

@@ -8,7 +8,7 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.measured_pad import verdict_of_traces
-from dummydesign.design.protocol import Protocol
+from dummydesign.design.request import Protocol
 from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets

@@ -21,6 +21,7 @@ from dummydesign.design.plot_data import (
     relative_force,
 )
 from dummydesign.design.request import base_words
+from dummydesign.design.test_conditions import KNOWN_FORCE_N, pressed_N
 from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_view, view_script
 from dummydesign.report import suggest_facts
@@ -395,7 +396,8 @@ def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def _steady_words(answer: Suggestion) -> str:
-    low = "Below 5 N there are no data on people; the range there is their law extrapolated and drawn paler."
+    least = (pressed_N(answer.tissue) or KNOWN_FORCE_N)[0]
+    low = f"Below {least:.2g} N there are no data on people; the range there is their law extrapolated and drawn paler."
     if answer.tissue.measured:
         low = (
             f"Below {answer.request.protocol.forces_N[0]:g} N the subjects' range is their slowest rise, scaled to "
@@ -429,8 +431,8 @@ def _shapes(answer: Suggestion, result: dict[str, Any]) -> list[Section]:
     low, high = answer.targets.protocol.forces_N[0], answer.targets.protocol.forces_N[-1]
     text = (
         "The best pad of each kind by one rule: its level, then the castings that are usable after one puck, then the "
-        f"misfit. The misfit is the rms of ln F over {0.1 * low:g} to {high:g} N; below 5 N the tissue's curve is an "
-        "extrapolation."
+        f"misfit. The misfit is the rms of ln F over {0.1 * low:g} to {high:g} N; below "
+        f"{(pressed_N(answer.tissue) or KNOWN_FORCE_N)[0]:.2g} N the tissue's curve is an extrapolation."
     )
     if answer.sites:
         text += f" Its sites: {answer.sites.text}."

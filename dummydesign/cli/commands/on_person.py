@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 from dummydesign.cli.common_options import named_by
-from dummydesign.cli.text import INDENT, WIDTH, files_block, fitted, labelled, step_lines, warning_block
+from dummydesign.cli.text import INDENT, WIDTH, files_block, fitted, labelled, step_lines, tissue_lines, warning_block
 from dummydesign.core.tables import Table
 
 HELP = "Compute what a press measured on a pad would have been on people; compare it with your limits."
@@ -30,7 +30,7 @@ def render(result: dict[str, Any]) -> str:
         files_block(result, ("report", "first_page", "curves")),
         labelled("MORE", f"--details: each subject, {checks}{notes} note{'s' * (notes != 1)}"),
     ]
-    head, left_out = [*_headline(result), ""], "  ... and {} more presses: --details"
+    head, left_out = [*_headline(result), "", *tissue_lines(result)], "  ... and {} more presses: --details"
     return "\n".join(fitted(head, _table(result), tail, (1,), left_out))
 
 

@@ -113,7 +113,7 @@ def render_details(result: dict[str, Any]) -> str:
     words = (
         "the people's slowest rise, scaled to their steady force"
         if no_law
-        else ("the tissue's law extrapolated; no data on people")
+        else ("the tissue's law; extrapolated where nobody was pressed so lightly")
     )
     small = [
         {**row, "span": f"{row['tissue_depth_low_mm']:.2f} to {row['tissue_depth_high_mm']:.2f}"}

@@ -407,7 +407,7 @@ class PeopleOfPad:
                 self.root,
                 self._keep_limits,
                 self._find_limits,
-                "A TOML file as 'on-person --limits' takes it.",
+                "A TOML file of limits, as the page on people describes it.",
                 "limits",
             )
         widgets.on_change(self.work.renew, self.drive, self.limits, *self.numbers.values())

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from dummydesign.design.suggestion import Suggestion
-    from dummydesign.mold.pour.cost import MouldCost
+    from dummydesign.mold.pour.bill_of_materials import MouldCost
 
 TYPED_AGAIN = (
     "aim",
@@ -221,7 +221,7 @@ def _path(name: str, printing_h: float | None, calendar_h: float, grams: dict[st
 
 def _mould(answer: Suggestion) -> MouldCost:
     """What the mould of the recommended pad and one casting take."""
-    from dummydesign.mold.pour.cost import mould_cost
+    from dummydesign.mold.pour.bill_of_materials import mould_cost
 
     return mould_cost(answer.problem.mould(answer.best))
 

@@ -11,7 +11,7 @@ from dummydesign.mold.client import without_cad
 from dummydesign.mold.files.pour_sheet import pour_sheet
 from dummydesign.mold.model.layout import layout, lid_volume_mm3, mould_volume_mm3, resin_volume_mm3
 from dummydesign.mold.model.preset import mould_spec
-from dummydesign.mold.pour.cost import mould_cost
+from dummydesign.mold.pour.bill_of_materials import mould_cost
 from dummydesign.mold.pour.plan import batch_of, pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 from tests.support.sheet_text import sheet_text

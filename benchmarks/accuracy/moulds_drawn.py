@@ -95,8 +95,7 @@ def built(spec: MouldSpec, folder: Path) -> Iterator[dict[str, Any]]:
     import trimesh
 
     from dummydesign.mold.cad.build import build
-    from dummydesign.mold.cad.tessellate import tessellate
-    from dummydesign.mold.files.meshes import lying, write_3mf
+    from dummydesign.mold.files.meshes import lying, tessellate, write_3mf
 
     made, bed = build(spec), sorted(spec.machines.bed_mm)
     for part in printed_parts(spec):

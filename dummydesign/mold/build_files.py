@@ -15,14 +15,13 @@ from dummydesign.core.progress import write_progress
 from dummydesign.mold.cad.build import build
 from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.cad.process_copy import beside
-from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import files as check_files
 from dummydesign.mold.checks import release
 from dummydesign.mold.checks.check import Check
 from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.checks.solids import check_shape, check_solids
 from dummydesign.mold.files import picture as view
-from dummydesign.mold.files.meshes import lying, write_3mf
+from dummydesign.mold.files.meshes import lying, tessellate, write_3mf
 from dummydesign.mold.files.part_drawings import part_views, sheets
 from dummydesign.mold.files.picture import turned_over
 from dummydesign.mold.files.pour_sheet import Foot, pour_sheet, write_papers

@@ -8,11 +8,11 @@ from itertools import combinations
 import pytest
 
 from dummydesign import cli
-from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import release as check_mesh
 from dummydesign.mold.checks import solids as check
 from dummydesign.mold.checks.check import genera
 from dummydesign.mold.checks.process import check_process
+from dummydesign.mold.files.meshes import tessellate
 from dummydesign.mold.files.part_drawings import part_views
 from dummydesign.mold.files.pour_sheet import pour_sheet
 from dummydesign.mold.model.layout import best_grid, layout, mould_volume_mm3

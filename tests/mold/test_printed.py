@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from dummydesign import cli
-from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import release as check_mesh
 from dummydesign.mold.checks import release as demould
 from dummydesign.mold.checks import solids as check
 from dummydesign.mold.checks import solids as check_shape
 from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.client import make_mold
+from dummydesign.mold.files.meshes import tessellate
 from dummydesign.mold.files.pour_sheet import pour_sheet
 from dummydesign.mold.model.layout import dowel_places, layout, level_places, pad_scale, parting_mm
 from dummydesign.mold.model.preset import mould_spec

@@ -15,9 +15,9 @@ from dummydesign.mold.cad.kernel import cq
 from dummydesign.mold.cad.label import label_bars
 from dummydesign.mold.cad.parts import CORE_MM, Parts
 from dummydesign.mold.cad.solids import drafted_prism, heights_over, rough_bounds
-from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import release
 from dummydesign.mold.checks.check import Check, above, below, equal, skipped
+from dummydesign.mold.files.meshes import tessellate
 from dummydesign.mold.model import layout as dimensions
 from dummydesign.mold.model.layout import Outline
 from dummydesign.mold.model.spec import PadGeometry

@@ -14,12 +14,11 @@ from dummydesign.mold.build_files import write_json
 from dummydesign.mold.cad.kernel import cq
 from dummydesign.mold.cad.parts import COLOURS, Part, PartMaterial
 from dummydesign.mold.cad.solids import single_solid
-from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import files as check_files
 from dummydesign.mold.checks.check import Check, above, below, equal
 from dummydesign.mold.files.drawing_layout import Measure, Title, View, arrange
 from dummydesign.mold.files.drawing_sheet import Drawing
-from dummydesign.mold.files.meshes import lying, write_3mf
+from dummydesign.mold.files.meshes import lying, tessellate, write_3mf
 from dummydesign.mold.files.part_drawings import cut, edges_from_above
 from dummydesign.mold.files.pour_sheet import Foot, write_papers
 from dummydesign.mold.files.step import step_text

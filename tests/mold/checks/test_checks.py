@@ -8,11 +8,11 @@ import pytest
 
 from dummydesign.mold.cad.build import brim_tool, pad_solid
 from dummydesign.mold.cad.solids import drafted_prism, single_solid
-from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import process as check_process
 from dummydesign.mold.checks import release as check_mesh
 from dummydesign.mold.checks import release as demould
 from dummydesign.mold.checks import solids as check
+from dummydesign.mold.files.meshes import tessellate
 from dummydesign.mold.model.layout import Outline, layout
 from dummydesign.mold.pour.plan import above_fill_mm3, pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings

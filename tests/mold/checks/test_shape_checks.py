@@ -8,11 +8,11 @@ import pytest
 
 from dummydesign.mold.cad.build import brim_tool, build, pad_solid
 from dummydesign.mold.cad.solids import single_solid
-from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import release as check_mesh
 from dummydesign.mold.checks import release as demould
 from dummydesign.mold.checks import solids as check
 from dummydesign.mold.checks import solids as check_shape
+from dummydesign.mold.files.meshes import tessellate
 from tests.support.mould_checks import failed, named, shape_spec
 
 

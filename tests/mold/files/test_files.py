@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files import pour_sheet as sheet
 from dummydesign.mold.files import step
+from dummydesign.mold.files.meshes import tessellate
 from dummydesign.mold.files.solid_view import read_view
 from dummydesign.mold.files.step import canonical_step
 from dummydesign.mold.pour.plan import CUP_FACTOR, batch_of, pour_plan, witness_mass_g

@@ -225,9 +225,8 @@ def drawn_spec(preset, shape, given):
 @pytest.mark.parametrize(("preset", "shape", "given"), CASES)
 def test_outlines_are_those_of_the_solids_and_nothing_hangs(preset, shape, given):
     from dummydesign.mold.cad.build import build
-    from dummydesign.mold.cad.tessellate import tessellate
     from dummydesign.mold.checks.files import overhang_mm2
-    from dummydesign.mold.files.meshes import lying
+    from dummydesign.mold.files.meshes import lying, tessellate
 
     spec = drawn_spec(preset, shape, given)
     made = build(spec)

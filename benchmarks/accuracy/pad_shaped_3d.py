@@ -32,16 +32,12 @@ def force(shape: PadShape, thickness_mm: float, offset_mm: float, cells: int) ->
     """F / E at the depths that are reached, NaN beyond. [mm2]"""
     h = thickness_mm
     load = Load(
-        shape,
-        h,
         (SIDE_MM / h,) * 2,
         (75.0 / h, 60.0 / h),
-        False,
-        (offset_mm / h, 0.0),
-        "bonded",
-        "bonded",
-        0.5,
-        float(SHARES[0]),
+        shape=shape,
+        thickness_mm=h,
+        offset=(offset_mm / h, 0.0),
+        first=float(SHARES[0]),
     )
     problem = shaped_problem(load, GridFineness(cells))
     path = follow(problem, SHARES, 0.25 * SHARES[0], 0.05 * load.scale, SHARES[0] / 256.0)

@@ -196,7 +196,7 @@ class PuckResult(Made):
     seconds: float = field(default=0.0, compare=False)
 
 
-def make_puck_rings(spec: PuckSpec, folder: Path, processor_s: float = PROCESSOR_S, paper: str = "A4") -> PuckResult:
+def make_puck_rings(spec: PuckSpec, folder: Path, paper: str = "A4") -> PuckResult:
     """Build the rings of some pucks with all their files into a folder; an error leaves nothing there."""
     from dummydesign.mold.puck.plan import puck_plan, spec_cost, warnings_of
 
@@ -210,7 +210,7 @@ def make_puck_rings(spec: PuckSpec, folder: Path, processor_s: float = PROCESSOR
         "filament_g": cost.filament_g,
         "warnings": warnings_of(spec, plan),
     }
-    asked = {"puck": spec.to_dict(), "processor_s": processor_s, "papers": papers(paper)}
+    asked = {"puck": spec.to_dict(), "processor_s": PROCESSOR_S, "papers": papers(paper)}
 
     def result(answer: dict[str, Any]) -> PuckResult:
         return PuckResult(**{name: value for name, value in answer.items() if name != "memory_MB"})

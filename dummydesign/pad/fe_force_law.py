@@ -38,11 +38,13 @@ class SolvedSlab:
 
 @dataclass(frozen=True)
 class FeForceLaw(ForceLaw):
-    """Elastic force of solved slabs, F = E a d exp(p(d / h)) with a polynomial p a thickness."""
+    """Elastic force of solved slabs, F = E a d exp(p(d / h)) with a polynomial p a thickness.
+
+    ``errors`` are the solved depths of each thickness and the relative errors there.
+    """
 
     radius_mm: float
     polynomials: dict[float, tuple[float, ...]]
-    limits_mm: dict[float, float]
     errors: dict[float, tuple[Array, Array]]
     notes: tuple[str, ...]
 
@@ -68,7 +70,7 @@ class FeForceLaw(ForceLaw):
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Largest depth that was solved. [mm]"""
         thickness = np.asarray(thickness_mm, float)
-        limits = [self.limits_mm[self._solved(float(value))] for value in thickness.flat]
+        limits = [self.errors[self._solved(float(value))][0][-1] for value in thickness.flat]
         return np.array(limits).reshape(thickness.shape)
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
@@ -124,7 +126,7 @@ def solve_slab(pad: Pad, fidelity: str = "axisymmetric") -> SolvedSlab:
 
 def law_of(slabs: Iterable[SolvedSlab]) -> FeForceLaw:
     """Make one force law of slabs solved for the same punch."""
-    polynomials, limits, errors, notes, radius = {}, {}, {}, [], 0.0
+    polynomials, errors, notes, radius = {}, {}, [], 0.0
     for slab in slabs:
         thickness, radius = slab.pad.thickness_mm, slab.pad.radius_mm
         degree = DEGREE if slab.pad.condition == "bonded" else SLIDING_DEGREE
@@ -134,11 +136,10 @@ def law_of(slabs: Iterable[SolvedSlab]) -> FeForceLaw:
         logarithm = np.log(slab.area_mm2 / (radius * slab.depth_mm))
         fitted = np.polynomial.polynomial.polyfit(slab.depth_mm / thickness, logarithm, degree, w=1.0 / slab.error)
         polynomials[thickness] = tuple(float(value) for value in fitted)
-        limits[thickness] = float(slab.depth_mm[-1])
         misfit = np.polynomial.polynomial.polyval(slab.depth_mm / thickness, fitted) - logarithm
         errors[thickness] = (slab.depth_mm, slab.error + np.abs(misfit))
         notes += [f"slab of {thickness:g} mm: {text}" for text in slab.notes]
-    return FeForceLaw(radius, polynomials, limits, errors, tuple(notes))
+    return FeForceLaw(radius, polynomials, errors, tuple(notes))
 
 
 def solve_law(

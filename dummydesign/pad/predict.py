@@ -234,10 +234,14 @@ def motion_on_curve(pad: Pad | Puck, motion: Motion, curve: ForceCurve, fidelity
     error = force * curve.relative_error(deepest_yet)
     solver, viscous = curve.solver, np.abs(force - np.maximum(elastic[keep], 0.0))
     if fidelity == "viscoelastic" and isinstance(pad, Pad):
-        from dummydesign.pad.axisymmetric.finite_strain import ratio_error
+        from dummydesign.pad.axisymmetric.case import Case
+        from dummydesign.pad.axisymmetric.finite_strain import nodes_of_motion, ratio_error, solve_ratio
 
-        over, cost = _finite_strain_ratio(pad, motion)
-        force, above = force * over, ratio_error(cost["rim_over_scale"]) * viscous
+        nodes = nodes_of_motion(motion.time_s, motion.displacement_mm / pad.thickness_mm, pad.prony)
+        path = solve_ratio(Case.of(pad), pad.prony, *nodes)
+        cost = path.solver
+        force = force * np.interp(motion.time_s, path.time_s, path.ratio)
+        above = ratio_error(cost["rim_over_scale"]) * viscous
         below = -above
         solver = cost | {name: solver[name] + cost[name] for name in ("load_steps", "newton_iterations", "seconds")}
     else:
@@ -268,16 +272,6 @@ def motion_on_curve(pad: Pad | Puck, motion: Motion, curve: ForceCurve, fidelity
         solver,
         curve.notes,
     )
-
-
-def _finite_strain_ratio(pad: Pad, motion: Motion) -> tuple[Array, dict[str, Any]]:
-    """Finite-strain force over separable force at the motion's times, and what it cost."""
-    from dummydesign.pad.axisymmetric.case import Case
-    from dummydesign.pad.axisymmetric.finite_strain import nodes_of_motion, solve_ratio
-
-    nodes = nodes_of_motion(motion.time_s, motion.displacement_mm / pad.thickness_mm, pad.prony)
-    path = solve_ratio(Case.of(pad), pad.prony, *nodes)
-    return np.interp(motion.time_s, path.time_s, path.ratio), path.solver
 
 
 def depth_for_steady_force(

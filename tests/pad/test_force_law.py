@@ -55,7 +55,7 @@ def laws():
     """One of each law that can be had without a solve."""
     table = load_table()
     depth = np.linspace(0.5, 5.0, 10)
-    solved = FeForceLaw(RADIUS, {10.0: (1.0, 0.3)}, {10.0: 5.0}, {10.0: (depth, np.full(10, 1e-3))}, ())
+    solved = FeForceLaw(RADIUS, {10.0: (1.0, 0.3)}, {10.0: (depth, np.full(10, 1e-3))}, ())
     crowned = read_shape("crowned:radius=20,height=3")
     family = FamilyShapeLaw(load_family("crowned"), crowned, 10.0)
     return {

@@ -10,7 +10,6 @@ from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS, MAX_DEPTH_OVER_
 from dummydesign.geometry.shapes.boned import Boned
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
-from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.axisymmetric.case import Case, held_on, lattice_depths, padded, relative_depths
 from dummydesign.pad.axisymmetric.filleted import check_fillet
 from dummydesign.pad.axisymmetric.puck import UnitPuck
@@ -35,7 +34,7 @@ RANGES = {
         0.0,
         LARGEST_EDGE_RADIUS * 5.0,
     ),
-    "offset": (lambda one: Load(Slab(), 9.0, (1.0, 1.0), (3.0, 3.0), offset=(0.0, one)).check(), -1.7, 1.7),
+    "offset": (lambda one: Load((1.0, 1.0), (3.0, 3.0), thickness_mm=9.0, offset=(0.0, one)).check(), -1.7, 1.7),
     "depth": (lambda one: relative_depths([1.0, one], 10.0), 0.0, MAX_DEPTH_OVER_THICKNESS * 10.0),
 }
 

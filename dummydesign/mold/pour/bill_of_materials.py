@@ -34,10 +34,10 @@ from dummydesign.mold.pour.plan import (
 SCREW_MM = (10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 60, 70)
 NUT_MM = 5.0
 LEVEL_TRAVEL_MM = 12.0
+CUPS_LITRE = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0)
 BOLTS, SCREWS = 8, 3
 PLAIN_DENSITY = 1.24
 """Of filament where a preset names no plastic. [g/cm3]"""
-CUPS_LITRE = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0)
 
 
 def sold(sizes: Sequence[float], least: float) -> float:
@@ -141,7 +141,7 @@ def bill_of_materials(needs: Iterable[MaterialItem]) -> list[tuple[str, str, str
 
 @dataclass(frozen=True)
 class MouldCost:
-    """Estimates; hours and filament are None for a lidded mould. ``cost`` is None: presets hold no prices.
+    """Estimates; hours and filament are None for a lidded mould.
 
     ``resin_g`` is the whole mix of one casting, of a layered pad both.
     """
@@ -150,7 +150,6 @@ class MouldCost:
     filament_g: float | None
     silicone_g: float
     resin_g: float
-    cost: float | None = None
 
 
 def mould_cost(spec: MouldSpec) -> MouldCost:

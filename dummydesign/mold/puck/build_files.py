@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.progress import write_progress
+from dummydesign.mold.build_files import write_json
 from dummydesign.mold.cad.kernel import cq
 from dummydesign.mold.cad.parts import COLOURS, Part, PartMaterial
 from dummydesign.mold.cad.solids import single_solid
@@ -18,7 +18,7 @@ from dummydesign.mold.checks import Check, above, below, equal
 from dummydesign.mold.checks import files as check_files
 from dummydesign.mold.files.drawing_layout import Measure, Title, View, arrange
 from dummydesign.mold.files.drawing_sheet import Drawing
-from dummydesign.mold.files.meshes import tessellate, write_3mf
+from dummydesign.mold.files.meshes import lying, tessellate, write_3mf
 from dummydesign.mold.files.part_drawings import cut, edges_from_above
 from dummydesign.mold.files.pour_sheet import Foot, write_papers
 from dummydesign.mold.files.step import step_text
@@ -85,17 +85,14 @@ def produce_pucks(spec: PuckSpec, folder: Path, foot: Foot) -> dict[str, Any]:
     for name, mesh in meshes.items():
         if name not in shown or not parts[name].is_printed:
             continue
-        printed = mesh.copy()
-        printed.apply_scale(spec.machines.print_scale)
         files[f"{name}_3mf"] = f"{name}.3mf"
-        write_3mf(printed, folder / f"{name}.3mf")
+        write_3mf(lying(mesh, False, spec.machines.print_scale), folder / f"{name}.3mf")
     write_progress("step 3 of 3: drawing and pour sheet")
     files |= _write_papers(spec, plan, parts, folder, foot)
     listed, cost = [check.to_dict() for check in checks], spec_cost(spec)
     for role, content in (("spec", {"hash": spec.hash, "puck": spec.to_dict()}), ("checks", listed)):
         files[role] = f"{role}.json"
-        text = json.dumps(content, indent=1, sort_keys=True, allow_nan=False)
-        (folder / files[role]).write_text(text + "\n", encoding="utf-8")
+        write_json(folder / files[role], content)
     volumes: dict[str, float] = {}
     for ring in spec.rings:
         volumes |= {

@@ -8,7 +8,7 @@ from typing import Any
 
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.pour.plan import CUP_FACTOR, GRAM_PER_HOUR, Mix, batch_limits_g, mix_of
-from dummydesign.mold.puck.ring import PRINTED, PuckSpec, Ring, cavity_mm3, puck_spec, ring_mass_g
+from dummydesign.mold.puck.ring import PuckSpec, Ring, cavity_mm3, puck_spec, ring_mass_g
 
 
 @dataclass(frozen=True)
@@ -85,19 +85,17 @@ def warnings_of(spec: PuckSpec, plan: PuckPlan) -> list[dict[str, str]]:
 
 @dataclass(frozen=True)
 class RingCost:
-    """What the rings of some pucks take; ``cost`` is None: presets hold no prices."""
+    """What the rings of some pucks take."""
 
     printing_h: float
     filament_g: float
     resin_g: float
-    cost: float | None = None
 
 
 def ring_cost(
     diameter_mm: float = 50.0,
     height_mm: float = 30.0,
     count: int = 1,
-    preset: str = PRINTED,
     resin: str | None = None,
     ratio: float = 15.0,
 ) -> RingCost:
@@ -109,14 +107,12 @@ def ring_cost(
         Of the puck. [mm]
     count : int
         Pucks, each with a ring.
-    preset : str
-        Of printed moulds.
     resin : str, optional
         The paper's polyurethane by default.
     ratio : float
         Mixing ratio.
     """
-    return spec_cost(puck_spec((Ring(diameter_mm, height_mm, count),), preset, resin, ratio))
+    return spec_cost(puck_spec((Ring(diameter_mm, height_mm, count),), resin=resin, ratio=ratio))
 
 
 def spec_cost(spec: PuckSpec) -> RingCost:

@@ -128,12 +128,6 @@ BACK = np.linspace(0.6, 1.0, 5)
 LEAST_FILLET = 0.015
 
 
-def _case(pad: Pad, depth_mm: ArrayLike) -> tuple[Case, Array]:
-    """A shaped pad, its tip meshed, and the depths over its thickness."""
-    depths = relative_depths(depth_mm, pad.thickness_mm)
-    return meshed(replace(Case.of(pad), thickness_mm=float(pad.thickness_mm))), depths
-
-
 def sharp(rough: Array, fine: Array) -> tuple[Array, Array]:
     """Values with fillets of 0.1 and 0.05 extrapolated to a sharp edge; NaN where a fillet did not get to.
 
@@ -160,7 +154,8 @@ def solve_shaped_pad(pad: Pad, depth_mm: ArrayLike, cells: int = CELLS, solved: 
     least = least_fillet_mm(pad)
     if 0.0 < pad.edge_radius_mm < least:
         return _nearly_sharp(pad, least, depth_mm, cells, solved)
-    case, depths = _case(pad, depth_mm)
+    depths = relative_depths(depth_mm, pad.thickness_mm)
+    case = meshed(replace(Case.of(pad), thickness_mm=float(pad.thickness_mm)))
     solved = PathCache() if solved is None else solved
     if case.shape.flat_top:
         return _over_slab(pad, case, depths, cells, solved)

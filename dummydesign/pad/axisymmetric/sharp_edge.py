@@ -20,11 +20,11 @@ from dummydesign.pad.axisymmetric.case import (
     unsolved,
 )
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
-from dummydesign.pad.force_law import PadCurve
+from dummydesign.pad.force_law import ANY_RATIO, PadCurve
 from dummydesign.pad.material.hyperelastic import Array, Yeoh
 from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.solve.continuation import ForcePath, cost, follow
-from dummydesign.pad.tables.slab import ResponseTable, load_edge_correction, load_table, sharp_edge_doubt
+from dummydesign.pad.tables.slab import ResponseTable, load_edge_correction, load_table, series_place, sharp_edge_doubt
 
 LARGEST_PSI = 0.16
 # Power of the rim with which its effect vanishes; from one rim to one of half the size 2^-1.25 = 0.42 of it is left.
@@ -104,12 +104,8 @@ class Limit:
 def _coordinates(
     depth: Array, ratio: Array, depth_range: tuple[float, float], ratio_range: tuple[float, float] | None
 ) -> tuple[Array, Array]:
-    low, high = depth_range
-    u = 2.0 * (np.asarray(depth, dtype=float) - low) / (high - low) - 1.0
-    if ratio_range is None:
-        return u, np.zeros_like(u)
-    start, stop = np.log(ratio_range)
-    return u, 2.0 * (np.log(ratio) - start) / (stop - start) - 1.0
+    u, v = series_place(depth, ratio, depth_range, ratio_range or ANY_RATIO)
+    return u, v if ratio_range else np.zeros_like(u)
 
 
 def _correction(samples: Samples, ratio_range: tuple[float, float] | None) -> Array:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dummydesign.pad.fem.mesh_hexahedra import rectangle_plan
 from dummydesign.pad.fem.mixed_solid import Discretisation
 from dummydesign.pad.material.hyperelastic import Array, Axisymmetric
 
@@ -253,10 +254,8 @@ def height_lines(first: float, interface: float | None = None) -> Array:
 
 def columns(r: Array, share: Array) -> tuple[Array, Array, Array]:
     """Points and quadrilaterals of a tensor grid in radius and -share of the column."""
-    points = np.stack([np.repeat(r, len(share)), np.tile(-share, len(r))])
-    number = np.arange(len(r) * len(share)).reshape(len(r), len(share))
-    quads = np.stack([number[:-1, 1:], number[1:, 1:], number[1:, :-1], number[:-1, :-1]]).reshape(4, -1)
-    return points, quads, np.tile(np.arange(len(share) - 1), len(r) - 1)
+    points, quads = rectangle_plan(r, -share)
+    return points, quads[::-1], np.tile(np.arange(len(share) - 1), len(r) - 1)
 
 
 def stretch(drop: Callable[[Array], Array], bone: Callable[[Array], Array]) -> Callable[[Array], Array]:

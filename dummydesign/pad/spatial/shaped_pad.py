@@ -21,8 +21,6 @@ from typing import ClassVar
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.parsing import one_of
-from dummydesign.geometry.interface import BASES, CONDITIONS
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.pad.axisymmetric.case import Case, end_note, relative_depths, unsolved
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, opening_deg
@@ -33,11 +31,12 @@ from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mesh_axisymmetric import Sizes, lines_by_size
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.force_law import ForceCurve, PadCurve
-from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, Array, HyperelasticLaw
-from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.material.hyperelastic import Array
+from dummydesign.pad.pad_under_punch import SLAB, Pad
 from dummydesign.pad.solve.continuation import ForcePath, cost, follow
 from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium
 from dummydesign.pad.solve.multifrontal import Dissection
+from dummydesign.pad.spatial.square_punch import Block
 from dummydesign.pad.tables.crowned import fade
 
 # How far a node may be beyond a plane of symmetry, in thicknesses: rounding.
@@ -178,25 +177,18 @@ class GridFineness:
 
 
 @dataclass(frozen=True)
-class Load:
-    """A pad and the punch on it, lengths in thicknesses (those of the shape in mm).
+class Load(Block):
+    """A shaped pad and the punch on it (lengths of the shape in mm).
 
-    ``half_sides`` are those of a rectangular punch; a round one has its radius in both and ``is_round`` set.
     ``first`` is the smallest depth of interest. ``homogeneous`` leaves out bone and second resin.
     """
 
-    shape: PadShape
-    thickness_mm: float
-    half_sides: tuple[float, float]
-    half_extents: tuple[float, float]
+    shape: PadShape = SLAB
+    thickness_mm: float = 1.0
     is_round: bool = False
     offset: tuple[float, float] = (0.0, 0.0)
-    base: str = "bonded"
-    condition: str = "bonded"
-    poisson: float = 0.5
     first: float = 0.05
     homogeneous: bool = False
-    law: HyperelasticLaw = NEO_HOOKEAN
 
     @classmethod
     def of(cls, pad: Pad, first: float, offset_mm: tuple[float, float] = (0.0, 0.0)) -> Load:
@@ -208,25 +200,23 @@ class Load:
             for one, other in (half_mm, (0.5 * pad.slab_mm[0], 0.5 * pad.slab_mm[1]), offset_mm)
         )
         load = cls(
-            pad.geometry,
-            float(h),
             half_sides,
             extents,
-            pad.sides_mm is None,
-            offset,
             pad.base,
             pad.condition,
+            pad.shape,
             pad.poisson,
+            pad.geometry,
+            float(h),
+            pad.sides_mm is None,
+            offset,
             first,
-            law=pad.shape,
         )
         load.check()
         return load
 
     def check(self) -> None:
         """Refuse a punch that is not over the pad."""
-        one_of("base", self.base, BASES)
-        one_of("condition", self.condition, CONDITIONS)
         h = self.thickness_mm
         for half, shift, extent in zip(self.half_sides, self.offset, self.half_extents):
             if not half > 0.0 or not np.isfinite(half):
@@ -413,8 +403,7 @@ def solve_shaped_block(
 
 def round_twin(load: Load, depths: Array) -> RoundTwin | None:
     """The pad under the circle of the punch's area; None of a flat top, and of what is not round or not centred."""
-    radius, extent = _circle(load.half_sides), _circle(load.half_extents)
-    radius = load.half_sides[0] if load.is_round else radius
+    radius, extent = load.half_sides[0] if load.is_round else load.radius, load.extent
     centred = load.offset == (0.0, 0.0) and extent >= 1.5 * radius
     if load.shape.flat_top or not load.shape.axisymmetric or not centred:
         return None
@@ -437,10 +426,6 @@ def _edge_left(load: Load, depths: Array) -> Array:
     fall = -load.heights(x, y)[1].max()
     near, _ = fade(depths, 0.5 * fall, fall + 1e-9)
     return near * np.interp(depths, *EDGE_LEFT)
-
-
-def _circle(half_sides: tuple[float, float]) -> float:
-    return float(2.0 * np.sqrt(np.prod(half_sides) / np.pi))
 
 
 def correction_of(load: Load, grid: GridFineness, twin: RoundTwin, step: float = LARGEST_STEP) -> Array:

@@ -47,8 +47,8 @@ FILLETED_SOUND_J = 0.03
 
 
 @dataclass(frozen=True)
-class SquareProblem:
-    """A rectangular punch on a rectangular slab, in thicknesses, and the slab's material."""
+class Block:
+    """A pad under a punch and its material, lengths in thicknesses; a round punch has its radius in both half sides."""
 
     half_sides: tuple[float, float]
     half_extents: tuple[float, float]
@@ -60,6 +60,23 @@ class SquareProblem:
     def __post_init__(self) -> None:
         one_of("base", self.base, BASES)
         one_of("condition", self.condition, CONDITIONS)
+
+    @property
+    def radius(self) -> float:
+        """Radius of the circle with the punch's area."""
+        return float(2.0 * np.sqrt(self.half_sides[0] * self.half_sides[1] / np.pi))
+
+    @property
+    def extent(self) -> float:
+        """Radius of the circle with the pad's area."""
+        return float(2.0 * np.sqrt(self.half_extents[0] * self.half_extents[1] / np.pi))
+
+
+class SquareProblem(Block):
+    """A rectangular punch on a rectangular slab."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
         for side, extent in zip(self.half_sides, self.half_extents):
             if not 0.05 <= side <= 20.0:
                 raise out_of_range("half side of the punch over thickness", side, 0.05, 20.0)
@@ -71,16 +88,6 @@ class SquareProblem:
                     "slab_over_punch",
                     extent / side,
                 )
-
-    @property
-    def radius(self) -> float:
-        """Radius of the circle with the punch's area."""
-        return float(2.0 * np.sqrt(self.half_sides[0] * self.half_sides[1] / np.pi))
-
-    @property
-    def extent(self) -> float:
-        """Radius of the circle with the slab's area."""
-        return float(2.0 * np.sqrt(self.half_extents[0] * self.half_extents[1] / np.pi))
 
     @property
     def middle_extents(self) -> tuple[float, float]:

@@ -153,10 +153,6 @@ class TabulatedShapeLaw(ForceLaw):
         """Thickness of the gel under the middle of the punch: the pad's, less a bone. [mm]"""
         return np.asarray(thickness_mm, float) - self.shape.bone_height_mm
 
-    def inside(self, thickness_mm: Array, radius_mm: Array) -> Array:
-        """Whether the table holds the pads (broadcast)."""
-        return self.table.inside(ratios(self.shape, thickness_mm, radius_mm))
-
     def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Static force; zero and negative depths carry none, NaN beyond the limit. [N]
 

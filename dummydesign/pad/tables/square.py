@@ -12,13 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dummydesign.core import user_library as json_table
-from dummydesign.core.errors import InputError
 from dummydesign.core.user_library import fill_table
 from dummydesign.geometry.conic import conic_radius, conic_sag
-from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.punch import punch_sides_mm
 from dummydesign.pad.force_law import Array, ForceLaw, ScaledLaw
-from dummydesign.pad.tables.slab import SeriesTable, check_ratio, square_doubt
+from dummydesign.pad.tables.slab import SeriesTable, check_base, check_ratio, square_doubt
 
 # Half side of a square over the radius of the circle of its area.
 SIDE_OVER_RADIUS = float(np.sqrt(np.pi) / 2.0)
@@ -49,9 +47,7 @@ class SquareTable(SeriesTable):
 @lru_cache(maxsize=4)
 def load_square(base: str = "bonded") -> SquareTable:
     """Read the factors of one base."""
-    if base not in BASES:
-        message = f"base = '{base}' has no square factor; known are {', '.join(BASES)}"
-        raise InputError(message, "not_tabulated", "base", base, BASES)
+    check_base(base)
     command = "python -m studies.tables.square"
     return json_table.read(f"square-{base}.json", "table of square factors", command, partial(fill_table, SquareTable))
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.axisymmetric import case as problem
 from dummydesign.pad.axisymmetric import filleted
 from dummydesign.pad.axisymmetric import profile_punch as indentation
@@ -50,7 +49,7 @@ def test_a_round_punch_pushes_back_by_its_penalty_times_depth_and_area(name):
 
 def test_a_punch_in_space_pushes_back_by_its_penalty_times_depth_and_area():
     grid = spatial.GridFineness(3, 0.2, 1.0, 2.5)
-    load = spatial.Load(Slab(), 10.0, (0.8, 0.6), (2.4, 2.0), condition="frictionless")
+    load = spatial.Load((0.8, 0.6), (2.4, 2.0), condition="frictionless", thickness_mm=10.0)
     problem, depth = spatial.shaped_problem(load, grid), 1e-7
     force = problem.surface.forces(np.zeros(problem.solid.mesh.size), problem.punch, depth)[0]
     area = (0.8 - 0.12) * (0.6 - 0.12)

@@ -117,7 +117,7 @@ def test_triangles_near_those_turned_over_find_what_all_pairs_find():
 def load(shape, thickness: float, half: float = 7.0, is_round: bool = False, first: float = 0.04) -> Load:
     sides = (half / thickness,) * 2
     slab = (75.0 / thickness, 60.0 / thickness)
-    return Load(shape, thickness, sides, slab, is_round, (0.0, 0.0), "bonded", "bonded", 0.5, first)
+    return Load(sides, slab, shape=shape, thickness_mm=thickness, is_round=is_round, first=first)
 
 
 def face(cells: int = 4) -> SpatialFace:

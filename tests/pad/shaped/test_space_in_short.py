@@ -34,7 +34,8 @@ CROWN = Crowned(10.0, 2.0)
 
 def load(shape=CROWN, thickness=5.0, half=(7.0, 5.0), offset=(0.0, 0.0), slab=(30.0, 24.0), is_round=False, **more):
     sides = tuple(one / thickness for one in half), tuple(one / thickness for one in slab)
-    return Load(shape, thickness, *sides, is_round, tuple(one / thickness for one in offset), **more)
+    at = tuple(one / thickness for one in offset)
+    return Load(*sides, shape=shape, thickness_mm=thickness, is_round=is_round, offset=at, **more)
 
 
 def made(depth, force, stop=None) -> ForcePath:

@@ -31,16 +31,14 @@ def load(shape, thickness, half=(7.0, 7.0), offset=(0.0, 0.0), condition="bonded
     """A rectangular punch, or a round one of radius ``half``."""
     sides = half if isinstance(half, tuple) else (half, half)
     return Load(
-        shape,
-        thickness,
         tuple(s / thickness for s in sides),
         tuple(0.5 * s / thickness for s in slab),
-        not isinstance(half, tuple),
-        tuple(s / thickness for s in offset),
-        "bonded",
-        condition,
-        0.5,
-        first,
+        condition=condition,
+        shape=shape,
+        thickness_mm=thickness,
+        is_round=not isinstance(half, tuple),
+        offset=tuple(s / thickness for s in offset),
+        first=first,
     )
 
 

@@ -89,7 +89,7 @@ def test_a_law_broadcasts_scales_and_ends(kind):
     assert np.all(np.isnan(law.force(1.001 * limit, thickness, 0.03, RADIUS_MM)))
     with raises_code("out_of_range", "thickness over punch radius"):
         law.force(1.0, 60.0, 0.03, RADIUS_MM)
-    assert list(law.inside(np.array([9.0, 60.0]), RADIUS_MM)) == [True, False]
+    assert list(law.table.inside(ratios(law.shape, np.array([9.0, 60.0]), RADIUS_MM))) == [True, False]
 
 
 def test_a_crown_starts_as_hertz_says_with_exponent_three_halves():

@@ -159,7 +159,20 @@ def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[
 
 
 def numbers_at_once(lines: Sequence[str], delimiter: str | None, places: Sequence[int]) -> NDArray | None:
-    """Numbers of some cells of each line; None where one holds anything else: then lines are looked at one by one."""
+    """Numbers of some cells of each line; None where one holds anything else: then lines are looked at one by one.
+
+    Parameters
+    ----------
+    lines : sequence of str
+    delimiter : str or None
+        None for spaces.
+    places : sequence of int
+        Cells that are read, from 0.
+
+    Returns
+    -------
+    ndarray, shape (lines, places), or None
+    """
     try:
         numbers = np.loadtxt(lines, delimiter=delimiter, usecols=places, comments=None, quotechar='"', ndmin=2)
     except (ValueError, IndexError):

@@ -19,9 +19,12 @@ from dummydesign.loop.data.trials import (
     shows_tension,
     stack,
 )
+from dummydesign.measurement.motion import Motion
 from dummydesign.measurement.ramp_detection import Ramp, find_ramp
 from dummydesign.measurement.trace import Trace
 from tests.support import puck_presses as pucks
+
+NOWHERE = Motion(np.zeros(0), np.zeros(0))
 
 
 def motion(speed=5.0, depth=2.0, hold=3.0, back=10.0, step=0.83e-3, lead=0.2):
@@ -145,7 +148,7 @@ def test_white_noise_is_that_of_the_quiet_parts():
 
 
 def test_a_press_without_a_hold_has_forty_bins_to_its_end():
-    ramp = Ramp(0.2, 0.6, 0.6495, 2.0, 5.0)
+    ramp = Ramp(0.2, 0.6, 0.6495, 2.0, 5.0, 0.0, 0.0, 0.0, NOWHERE)
     assert not has_hold(ramp) and has_hold(replace(ramp, hold_end_s=0.6505))
     time = np.arange(0.0, 0.9, 1e-3)
     edges, labels = reduction._bin_edges(time, ramp)
@@ -251,7 +254,7 @@ def test_signals_are_binned_and_sampled_alike_by_one_operator():
 
 
 def test_without_a_hold_speeds_must_differ_by_half_to_show_relaxation():
-    ramp = Ramp(0.0, 0.4, 0.4, 2.0, 5.0)
+    ramp = Ramp(0.0, 0.4, 0.4, 2.0, 5.0, 0.0, 0.0, 0.0, NOWHERE)
     for fastest, elastic in ((7.4, True), (7.6, False)):
         made = SimpleNamespace(presses=[SimpleNamespace(ramp=ramp)] * 2, velocity_mm_s=np.array([5.0, fastest]))
         assert bool(Presses.elastic_only.fget(made)) is elastic

@@ -164,6 +164,7 @@ def numbers_at_once(lines: Sequence[str], delimiter: str | None, places: Sequenc
     Parameters
     ----------
     lines : sequence of str
+        Rows of a table.
     delimiter : str or None
         None for spaces.
     places : sequence of int

@@ -262,11 +262,12 @@ def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Cali
     joined = result.joined is not None and result.joined.used
     presses, fit = result.presses, result.after.fit
     after = model_of(fit) if prior is None or not joined else model_of(fit).with_pads_of(prior.after)
-    left = {}
-    for code, name in _PHASES.items():
-        use = presses.used & (presses.label // 100 == code)
-        if use.any():
-            left[name] = float(np.sqrt(np.average(fit.residual[use] ** 2, weights=presses.samples[use])))
+    phases = {name: presses.used & (presses.label // 100 == code) for code, name in _PHASES.items()}
+    left = {
+        name: float(np.sqrt(np.average(fit.residual[use] ** 2, weights=presses.samples[use])))
+        for name, use in phases.items()
+        if use.any()
+    }
     pad = {
         "young_kPa_expected": material_of(result.campaign).young_kPa,
         "resin": result.campaign.pad.resin,

@@ -269,11 +269,12 @@ def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Cali
     joined = result.joined is not None and result.joined.used
     presses, fit = result.presses, result.after.fit
     after = model_of(fit) if prior is None or not joined else model_of(fit).with_pads_of(prior.after)
-    left = {}
-    for code, name in _PHASES.items():
-        use = presses.used & (presses.label // 100 == code)
-        if use.any():
-            left[name] = float(np.sqrt(np.average(fit.residual[use] ** 2, weights=presses.samples[use])))
+    phases = {name: presses.used & (presses.label // 100 == code) for code, name in _PHASES.items()}
+    left = {
+        name: float(np.sqrt(np.average(fit.residual[use] ** 2, weights=presses.samples[use])))
+        for name, use in phases.items()
+        if use.any()
+    }
     pad = {
         "young_kPa_expected": material_of(result.campaign).young_kPa,
         "resin": result.campaign.pad.resin,
@@ -317,8 +318,11 @@ def check_prior(prior: Calibration, campaign: Campaign) -> None:
 def with_prior_effects(fit: CampaignFit, prior: Calibration) -> CampaignFit:
     """The model refitted with the prior's effects of the pad beside its own, as far as the campaign can take them."""
     problem = fit.problem
-    more = [one for one in prior.design_effects() if one.effect.name not in problem.entries]
-    more = [one for one in more if not one.effect.undefined(problem.presses, problem.law)]
+    more = [
+        one
+        for one in prior.design_effects()
+        if one.effect.name not in problem.entries and not one.effect.undefined(problem.presses, problem.law)
+    ]
     if not more:
         return fit
     start = [p.to_coordinate(one.values[p.name]) for one in more for p in one.effect.parameters]
@@ -370,17 +374,18 @@ def _shared(fit: CampaignFit, known: tuple[str, ...]) -> list[tuple[int, str, fl
     """Entry in the vector, name in the posterior, unit per coordinate and value at coordinate 0 of what is shared."""
     problem = fit.problem
     names = parameter_names(problem.prior.arms, problem.effects)
-    base = names[: problem.base_count]
     # arms of another number are other arms: only the modulus is then shared
     same = sum(name.startswith("log beta_") for name in known) == problem.prior.arms
-    shared = [(entry, name, 1.0, 0.0) for entry, name in enumerate(base if same else base[:1])]
-    shared[0] = (0, names[0], 1.0, float(np.log(1e3)))  # MPa to kPa
-    for effect in fit.problem.effects:
-        for entry, p in zip(fit.problem.entries[effect.name], effect.parameters):
-            if effect.belongs_to == "pad" and names[entry] in known:
-                zero = float(np.log(p.typical)) if p.log else p.null
-                shared.append((entry, names[entry], 1.0 if p.log else p.typical, zero))
-    return shared
+    own = [(effect, p) for effect in problem.effects for p in effect.parameters]
+    return [
+        (0, names[0], 1.0, float(np.log(1e3))),  # MPa to kPa
+        *((entry, names[entry], 1.0, 0.0) for entry in range(1, problem.base_count if same else 1)),
+        *(
+            (entry, names[entry], 1.0, float(np.log(p.typical))) if p.log else (entry, names[entry], p.typical, p.null)
+            for entry, (effect, p) in enumerate(own, problem.base_count)
+            if effect.belongs_to == "pad" and names[entry] in known
+        ),
+    ]
 
 
 def _conflict(name: str, prior: float, data: float, z: float) -> str:

@@ -49,9 +49,8 @@ def write_calibration(calibration: Calibration, path: str | Path) -> Path:
         "remainder_rmse_N": calibration.remainder_N,
         "noise_floor_N": calibration.noise_floor_N,
         "pad": calibration.pad,
+        **({} if calibration.posterior is None else {"posterior": calibration.posterior.to_dict()}),
     }
-    if calibration.posterior is not None:
-        content["posterior"] = calibration.posterior.to_dict()
     return write_text(path, json.dumps(content, indent=1) + "\n")
 
 

@@ -90,15 +90,16 @@ def recorded_spread(presses: Presses) -> float:
 
 def known_pads(trials: Sequence[Trial]) -> tuple[dict[str, Any], ...]:
     """What was known of each pad before it was pressed: modulus over the usual pad's, and thickness, with errors."""
-    known: dict[tuple[str, float], dict[str, Any]] = {}
-    for trial in trials:
-        if _read(trial) or trial.thickness_sd_mm:
-            known[trial.pad] = {
-                "thickness_mm": trial.thickness_mm,
-                "thickness_sd_mm": trial.thickness_sd_mm,
-                "young_factor": trial.young_factor,
-                "young_factor_sd": trial.young_factor_sd or None,
-            }
+    known = {
+        trial.pad: {
+            "thickness_mm": trial.thickness_mm,
+            "thickness_sd_mm": trial.thickness_sd_mm,
+            "young_factor": trial.young_factor,
+            "young_factor_sd": trial.young_factor_sd or None,
+        }
+        for trial in trials
+        if _read(trial) or trial.thickness_sd_mm
+    }
     return tuple(known.values())
 
 

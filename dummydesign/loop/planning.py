@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.errors import InputError, NoAnswerError
@@ -254,24 +253,23 @@ def _known(**values: object) -> dict[str, Any]:
 
 def _sheet(presses: tuple[PlannedPress, ...]) -> str:
     head = "sequence,file,pad_mm,shape,velocity_mm_s,depth_mm,expected_force_N,hold_s,way_back,rest_before_s,done"
-    rows = []
-    for press in presses:
-        option = press.option
-        cells = (
+    rows = [
+        (
             str(press.sequence),
             press.file,
-            f"{option.thickness_mm:g}",
-            f'"{option.geometry}"',
-            f"{option.velocity_mm_s:g}",
-            f"{option.depth_share * option.thickness_mm:.3g}",
+            f"{press.option.thickness_mm:g}",
+            f'"{press.option.geometry}"',
+            f"{press.option.velocity_mm_s:g}",
+            f"{press.option.depth_share * press.option.thickness_mm:.3g}",
             f"{press.target_force_N:.3g}",
             f"{HOLD_S:g}",
-            "record" if option.unloading else "",
-            f"{option.rest_s:g}",
+            "record" if press.option.unloading else "",
+            f"{press.option.rest_s:g}",
             "",
         )
-        rows.append(",".join(cells))
-    return "\n".join([head, *rows]) + "\n"
+        for press in presses
+    ]
+    return "\n".join([head, *(",".join(row) for row in rows)]) + "\n"
 
 
 NOISE = Noise(0.03, 0.02, 1.0, 0.02)
@@ -305,16 +303,14 @@ def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, 
     vector = start_vector(problem, young_MPa)
     fit = fit_at(problem, vector, usual)
     projection = project(fit)
-    untested: dict[str, str] = {}
-    changes: dict[str, NDArray] = {}
-    for effect in (one for one in known_effects() if not one.seen_raw):
-        reason = effect.unavailable(presses, law)
-        if reason:
-            untested[effect.name] = reason
-        else:
-            # what the effect adds in its usual size, beyond base and law error
-            column = projection.column(change_by(fit, effect, starts_of(effect)[0]))
-            changes[effect.name] = projection.remove(column)
+    effects = [one for one in known_effects() if not one.seen_raw]
+    untested = {one.name: reason for one in effects if (reason := one.unavailable(presses, law))}
+    # what each adds in its usual size, beyond base and law error
+    changes = {
+        one.name: projection.remove(projection.column(change_by(fit, one, starts_of(one)[0])))
+        for one in effects
+        if one.name not in untested
+    }
     sizes = {name: float(np.linalg.norm(change)) for name, change in changes.items()}
     seen = {name: size for name, size in sizes.items() if size >= SEEN}
     hidden = {name: size for name, size in sizes.items() if size < SEEN}

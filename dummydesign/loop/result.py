@@ -120,11 +120,15 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
 
 
 def _ambiguity(among: Among) -> dict[str, Any]:
-    rows = []
-    for one in among.found:
-        effects = [{"name": active.effect.name, "parameters": dict(active.values)} for active in _own(one)]
-        row = {"effects": effects, "young_kPa": 1e3 * one.fit.base.young_MPa}
-        rows.append({**row, "evidence": one.gain, "residual_N": residual_N(one.fit)})
+    rows = [
+        {
+            "effects": [{"name": active.effect.name, "parameters": dict(active.values)} for active in _own(one)],
+            "young_kPa": 1e3 * one.fit.base.young_MPa,
+            "evidence": one.gain,
+            "residual_N": residual_N(one.fit),
+        }
+        for one in among.found
+    ]
     return {"explanations": rows, "base_residual_N": residual_N(among.base), "repeats_differ_N": among.differ_N}
 
 

@@ -16,7 +16,7 @@ from dummydesign.loop.calibration import Calibration, check_prior, join, with_pr
 from dummydesign.loop.data.pad_modulus_factors import with_pad_factors
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects, refuse_unsound
-from dummydesign.loop.fitting.budget import Budget, budget_spent, counted
+from dummydesign.loop.fitting.budget import budget_spent, counted
 from dummydesign.loop.fitting.candidates import EffectCandidate
 from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.fitting.noise import repeat_pairs
@@ -26,18 +26,17 @@ from dummydesign.loop.model.forward_model import readings
 from dummydesign.loop.model.material import material_of
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.pad_scatter import known_pads
-from dummydesign.loop.result import EffectModel, LoopResult, PooledFit, listed, named
+from dummydesign.loop.result import EffectModel, LoopResult, listed, named
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
-from dummydesign.loop.selection.doubts import doubt_warnings, doubts_of, without_doubted
+from dummydesign.loop.selection.doubts import doubts_of, without_doubted
 from dummydesign.loop.selection.explanations import explain, one_shape
 from dummydesign.loop.selection.holdout_test import left_out_errors, predicts_worse
 from dummydesign.loop.selection.nonparametric_effect import can_be_learned, learn, learned_alone, learned_first
 from dummydesign.loop.selection.residuals import ResidualDiagnostics, diagnose
-from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, names_of, rank, search, without
+from dummydesign.loop.selection.search import Selection, doubt_of, names_of, rank, search, without
 from dummydesign.loop.selection.verdict import (
     GAIN_FLOOR,
     AcceptedEffect,
-    AsDesigned,
     as_designed,
     at_bound,
     needed,
@@ -164,7 +163,7 @@ def close_loop(
     doubt = (
         doubt_of(plain, answer.selection.rivals)
         if learnt is None
-        else doubt_of_curve(plain.problem.base_count, learnt.effect.shape.flat)
+        else doubt_of(plain, (), curve=learnt.effect.shape.flat)
     )
     after = replace(answer.after, fit=replace(plain, doubt=doubt))
     base = after if plain is base.fit else base
@@ -177,15 +176,7 @@ def close_loop(
     progress("next measurement")
     most = 2 if answer.among is None else len(answer.among.found)
     following = _next(campaign, base, answer.effects, answer.selection.ranking, most)
-    better = _better_alone(answer.selection, after) if answer.among is None else ()
-    labels = doubt_warnings(doubts, presses)
-    warnings = (
-        *_contradicted(designed),
-        *labels,
-        *_warnings(campaign, presses, beyond, budget, answer, joined),
-        *better,
-    )
-    return LoopResult(
+    result = LoopResult(
         **{**vars(answer), "after": after},
         campaign=campaign,
         presses=presses,
@@ -193,22 +184,14 @@ def close_loop(
         seen_before=seen,
         next=following,
         untested=untested,
-        warnings=warnings,
+        warnings=(),
         joined=joined,
         doubts=doubts,
         designed=designed,
         budget=budget,
     )
-
-
-def _contradicted(designed: AsDesigned | None) -> Iterator[dict[str, str]]:
-    """Numbers of the declared material that the presses contradict."""
-    for one in () if designed is None else designed.contradicted:
-        message = (
-            f"{one.name} is {one.declared:.4g} as declared, {one.refitted:.4g} in these presses without any effect "
-            f"({one.distance:.1f} standard deviations): it is fitted freely; check resin and ratio of the campaign"
-        )
-        yield {"code": "material_contradicted", "message": message}
+    better = _better_alone(answer.selection, after) if answer.among is None else ()
+    return replace(result, warnings=(*_warnings(result, beyond), *better))
 
 
 def _explain(
@@ -349,45 +332,58 @@ def _better_alone(selection: Selection, after: AssessedModel) -> Iterator[dict[s
         yield {"code": "explains_more", "message": message}
 
 
-def _warnings(
-    campaign: Campaign, presses: Presses, beyond: str, budget: Budget, answer: EffectModel, joined: PooledFit | None
-) -> Iterator[dict[str, str]]:
-    """What a reader must know: what a fit does not see comes first."""
-    if budget.stopped:
-        yield {
-            "code": "search_stopped",
-            "message": f"the search was stopped after {budget.iterations} iterations in {budget.models} models: the "
-            "best model so far is used, and further effects were not tried",
-        }
-    if answer.base_kept:
-        yield {"code": "base_kept", "message": answer.base_kept}
-    if answer.learnt is not None:
-        level = f"it shares its level with the learned curve of {answer.learnt.effect.shape.text}"
-        yield {
-            "code": "modulus_beside_curve",
-            "message": f"do not use the modulus: {level}; compress a puck of this batch",
-        }
-    if answer.verdict == "none" and campaign.pad.shape == "cylinder" and one_shape(presses):
-        text = "pucks of one height can hide plate friction whole: the modulus is then too high"
-        yield {
-            "code": "friction_hidden",
-            "message": f"{text}; unless the plates were lubricated, press pucks of another height",
-        }
-    if beyond:
-        yield {"code": "beyond_table", "message": beyond}
-    yield from campaign.warnings
-    if not repeat_pairs(presses):
-        yield {
-            "code": "no_repeats",
-            "message": "no condition is repeated: lack of fit cannot be tested against pure "
-            "error, and the slow noise is taken from the residuals, where model error counts as noise",
-        }
-    if presses.elastic_only:
-        yield {
-            "code": "elastic_only",
-            "message": "no trial holds and all have one speed: relaxation is not fitted, "
-            "the modulus is that of this speed",
-        }
-    if joined is not None and not joined.used:
-        message = f"the prior contradicts this campaign and was not used: {'; '.join(joined.conflicts)}"
-        yield {"code": "prior_conflict", "message": message}
+def _warnings(result: LoopResult, beyond: str) -> list[dict[str, str]]:
+    """What a reader must know: wrong labels first, then what the fit does not see."""
+    campaign, presses, budget = result.campaign, result.presses, result.budget
+    used = {trial.file for trial in presses.trials}
+    declared = [
+        f"{one.name} is {one.declared:.4g} as declared, {one.refitted:.4g} in these presses without any effect "
+        f"({one.distance:.1f} standard deviations): it is fitted freely; check resin and ratio of the campaign"
+        for one in (() if result.designed is None else result.designed.contradicted)
+    ]
+    labels = [
+        f"{one.text}; {'it is' if len(one.files) == 1 else 'they are'} "
+        f"{'used' if used & set(one.files) else 'left out'}"
+        for one in result.doubts
+    ]
+    curve = "" if result.learnt is None else result.learnt.effect.shape.text
+    hides_friction = result.verdict == "none" and campaign.pad.shape == "cylinder" and one_shape(presses)
+    conflicts = "" if result.joined is None else "; ".join(result.joined.conflicts)
+    rows: list[tuple[str, object, str]] = [
+        *(("material_contradicted", True, text) for text in declared),
+        *(("doubtful_label", True, text) for text in labels),
+        (
+            "search_stopped",
+            budget.stopped,
+            f"the search was stopped after {budget.iterations} iterations in {budget.models} models: the best model so "
+            "far is used, and further effects were not tried",
+        ),
+        ("base_kept", result.base_kept, result.base_kept),
+        (
+            "modulus_beside_curve",
+            curve,
+            f"do not use the modulus: it shares its level with the learned curve of {curve}; compress a puck of this "
+            "batch",
+        ),
+        (
+            "friction_hidden",
+            hides_friction,
+            "pucks of one height can hide plate friction whole: the modulus is then too high; unless the plates were "
+            "lubricated, press pucks of another height",
+        ),
+        ("beyond_table", beyond, beyond),
+        *((one["code"], True, one["message"]) for one in campaign.warnings),
+        (
+            "no_repeats",
+            not repeat_pairs(presses),
+            "no condition is repeated: lack of fit cannot be tested against pure error, and the slow noise is taken "
+            "from the residuals, where model error counts as noise",
+        ),
+        (
+            "elastic_only",
+            presses.elastic_only,
+            "no trial holds and all have one speed: relaxation is not fitted, the modulus is that of this speed",
+        ),
+        ("prior_conflict", conflicts, f"the prior contradicts this campaign and was not used: {conflicts}"),
+    ]
+    return [{"code": code, "message": message} for code, holds, message in rows if holds]

@@ -150,6 +150,11 @@ class Presses:
         return self.bins.used
 
     @property
+    def since_stop_s(self) -> NDArray:
+        """Time from the stop to the middle of each bin, shape (T, B). [s]"""
+        return 0.5 * (self.bins.start + self.bins.end) - self.stop_s[:, None]
+
+    @property
     def unloads(self) -> NDArray:
         """Whether each trial goes on after the hold, shape (T,)."""
         return ((self.label // 100 == UNLOADING) & self.used).any(axis=1)

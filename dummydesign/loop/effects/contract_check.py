@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
 from functools import lru_cache
 from itertools import product
@@ -68,25 +68,30 @@ def problem_text(problem: BaseException) -> str:
     return f"{type(problem).__name__}: {' '.join(str(problem).split())[:200]}{where}"
 
 
+def _broken(rules: Mapping[str, object]) -> Iterator[str]:
+    """The faults of rules that do not hold."""
+    yield from (fault for fault, holds in rules.items() if not holds)
+
+
 def _declared(effect: Effect) -> Iterator[str]:
-    if not (isinstance(effect.name, str) and effect.name.isidentifier() and effect.name.islower()):
-        yield f"name = {effect.name!r} must be a single word, lower-case letters, digits and underscores"
-    if effect.hook not in HOOKS:
-        yield f"hook = {effect.hook!r} must be one of {', '.join(HOOKS)}"
-    if effect.belongs_to not in OWNERS:
-        yield f"belongs_to = {effect.belongs_to!r} must be one of {', '.join(OWNERS)}"
-    for word in ("signature", "reference"):
-        if not getattr(effect, word):
-            yield f"{word} is empty"
-    if not type(effect).__doc__:
-        yield "the class has no docstring that says what it does"
+    word = isinstance(effect.name, str) and effect.name.isidentifier() and effect.name.islower()
+    yield from _broken(
+        {
+            f"name = {effect.name!r} must be a single word, lower-case letters, digits and underscores": word,
+            f"hook = {effect.hook!r} must be one of {', '.join(HOOKS)}": effect.hook in HOOKS,
+            f"belongs_to = {effect.belongs_to!r} must be one of {', '.join(OWNERS)}": effect.belongs_to in OWNERS,
+            "signature is empty": effect.signature,
+            "reference is empty": effect.reference,
+            "the class has no docstring that says what it does": type(effect).__doc__,
+        }
+    )
     columns = {*(field.name for field in fields(History)), *SETUP}
     if isinstance(effect.needs, str):
         yield f"needs = {effect.needs!r} must be a tuple of words; one word is ({effect.needs!r},)"
         return
-    for name in effect.needs:
-        if name not in columns:
-            yield f"needs {name!r}, which no campaign can declare: known are {', '.join(sorted(columns))}"
+    for needed in effect.needs:
+        if needed not in columns:
+            yield f"needs {needed!r}, which no campaign can declare: known are {', '.join(sorted(columns))}"
     if not effect.shapes or not set(effect.shapes) <= set(SHAPES):
         yield f"shapes = {effect.shapes!r} must be of {', '.join(SHAPES)}"
     if not effect.parameters or not all(isinstance(one, Parameter) for one in effect.parameters):
@@ -95,32 +100,36 @@ def _declared(effect: Effect) -> Iterator[str]:
     if len({one.name for one in effect.parameters}) < len(effect.parameters):
         yield "two parameters have the same name"
     for one in effect.parameters:
-        yield from _parameter(one)
+        yield from (f"parameter {one.name}: {fault}" for fault in _parameter(one))
 
 
 def _parameter(one: Parameter) -> Iterator[str]:
-    if not one.unit:
-        yield f"parameter {one.name}: unit is empty; '1' stands for a pure number"
     end = one.name.rpartition("_")[2]
-    if end in UNITS and "_per_" not in one.name and one.unit != end:
-        yield f"parameter {one.name}: its name ends in {end}, its unit is {one.unit}"
     numbers = (one.null, one.low, one.high, one.typical, *one.starts)
-    if not all(isinstance(value, int | float | np.number) for value in numbers):
-        yield f"parameter {one.name}: null, low, high, typical and starts must be numbers"
+    named_by_unit = end in UNITS and "_per_" not in one.name
+    numeric = all(isinstance(value, int | float | np.number) for value in numbers)
+    finite = numeric and bool(np.all(np.isfinite(numbers)))
+    yield from _broken(
+        {
+            "unit is empty; '1' stands for a pure number": one.unit,
+            f"its name ends in {end}, its unit is {one.unit}": not named_by_unit or one.unit == end,
+            "null, low, high, typical and starts must be numbers": numeric,
+            "null, low, high, typical and starts must be finite": finite or not numeric,
+        }
+    )
+    if not finite:
         return
-    if not np.all(np.isfinite(numbers)):
-        yield f"parameter {one.name}: null, low, high, typical and starts must be finite"
-        return
-    if not one.low < one.high or not one.low <= one.null <= one.high:
-        yield f"parameter {one.name}: null = {one.null:g} must lie within low = {one.low:g} < high = {one.high:g}"
-    if one.log and (one.low <= 0 or one.typical <= 0):
-        yield f"parameter {one.name}: fitted as a logarithm, so low and typical must be above 0"
-    if one.typical == 0:
-        yield f"parameter {one.name}: typical must not be 0"
+    null_inside = one.low < one.high and one.low <= one.null <= one.high
     usual = one.typical if one.log else one.null + one.typical
-    for value in (usual, *one.starts):
-        if not one.low <= value <= one.high:
-            yield f"parameter {one.name}: typical or starting value {value:g} lies outside {one.low:g} to {one.high:g}"
+    outside = [value for value in (usual, *one.starts) if not one.low <= value <= one.high]
+    yield from _broken(
+        {
+            f"null = {one.null:g} must lie within low = {one.low:g} < high = {one.high:g}": null_inside,
+            "fitted as a logarithm, so low and typical must be above 0": not one.log or min(one.low, one.typical) > 0,
+            "typical must not be 0": one.typical != 0,
+        }
+    )
+    yield from (f"typical or starting value {value:g} lies outside {one.low:g} to {one.high:g}" for value in outside)
 
 
 def _done(effect: Effect) -> Iterator[str]:

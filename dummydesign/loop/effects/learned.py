@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, UnitForce, Values, wrap
+from dummydesign.loop.model.effect import PadEffect, Parameter, UnitForce, Values, wrap
 
 FOLLOWED = {
     "depth_mm": "depth in mm",
@@ -112,14 +112,13 @@ def place(at: NDArray, knots: NDArray) -> tuple[NDArray, NDArray]:
     return low, (clipped - knots[low]) / (knots[low + 1] - knots[low])
 
 
-class Learned(Effect):
+class Learned(PadEffect):
     """Force x (1 + size g(u)) or (1 + size g(u, v)): g was read off a campaign, u and v are quantities it follows.
 
     Of one quantity: depths act on the elastic law, the force on the signal, the time since the stop on the force of
     the pad, and temperature and age on single trials. Of two: on the force of the pad.
     """
 
-    hook = "pad"
     reference = "penalised splines: Eilers and Marx, Stat. Sci. 11 (1996) 89"
     parameters = (Parameter("size", "1", 0.0, 0.0, 1.0, 1.0),)
     held = True
@@ -129,13 +128,12 @@ class Learned(Effect):
         self.name = PREFIX + shape.name.lower()
         self.belongs_to = "sensor" if {"force_N", "reading_N"} & set(shape.follows) else "pad"
         self.needs = tuple(one for one in shape.follows if one in BY_TRIAL)
-        self.designed_for, count = "a pad without it", "two quantities"
-        self._acts_on = "surface"
-        if len(shape.follows) == 1:
-            self._acts_on, count = ACTS_ON.get(shape.follows[0], ""), "one quantity"
+        self.designed_for = "a pad without it"
+        alone = len(shape.follows) == 1
+        self._acts_on = ACTS_ON.get(shape.name, "") if alone else "surface"
+        count = "one quantity" if alone else "two quantities"
         self.signature = f"what the named effects leave, as a smooth function of {count}"
-        if self._acts_on == "scale":
-            self.hook = "batch"
+        self.hook = "batch" if self._acts_on == "scale" else "pad"
         if self._acts_on == "law":
             low, high = shape.knots[0][0], shape.knots[0][-1]
             self.designed_for = f"{shape.text} from {low:.3g} to {high:.3g}, where the change was seen"
@@ -143,10 +141,9 @@ class Learned(Effect):
     def law(self, law: UnitForce, values: Values) -> UnitForce:
         if self._acts_on != "law":
             return law
-        over_thickness = self.shape.name == "depth_share"
 
         def changed(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-            at = np.maximum(depth_mm, 0.0) / (thickness_mm if over_thickness else 1.0)
+            at = np.maximum(depth_mm, 0.0) / (thickness_mm if self.shape.name == "depth_share" else 1.0)
             return law(depth_mm, thickness_mm) * (1.0 + values["size"] * self.shape(at))
 
         return wrap(law, changed)
@@ -176,10 +173,9 @@ def followed(presses: Presses, forces_N: NDArray) -> dict[str, NDArray]:
 
     ``forces_N`` (T, B) are the modelled forces. [N]
     """
-    middle = 0.5 * (presses.bins.start + presses.bins.end)
     depth = np.maximum(presses.measure(presses.displacement_mm), 0.0)
     loaded = presses.used & (forces_N > 0.02 * forces_N.max()) & (depth > 0.0)
-    since = middle - presses.stop_s[:, None]
+    since = presses.since_stop_s
     values: dict[str, NDArray] = {
         "depth_mm": depth[loaded],
         "depth_share": (depth / presses.thickness_mm[:, None])[loaded],

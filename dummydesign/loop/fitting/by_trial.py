@@ -49,7 +49,7 @@ def gains(presses: Presses, fit: CampaignFit) -> Own:
     """
     force, slope, _ = _modelled(presses, fit)
     phase, fast = presses.label // 100, presses.stop_s - presses.contact_s < FAST_RISE_S
-    early = (phase == RISE) & fast[:, None] | (phase == HOLD) & (_since(presses) < RUNG_S)
+    early = (phase == RISE) & fast[:, None] | (phase == HOLD) & (presses.since_stop_s < RUNG_S)
     use = presses.used & (phase != UNLOADING) & ~early
     columns = [force, slope, np.ones_like(force)]
     return _own(presses, fit, use, columns, (np.inf, SHIFT_MM, ZERO_N), 0)
@@ -65,7 +65,7 @@ def cutoffs(presses: Presses, fit: CampaignFit, lowpass: Lowpass | None) -> Own:
         ends = [replace(usual, cutoff_hz=usual.cutoff_hz * factor) for factor in (STEP, 1.0 / STEP)]
         above, below = (np.interp(middle[row], time, one.apply(time, nodes[row])) for one in ends)
         change[row] = (above - below) / (2.0 * np.log(STEP))
-    use = presses.used & (presses.label // 100 != UNLOADING) & (_since(presses) < LATE_S)
+    use = presses.used & (presses.label // 100 != UNLOADING) & (presses.since_stop_s < LATE_S)
     return _own(presses, fit, use, [force, slope, np.ones_like(force), change], (np.inf, SHIFT_MM, ZERO_N, WIDTH), 3)
 
 
@@ -77,10 +77,6 @@ def zeros(presses: Presses, fit: CampaignFit) -> Own:
     mean = np.array([float(values.mean()) if len(values) else 0.0 for values in before])
     error = np.sqrt(noise.white_N**2 / np.maximum(count, 1) + noise.slow_N**2)
     return Own(mean, np.where(count > 0, error, np.inf), np.ones(len(mean)))
-
-
-def _since(presses: Presses) -> NDArray:
-    return 0.5 * (presses.bins.start + presses.bins.end) - presses.stop_s[:, None]
 
 
 def _modelled(presses: Presses, fit: CampaignFit) -> tuple[NDArray, NDArray, NDArray]:

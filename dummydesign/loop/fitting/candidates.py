@@ -88,7 +88,7 @@ def screen(fit: CampaignFit, candidates: tuple[Effect, ...]) -> list[Screened]:
     clean = projection.remove(projection.residual)
     out = []
     for effect in candidates:
-        best: Screened | None = None
+        tried = []
         size_of = effect.parameters[0]
         low, high = sorted(size_of.to_coordinate(end) for end in (size_of.low, size_of.high))
         for start in starts_of(effect):
@@ -104,11 +104,9 @@ def screen(fit: CampaignFit, candidates: tuple[Effect, ...]) -> list[Screened]:
             z = float(column @ clean) / length
             size = z / length * start[0]
             inside = low - 1e-9 <= np.sign(size) * 1e-6 <= high + 1e-9
-            entry = Screened(effect, z if inside else 0.0, size if inside else 0.0, column / length, start)
-            if best is None or abs(entry.z) > abs(best.z):
-                best = entry
-        if best is not None:
-            out.append(best)
+            tried.append(Screened(effect, z if inside else 0.0, size if inside else 0.0, column / length, start))
+        if tried:
+            out.append(max(tried, key=lambda one: abs(one.z)))
     return sorted(out, key=lambda one: -abs(one.z))
 
 

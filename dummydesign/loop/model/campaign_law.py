@@ -89,7 +89,7 @@ class CampaignLaw:
     @property
     def radius_mm(self) -> float:
         """Radius of the punch, or of the circle of its area; of a puck. [mm]"""
-        return next(iter(self.pads.values())).radius_mm
+        return next(iter(self.pads.values())).pad.radius_mm
 
     def law_of(self, pad: tuple[str, float]) -> CampaignPadLaw:
         """The law of a pad; where none is of its own, that of the nearest in thickness, at its thickness if that needs

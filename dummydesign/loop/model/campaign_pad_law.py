@@ -112,11 +112,6 @@ class CampaignPadLaw:
         """Median of the stated error over the force."""
         return float(np.median(self.curve.relative_error(self.depths_mm[self.depths_mm <= self.limit_mm])))
 
-    @property
-    def radius_mm(self) -> float:
-        """Radius of what is pressed on, of equal area. [mm]"""
-        return self.pad.radius_mm
-
     @cached_property
     def power(self) -> float:
         """d ln F / d ln d at first touch, to the nearest half: 1 of a flat face, 1.5 of a tip, 2 of a cone."""
@@ -159,7 +154,7 @@ class CampaignPadLaw:
     def bulk_coefficient(self) -> NDArray:
         """c of F / (1 + (1 - 2 nu) c) at the dense depths, for a Poisson's ratio nu below 1/2."""
         if self.known is not None:
-            at = self.dense_mm[None] / self.pad.thickness_mm, np.array([[self.radius_mm / self.pad.thickness_mm]])
+            at = self.dense_mm[None] / self.pad.thickness_mm, np.array([[self.pad.radius_mm / self.pad.thickness_mm]])
             return load_compressibility().coefficient(*at)[0]
         return np.expm1(-self._log_ratio(poisson=POISSON)) / (1.0 - 2.0 * POISSON)
 
@@ -198,7 +193,7 @@ class CampaignPadLaw:
     def log_filleted(self, edge_radius_mm: float) -> NDArray:
         """ln of the force under a fillet over that under the sharp edge at the dense depths; larger than the table's
         largest as that."""
-        share = min(edge_radius_mm / self.radius_mm, float(FILLETS[-1]))
+        share = min(edge_radius_mm / self.pad.radius_mm, float(FILLETS[-1]))
         return self._by_fillet(share**POWER)
 
     @cached_property
@@ -207,7 +202,7 @@ class CampaignPadLaw:
 
         # of a square as of the circle of its area
         circle = replace(self, pad=replace(cast(Pad, self.pad), sides_mm=None))
-        rows = [circle._log_ratio(edge_radius_mm=share * self.radius_mm) for share in FILLETS.tolist()]
+        rows = [circle._log_ratio(edge_radius_mm=share * self.pad.radius_mm) for share in FILLETS.tolist()]
         return PchipInterpolator(np.r_[0.0, FILLETS**POWER], [np.zeros(DENSE), *rows], axis=0)
 
     def at(self, thickness_mm: float) -> CampaignPadLaw:

@@ -310,6 +310,33 @@ class Effect:
         return {p.name: p.null for p in self.parameters}
 
 
+class PadEffect(Effect):
+    """An effect of the pad's material and geometry; it enters a design."""
+
+    hook = "pad"
+    belongs_to = "pad"
+
+
+class HistoryEffect(PadEffect):
+    """An effect of what was done to the pad before: cycles, rests, temperature, age."""
+
+    hook = "batch"
+
+
+class RigEffect(Effect):
+    """An effect of the machine and the set-up, as a rule on the force of the pad; it stays in the laboratory."""
+
+    hook = "pad"
+    belongs_to = "rig"
+
+
+class SensorEffect(Effect):
+    """An effect of the force sensor and the record; it stays in the laboratory."""
+
+    hook = "sensor"
+    belongs_to = "sensor"
+
+
 def usual_starts(logs: NDArray) -> list[NDArray]:
     """The base's logarithms, and where no arms are declared (5,) those with times and strengths of a usual soft gel."""
     return [logs, np.r_[logs[0], np.log([0.07, 0.3, 1.5, 0.3])]] if len(logs) == 5 else [logs]

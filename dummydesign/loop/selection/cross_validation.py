@@ -105,9 +105,9 @@ def leave_out(fit: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
     changes = {}
     for cell in np.unique(cells):
         out = cells == cell
+        change = np.zeros(len(fit.vector))
         if out.all():  # of a single pad only the error of its law can be left out
             others = np.nonzero(free)[0] < problem.fixed
-            change = np.zeros(len(fit.vector))
             change[problem.fixed :] = -fit.vector[problem.fixed :]
             pull = full[np.ix_(others, ~others)] @ change[free][~others]
             change[np.flatnonzero(free)[others]] = -np.linalg.solve(full[np.ix_(others, others)], pull)
@@ -121,7 +121,6 @@ def leave_out(fit: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
         kept = variance / np.maximum(np.diag(inverse), 1e-300)
         if np.any(np.diag(inverse) <= 0) or any(kept[i] < ESTIMABLE for i in sizes):
             continue
-        change = np.zeros(len(fit.vector))
         change[free] = -inverse @ gradient[out].sum(axis=0)[free]
         changes[int(cell)] = change
     return changes

@@ -216,15 +216,17 @@ def undrawn(presses: Presses, fit: CampaignFit, campaign: Campaign) -> tuple[Lab
         if not gross.any() or (gross | ~use).sum() > MOST * len(use):
             break
         use = use & ~gross
-        labels = labels_of(presses, refitted(campaign, presses, use, fit))
+        labels = labels_of(presses, refitted(campaign, presses, use, fit)[2])
     return labels, use
 
 
-def refitted(campaign: Campaign, presses: Presses, use: NDArray, fit: CampaignFit) -> CampaignFit:
-    """The base fit of some of the presses (T,)."""
+def refitted(
+    campaign: Campaign, presses: Presses, use: NDArray, fit: CampaignFit
+) -> tuple[Campaign, Presses, CampaignFit]:
+    """Some of the presses (T,), as a campaign and stacked, and their base fit."""
     kept = tuple(trial for trial, own in zip(presses.trials, use) if own)
-    _, rest, _ = within_reach(replace(campaign, trials=kept), stack(kept, campaign.lowpass), fit.problem.law)
-    return fit_base(rest, fit.problem.law, fit.base.young_MPa, prior=fit.problem.prior)
+    own, rest, _ = within_reach(replace(campaign, trials=kept), stack(kept, campaign.lowpass), fit.problem.law)
+    return own, rest, fit_base(rest, fit.problem.law, fit.base.young_MPa, prior=fit.problem.prior)
 
 
 def odd_gains(labels: Labels, use: NDArray) -> tuple[NDArray, NDArray]:
@@ -268,7 +270,7 @@ def doubts_of(campaign: Campaign, presses: Presses, fit: CampaignFit) -> tuple[D
     found = pads_of_a_day(labels, use, looked)
     if found:
         use = ~np.isin(np.arange(len(use)), found[0].rows)
-        labels = labels_of(presses, refitted(campaign, presses, use, fit))
+        labels = labels_of(presses, refitted(campaign, presses, use, fit)[2])
         looked = looked | ~use
     found += [*of_gains(labels, use, looked), *of_whole_pads(labels, use, looked, campaign)]
     rest = ~looked & ~np.isin(np.arange(len(looked)), [row for one in found for row in one.rows])
@@ -319,24 +321,10 @@ def without_doubted(
     campaign: Campaign, presses: Presses, fit: CampaignFit, doubts: tuple[Doubt, ...]
 ) -> tuple[Campaign, Presses, CampaignFit]:
     """Campaign, presses and base fit without the presses in doubt; with them where too few would remain."""
-    files = {file for one in doubts for file in one.files}
-    kept = tuple(trial for trial in presses.trials if trial.file not in files)
-    if len(kept) == len(presses.trials) or len(kept) < max(LEAST_LEFT, (1.0 - MOST) * len(presses.trials)):
+    use = ~np.isin([trial.file for trial in presses.trials], [file for one in doubts for file in one.files])
+    if use.all() or use.sum() < max(LEAST_LEFT, (1.0 - MOST) * len(use)):
         return campaign, presses, fit
-    rest, law = replace(campaign, trials=kept), fit.problem.law
-    stacked = stack(kept, campaign.lowpass)
-    return rest, stacked, fit_base(stacked, law, fit.base.young_MPa, prior=fit.problem.prior)
-
-
-def doubt_warnings(doubts: tuple[Doubt, ...], used: Presses) -> list[dict[str, str]]:
-    """What to do about each doubt, and whether its presses are used."""
-    known = {trial.file for trial in used.trials}
-    out = []
-    for one in doubts:
-        use = "used" if known & set(one.files) else "left out"
-        it = "it is" if len(one.files) == 1 else "they are"
-        out.append({"code": "doubtful_label", "message": f"{one.text}; {it} {use}"})
-    return out
+    return refitted(campaign, presses, use, fit)
 
 
 def of_gains(labels: Labels, use: NDArray, looked: NDArray) -> list[Doubt]:
@@ -419,7 +407,7 @@ def of_whole_pads(labels: Labels, use: NDArray, looked: NDArray, campaign: Campa
     if apart[place] < 1.0 or len(rows) == 0:
         return []
     rest = use & (presses.pad != numbers[place])
-    pads = as_pads(labels_of(presses, refitted(campaign, presses, rest, labels.fit)), rest)
+    pads = as_pads(labels_of(presses, refitted(campaign, presses, rest, labels.fit)[2]), rest)
     seen = [mm for row in rows.tolist() if (mm := _thickness_mm(pads, row)) is not None]
     z = float(levels[place] - np.median(np.delete(levels, place))) / near.scale
     return [whole_pad(presses, rows, float(np.median(seen)) if seen else None, z)]

@@ -293,16 +293,13 @@ def _step(fit: CampaignFit, shape: SmoothChange) -> _Step:
     target = projection.remove(projection.residual) + columns @ old
     information, pull = columns.T @ columns, columns.T @ target
     rough, eye = shape.roughness(), np.eye(len(old))
-    best: _Step | None = None
+    steps = []
     for penalty in np.geomspace(1.0, 1e8, 33):
         precision = penalty * rough.T @ rough + eye / LARGEST**2
         values = np.linalg.solve(information + precision, pull)
         volume = np.linalg.slogdet(eye + np.linalg.solve(precision, information))[1]
-        evidence = float(pull @ values - volume)
-        if best is None or evidence > best.evidence:
-            best = _Step(values, evidence, information, precision)
-    assert best is not None
-    return best
+        steps.append(_Step(values, float(pull @ values - volume), information, precision))
+    return max(steps, key=lambda one: one.evidence)
 
 
 FOLDS, REFITS = 4, 2
@@ -418,12 +415,10 @@ def learned_first(
     # it takes the place of named effects: no more of them join it than stood without it
     selection = search(assess(function.fit), available, progress, most=len(named.fit.problem.effects))
     after = selection.after
-    if not any(isinstance(one, Learned) for one in after.fit.problem.effects):
-        return None  # named effects have taken its place
-    if budget_spent():
+    # named effects may have taken its place
+    if not any(isinstance(one, Learned) for one in after.fit.problem.effects) or budget_spent():
         return None
-    worse = _cost(after, function) >= _cost(named)
-    if worse or refitted_squares(after.fit) >= refitted_squares(named.fit):
+    if _cost(after, function) >= _cost(named) or refitted_squares(after.fit) >= refitted_squares(named.fit):
         return None
     effects = tuple(one for one in selection.effects if not isinstance(one.candidate.effect, Learned))
     return LearnedFirst(replace(function, fit=after.fit), after, effects)

@@ -166,7 +166,7 @@ def families(fit: CampaignFit) -> dict[str, list[NDArray]]:
     presses = fit.problem.presses
     force, bins, used = fit.forces, presses.bins, presses.used
     middle = 0.5 * (bins.start + bins.end)
-    since = middle - presses.stop_s[:, None]
+    since = presses.since_stop_s
     phase = np.where(used, presses.label // 100, PRE)
     history = presses.history
     log_time = np.log(np.clip(since, 1e-3, 20.0))

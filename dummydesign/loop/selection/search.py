@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.progress import Progress, quiet
 from dummydesign.loop.fitting.budget import budget_spent
@@ -252,18 +252,12 @@ def search(
         tried += len(children)
         beam = _beam(children, won, size + 1)
         gained = beam[0].gain if beam else 0.0
-    if chosen is base.fit:
-        return Selection(base, (), screened, ranking, _tried(ranking))
-    after, effects = prune_effects(assess(chosen), available, tried, progress)
+    after, effects = (base, []) if chosen is base.fit else prune_effects(assess(chosen), available, tried, progress)
     if not effects:
-        return Selection(base, (), screened, ranking, _tried(ranking))
-    more = _tried([one for one in children if names_of(after.fit) < names_of(one.fit)])
+        return Selection(base, (), screened, ranking, tuple((one.gain, one.fit) for one in ranking))
+    more = [(one.gain, one.fit) for one in children if names_of(after.fit) < names_of(one.fit)]
     swaps = [(option.gain - one.ranking[0].gain, option.fit) for one in effects for option in one.ranking[1:]]
     return Selection(after, tuple(effects), screened, ranking, (*more, *swaps))
-
-
-def _tried(candidates: list[EffectCandidate]) -> tuple[Rival, ...]:
-    return tuple((one.gain, one.fit) for one in candidates)
 
 
 def _beam(candidates: list[EffectCandidate], won: float, size: int) -> list[EffectCandidate]:
@@ -325,11 +319,11 @@ Rival = tuple[float, CampaignFit]
 """Evidence of a model over that of the chosen one, with the same noise, and its fit."""
 
 
-def doubt_of(chosen: CampaignFit, rivals: Iterable[Rival]) -> NDArray:
+def doubt_of(chosen: CampaignFit, rivals: Iterable[Rival], curve: ArrayLike = 0.0) -> NDArray:
     """Covariance of the base logarithms over rival models, and the law's error in the modulus.
 
     A rival weighs exp(evidence / 2) of the chosen model, less :data:`EACH_PARAMETER` for each named parameter more; its
-    own covariance counts as well.
+    own covariance counts as well. A learned ``curve`` and the modulus share their level.
     """
     own = named_parameters(chosen)
     rows = [(gain - EACH_PARAMETER * (named_parameters(one) - own), one) for gain, one in rivals if not at_bound(one)]
@@ -339,14 +333,7 @@ def doubt_of(chosen: CampaignFit, rivals: Iterable[Rival]) -> NDArray:
     for weight, (_, one) in zip((weights / weights.sum())[1:], rows):
         difference = one.vector[:count] - chosen.vector[:count]
         out += weight * (np.outer(difference, difference) + one.covariance[:count, :count])
-    out[0, 0] += LAW_ERROR**2
-    return out
-
-
-def doubt_of_curve(count: int, flat: NDArray) -> NDArray:
-    """Covariance of ``count`` base logarithms beside a learned curve with these values: both share their level."""
-    out = np.zeros((count, count))
-    out[0, 0] = LAW_ERROR**2 + float(np.abs(flat).max()) ** 2
+    out[0, 0] += LAW_ERROR**2 + float(np.abs(curve).max()) ** 2
     return out
 
 

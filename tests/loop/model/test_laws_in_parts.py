@@ -61,7 +61,7 @@ def curve(monkeypatch):
 
 def test_a_solved_curve_gives_its_force_at_every_depth_and_goes_on_with_its_last_secant(curve):
     depth, h = np.linspace(0.05, 3.0, 40)[None], np.array([[10.0]])
-    assert curve.power == 1.5 and curve.limit_mm == pytest.approx(3.0) and curve.radius_mm == 7.0
+    assert curve.power == 1.5 and curve.limit_mm == pytest.approx(3.0) and curve.pad.radius_mm == 7.0
     np.testing.assert_allclose(curve(depth, h), Known.area(depth, 10.0), rtol=1e-4)
     beyond = np.array([[4.0, 5.0]])
     np.testing.assert_allclose(curve(beyond, h), Known.area(3.0, 10.0) * (beyond / 3.0) ** 1.5, rtol=1e-6)

@@ -283,7 +283,7 @@ def test_doubt_is_the_spread_of_rivals_weighed_by_their_evidence():
 
 
 def test_beside_a_curve_the_modulus_is_as_doubtful_as_the_curve_is_large():
-    doubt = search.doubt_of_curve(5, np.array([0.03, -0.05, 0.01]))
+    doubt = search.doubt_of(clean_fit(), (), curve=np.array([0.03, -0.05, 0.01]))
     assert doubt[0, 0] == pytest.approx(0.004**2 + 0.05**2) and np.count_nonzero(doubt) == 1
 
 

@@ -6,15 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, SetupLaw, Values
+from dummydesign.loop.model.effect import HistoryEffect, Parameter, SetupLaw, Values
 
 
-class Ageing(Effect):
+class Ageing(HistoryEffect):
     """E x (1 + growth_per_doubling log2(age / 7 days)): curing that goes on, logarithmic in time."""
 
     name = "ageing"
-    hook = "batch"
-    belongs_to = "pad"
     designed_for = "a pad 7 days old"
     needs = ("age_days",)
     parameters = (Parameter("growth_per_doubling", "1", 0.0, -0.3, 0.5, 0.03),)

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import HistoryEffect, Parameter, Values
 
 
-class IncompleteRecovery(Effect):
+class IncompleteRecovery(HistoryEffect):
     """A dent of fraction x (depth of an earlier press) x exp(-elapsed / tau) is left; of the others ``adding`` is added
     to the deepest: none or all is a convention.
 
@@ -17,8 +17,6 @@ class IncompleteRecovery(Effect):
     """
 
     name = "incomplete_recovery"
-    hook = "batch"
-    belongs_to = "pad"
     designed_for = "a pad that has rested"
     needs = ("rest_s",)
     parameters = (

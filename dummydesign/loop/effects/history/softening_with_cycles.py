@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import HistoryEffect, Parameter, Values
 
 
-class SofteningWithCycles(Effect):
+class SofteningWithCycles(HistoryEffect):
     """Elastic force loses ``softening`` at the first reloading to a depth reached before, more at later ones.
 
     Loss after n earlier presses to this depth: softening (1 - exp(-n / cycles)) / (1 - exp(-1 / cycles)). About
@@ -17,8 +17,6 @@ class SofteningWithCycles(Effect):
     """
 
     name = "softening_with_cycles"
-    hook = "batch"
-    belongs_to = "pad"
     designed_for = "a pad that is pressed for the first time"
     parameters = (
         Parameter("softening", "1", 0.0, 0.0, 0.5, 0.03),

@@ -6,16 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Arm, Effect, Parameter, Values
+from dummydesign.loop.model.effect import Arm, HistoryEffect, Parameter, Values
 
 
-class Temperature(Effect):
+class Temperature(HistoryEffect):
     """E x (1 - modulus_loss_per_K (T - 23 C)); relaxation times shift as exp(-times_over_modulus
     modulus_loss_per_K (T - 23 C)), little in gels."""
 
     name = "temperature"
-    hook = "batch"
-    belongs_to = "pad"
     designed_for = "23 C"
     needs = ("temperature_C",)
     parameters = (

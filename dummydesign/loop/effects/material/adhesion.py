@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import PadEffect, Parameter, Values
 
 
-class Adhesion(Effect):
+class Adhesion(PadEffect):
     """On the way back the contact carries tension up to ``pull_off_N``, and lets go over ``release_mm`` above the
     surface; below it the edge of the contact pulls, and less the deeper: pull_off exp(-depth / neck_mm).
 
@@ -18,8 +18,6 @@ class Adhesion(Effect):
     """
 
     name = "adhesion"
-    hook = "pad"
-    belongs_to = "pad"
     designed_for = "the way in and the hold, not the way back"
     parameters = (
         Parameter("pull_off_N", "N", 0.0, 0.0, 50.0, 0.1),

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dummydesign.loop.model.effect import Effect, Parameter, UnitForce, Values, root_law, wrap
+from dummydesign.loop.model.effect import PadEffect, Parameter, UnitForce, Values, root_law, wrap
 
 
-class Compressibility(Effect):
+class Compressibility(PadEffect):
     """Poisson's ratio below 1/2 at the same Young's modulus: F / (1 + (1 - 2 nu) c(a/h, d/h)).
 
     The bulk gives way in series with the shear; c comes from finite elements (tabulated for slabs) and grows from 1.2
@@ -13,8 +13,6 @@ class Compressibility(Effect):
     """
 
     name = "compressibility"
-    hook = "pad"
-    belongs_to = "pad"
     needs = ("bulk_that_gives",)
     parameters = (Parameter("poisson_ratio", "1", 0.5, 0.3, 0.5, -0.005),)
     signature = "scale, mostly the thin pad"

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Arm, Effect, Parameter, Values
+from dummydesign.loop.model.effect import Arm, PadEffect, Parameter, Values
 
 
-class RateDependentViscosity(Effect):
+class RateDependentViscosity(PadEffect):
     """Time constants fall as (speed / 50 mm/s)^-exponent: a shear-thinning viscosity, frozen per trial.
 
     The speed is sqrt(v^2 + v0^2) with v the ramp's and ``plateau_mm_per_s`` v0, below which gels thin no more. On the
@@ -18,8 +18,6 @@ class RateDependentViscosity(Effect):
     """
 
     name = "rate_dependent_viscosity"
-    hook = "pad"
-    belongs_to = "pad"
     designed_for = "relaxation as it is after a ramp of 50 mm/s"
     parameters = (
         Parameter("exponent", "1", 0.0, -0.8, 1.5, 0.1),

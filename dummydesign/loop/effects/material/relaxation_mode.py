@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import PadEffect, Parameter, Values
 from dummydesign.pad.material.relaxation import PronyTerm
 
 USUAL_FAST_S, USUAL_SLOW_S, LONGEST_FAST_S, USUAL_BETA = 0.05, 1.5, 0.3, 0.2
@@ -15,15 +15,13 @@ USUAL_FAST_S, USUAL_SLOW_S, LONGEST_FAST_S, USUAL_BETA = 0.05, 1.5, 0.3, 0.2
 VARIANCE = Parameter("variance", "1", 0.0, 0.0, 1.5, 0.3, spread=1.5)
 
 
-class RelaxationMode(Effect):
+class RelaxationMode(PadEffect):
     """A further arm (tau, beta), its time bounded away from the usual two.
 
     A gel relaxes over a range of times: with a ``variance`` of ln tau, a form, the arm is two of half the strength, at
     tau exp(+-sqrt(variance)).
     """
 
-    hook = "pad"
-    belongs_to = "pad"
     cause = "relaxation over more time scales than the declared arms hold"
     remedy = "hold longer for a slow mode, sample and press faster for a fast one"
     reference = "Pawluk and Howe, J. Biomech. Eng. 121 (1999) 178 (modes of 4 ms, 70 ms, 1.4 s)"

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Arm, Effect, Parameter, Values
+from dummydesign.loop.model.effect import Arm, PadEffect, Parameter, Values
 
 
-class StrainDependentRelaxation(Effect):
+class StrainDependentRelaxation(PadEffect):
     """beta_i goes as 1 + slope (exp(growth x) - 1) / growth with x = d/h - 0.15, the relative depth at which the arm
     is loaded (not separable).
 
@@ -20,8 +20,6 @@ class StrainDependentRelaxation(Effect):
     """
 
     name = "strain_dependent_relaxation"
-    hook = "pad"
-    belongs_to = "pad"
     designed_for = "relaxation as it is at a depth of 0.15 of the thickness"
     parameters = (
         Parameter("slope", "1", 0.0, -3.0, 15.0, 0.5),

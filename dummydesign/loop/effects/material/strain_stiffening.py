@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.loop.model.effect import Effect, Parameter, UnitForce, Values, wrap
+from dummydesign.loop.model.effect import PadEffect, Parameter, UnitForce, Values, wrap
 
 AT_SHARE = 0.3
 """Depth over thickness at which the coefficient means the same whatever the exponent."""
 
 
-class StrainStiffening(Effect):
+class StrainStiffening(PadEffect):
     """Elastic force x (1 + coefficient 0.09 (d/h / 0.3)^exponent): with 2 the first term of a Yeoh law under a punch.
 
     A Yeoh c2/mu of 0.05 gives a factor 1.23 on 5 mm and 1.11 on 15 mm at d/h 0.3, so one coefficient for
@@ -19,8 +19,6 @@ class StrainStiffening(Effect):
     """
 
     name = "strain_stiffening"
-    hook = "pad"
-    belongs_to = "pad"
     by_convention = True
     parameters = (
         Parameter("coefficient", "1", 0.0, -1.0, 20.0, 0.3),

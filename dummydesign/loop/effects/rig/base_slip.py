@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from dummydesign.loop.model.effect import Effect, Parameter, UnitForce, Values, root_law, wrap
+from dummydesign.loop.model.effect import Parameter, RigEffect, UnitForce, Values, root_law, wrap
 
 
-class BaseSlip(Effect):
+class BaseSlip(RigEffect):
     """A share of the base slides: F = (1 - w) F_bonded + w F_sliding, both from finite elements.
 
     One factor per pad once the modulus is free: 0.45 to 0.42 of the glued force on 5 mm, 0.81 to 0.78 on 20 mm.
     """
 
     name = "base_slip"
-    hook = "pad"
-    belongs_to = "rig"
     needs = ("base_that_can_slip",)
     parameters = (Parameter("slip_fraction", "1", 0.0, 0.0, 1.0, 0.1, starts=(0.5,)),)
     signature = "scale, mostly the thin pad, growing slowly with depth"

@@ -5,10 +5,10 @@ from __future__ import annotations
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Parameter, RigEffect, Values
 
 
-class ContactOffset(Effect):
+class ContactOffset(RigEffect):
     """All trials touch later than declared: depth = displacement - offset.
 
     The same length at all depths, speeds and pads, so the relative change of force, n dx / x, is largest
@@ -17,7 +17,6 @@ class ContactOffset(Effect):
 
     name = "contact_offset"
     hook = "motion"
-    belongs_to = "rig"
     parameters = (Parameter("offset_mm", "mm", 0.0, -1.0, 1.0, 0.05),)
     signature = "late or early onset by the same length on all pads and speeds"
     cause = "zero of the displacement set by eye, or a skin, a film or dust on the pad"

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Parameter, RigEffect, Values
 
 
-class FrictionHysteresis(Effect):
+class FrictionHysteresis(RigEffect):
     """Loss as a fraction of the force, each way: F (1 + friction) on the way in and in the hold, F (1 - friction)
     on the way out. It turns over exponentially (Dahl's law): half of the way back ``turn_mm``, 0.1 mm as a rule, takes
     it to nothing.
@@ -18,8 +18,6 @@ class FrictionHysteresis(Effect):
     """
 
     name = "friction_hysteresis"
-    hook = "pad"
-    belongs_to = "rig"
     parameters = (
         Parameter("friction_fraction", "1", 0.0, 0.0, 0.6, 0.03),
         Parameter("turn_mm", "mm", 0.1, 0.02, 0.5, 0.1, log=True, spread=0.7),

@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Parameter, RigEffect, Values
 
 AT_N, TOUCHING_N = 10.0, 0.5
 """Force at which the compliance means the same whatever the exponent; force below which a joint hardens no more."""
 
 
-class MachineCompliance(Effect):
+class MachineCompliance(RigEffect):
     """Pad depth = displacement - compliance x force x (force / 10 N)^(exponent - 1), solved together with the force.
 
     A spring in series: the same softening for equal force, whatever the pad, so stiff (thin) pads lose most;
@@ -22,7 +22,6 @@ class MachineCompliance(Effect):
 
     name = "machine_compliance"
     hook = "motion"
-    belongs_to = "rig"
     parameters = (
         Parameter("compliance_mm_per_N", "mm/N", 0.0, 0.0, 0.08, 0.003),
         Parameter("exponent", "1", 1.0, 0.6, 1.4, 0.15, spread=1.0),

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, SetupLaw, UnitForce, Values, root_law, wrap
+from dummydesign.loop.model.effect import Parameter, RigEffect, SetupLaw, UnitForce, Values, root_law, wrap
 from dummydesign.pad.tables.puck import PuckTable, grip, shape_range, table_for
 
 
-class PlateFriction(Effect):
+class PlateFriction(RigEffect):
     """Coulomb friction between the plates and the faces of a puck: F x B(friction, D / h, d / h).
 
     B is the stiffening that finite elements give for this friction on a neo-Hookean puck of this proportion,
@@ -21,8 +21,6 @@ class PlateFriction(Effect):
     """
 
     name = "plate_friction"
-    hook = "pad"
-    belongs_to = "rig"
     by_convention = lubricated = True
     shapes = ("cylinder",)
     needs = ("frictionless_plates",)

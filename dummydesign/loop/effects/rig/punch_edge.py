@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dummydesign.loop.model.effect import Effect, Parameter, UnitForce, Values, root_law, wrap
+from dummydesign.loop.model.effect import Parameter, RigEffect, UnitForce, Values, root_law, wrap
 
 
-class PunchEdge(Effect):
+class PunchEdge(RigEffect):
     """F = F_sharp x g(d/h, a/h, r/a), g from the response tables of filleted punches.
 
     The contact starts on the flat part alone and rolls on to the fillet: 0.3 mm on a punch of 14 x 14 mm takes 5 to 7 %
@@ -13,8 +13,6 @@ class PunchEdge(Effect):
     """
 
     name = "punch_edge"
-    hook = "pad"
-    belongs_to = "rig"
     needs = ("sharp_edge",)
     shapes = ("slab",)
     parameters = (Parameter("edge_radius_mm", "mm", 0.0, 0.0, 3.0, 0.2),)

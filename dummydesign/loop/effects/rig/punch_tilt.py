@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from dummydesign.loop.model.effect import Effect, Parameter, UnitForce, Values, root_law, wrap
+from dummydesign.loop.model.effect import Parameter, RigEffect, UnitForce, Values, root_law, wrap
 from dummydesign.pad.tables.square import SIDE_OVER_RADIUS
 
 
-class PunchTilt(Effect):
+class PunchTilt(RigEffect):
     """The punch leans by an angle about one axis of its face; its centre stays at the displacement.
 
     Strips across the face press at depth x + u tan(angle) and carry the law's force at their own depth
@@ -17,8 +17,6 @@ class PunchTilt(Effect):
     """
 
     name = "punch_tilt"
-    hook = "pad"
-    belongs_to = "rig"
     shapes = ("slab", "shaped")
     needs = ("flat_faces",)
     parameters = (Parameter("tilt_deg", "deg", 0.0, 0.0, 8.0, 1.0, starts=(2.0,)),)

@@ -5,15 +5,13 @@ from __future__ import annotations
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Parameter, SensorEffect, Values
 
 
-class ForceBias(Effect):
+class ForceBias(SensorEffect):
     """A constant added to every force (zero not set)."""
 
     name = "force_bias"
-    hook = "sensor"
-    belongs_to = "sensor"
     parameters = (Parameter("bias_N", "N", 0.0, -5.0, 5.0, 0.03),)
     signature = "the same force everywhere, also before contact"
     cause = "load cell that was not tared, or that carries the punch's weight"

@@ -5,15 +5,13 @@ from __future__ import annotations
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Parameter, SensorEffect, Values
 
 
-class ForceDrift(Effect):
+class ForceDrift(SensorEffect):
     """Force + drift x time since the start of the trial's file."""
 
     name = "force_drift"
-    hook = "sensor"
-    belongs_to = "sensor"
     parameters = (Parameter("drift_N_per_s", "N/s", 0.0, -0.5, 0.5, 0.005),)
     signature = "straight line in time, the same whatever the force, also in the unloaded tail"
     cause = "load cell that warms up, or a tare that creeps"

@@ -5,15 +5,13 @@ from __future__ import annotations
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Parameter, SensorEffect, Values
 
 
-class Inertia(Effect):
+class Inertia(SensorEffect):
     """Force + mass x acceleration of the robot: a pulse where it brakes, nothing in the hold."""
 
     name = "inertia"
-    hook = "sensor"
-    belongs_to = "sensor"
     parameters = (Parameter("mass_kg", "kg", 0.0, 0.0, 2.0, 0.02),)
     signature = "pulse at the stop, at the high speed only, the same on all pads"
     cause = "mass of the punch below the load cell"

@@ -6,15 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values, usual_starts
+from dummydesign.loop.model.effect import Parameter, SensorEffect, Values, usual_starts
 
 
-class SensorClipping(Effect):
+class SensorClipping(SensorEffect):
     """F_read = F - share max(F - L, 0), with L the value at which readings end; share is 1 when all is cut off."""
 
     name = "sensor_clipping"
-    hook = "sensor"
-    belongs_to = "sensor"
     parameters = (Parameter("share", "1", 0.0, 0.0, 1.5, 1.0),)
     signature = "readings stay at one value in the strongest presses and are right below it"
     cause = "amplifier or converter at the end of its range"

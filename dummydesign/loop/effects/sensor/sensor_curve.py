@@ -6,17 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values, usual_starts
+from dummydesign.loop.model.effect import Parameter, SensorEffect, Values, usual_starts
 
 AT_N = 10.0
 
 
-class SensorCurve(Effect):
+class SensorCurve(SensorEffect):
     """F_read = F (1 + c (|F| / 10 N)^p), after the filter: c is the change at 10 N, p = 1 a quadratic curve."""
 
     name = "sensor_curve"
-    hook = "sensor"
-    belongs_to = "sensor"
     parameters = (
         Parameter("relative_change", "1", 0.0, -0.6, 0.6, 0.03),
         Parameter("exponent", "1", 1.0, 1.0, 3.0, 0.5, spread=2.0),

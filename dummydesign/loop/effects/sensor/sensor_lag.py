@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Parameter, SensorEffect, Values
 
 
-class SensorLag(Effect):
+class SensorLag(SensorEffect):
     """A further low-pass, exact for piecewise-linear forces: two stages that share the time constant.
 
     Delays and rounds; a pure delay is ``time_skew``. How much of the time is the second stage's is a form: none is a
@@ -18,8 +18,6 @@ class SensorLag(Effect):
     """
 
     name = "sensor_lag"
-    hook = "sensor"
-    belongs_to = "sensor"
     parameters = (
         Parameter("time_constant_s", "s", 0.0, 0.0, 0.1, 0.002),
         Parameter("second_stage", "1", 0.0, 0.0, 0.5, 0.2, spread=1.5),

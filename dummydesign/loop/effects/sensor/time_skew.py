@@ -6,15 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Parameter, SensorEffect, Values
 
 
-class TimeSkew(Effect):
+class TimeSkew(SensorEffect):
     """The force clock is late by ``skew_s``: what is saved at t belongs to t - skew."""
 
     name = "time_skew"
-    hook = "sensor"
-    belongs_to = "sensor"
     parameters = (Parameter("skew_s", "s", 0.0, -0.05, 0.05, 0.002),)
     signature = "pure shift in time at the fast stop, shape unchanged"
     cause = "force and position from two clocks"

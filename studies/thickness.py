@@ -125,7 +125,7 @@ def curvature_at(law: FeForceLaw, base: str, thickness_mm: float, depth_mm: floa
     Curvature
         With None for what lies beyond the solved depth.
     """
-    if not depth_mm <= law.limits_mm[thickness_mm] * (1.0 + 1e-9):
+    if not depth_mm <= law.depth_limit_mm(thickness_mm, law.radius_mm) * (1.0 + 1e-9):
         return Curvature(base, thickness_mm, None, None, None, None, None)
     series = np.polynomial.Polynomial(law.polynomials[thickness_mm])
     u = depth_mm / thickness_mm
@@ -146,7 +146,7 @@ def depth_at_force(law: FeForceLaw, thickness_mm: float, force_N: float) -> floa
     force_N : float
         The force to be carried. [N]
     """
-    depth = np.linspace(0.0, law.limits_mm[thickness_mm], 4001)
+    depth = np.linspace(0.0, law.depth_limit_mm(thickness_mm, law.radius_mm), 4001)
     force = law.force(depth, thickness_mm, YOUNG_MPA, law.radius_mm)
     return float(np.interp(force_N, force, depth, right=np.inf))
 
@@ -155,7 +155,7 @@ def study(slabs: list[SolvedSlab]) -> dict[str, dict[float, list[Curvature]]]:
     """Curvature at equal force, equal depth and equal strain: {terms: {value: one a support and thickness}}."""
     curvatures: dict[str, dict[float, list[Curvature]]] = {"force_N": {}, "depth_mm": {}, "strain": {}}
     for name, law in laws(slabs).items():
-        for thickness in sorted(law.limits_mm):
+        for thickness in sorted(law.polynomials):
             for force in FORCES_N:
                 depth = depth_at_force(law, thickness, force)
                 curvatures["force_N"].setdefault(force, []).append(curvature_at(law, name, thickness, depth))

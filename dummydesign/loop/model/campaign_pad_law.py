@@ -238,7 +238,9 @@ def _solve_coarse(pad: Pad | Puck, depth_mm: NDArray, cells: int) -> dict[str, A
 
     h = pad.thickness_mm
     wanted = depth_mm[depth_mm <= MAX_DEPTH_OVER_THICKNESS * h]
-    slides_round = not isinstance(pad, Puck) and pad.edge_radius_mm > 0.0 and pad.condition != "bonded"
+    slides_round = (
+        isinstance(pad, Pad) and pad.condition != "bonded" and (pad.edge_radius_mm > 0.0 or pad.geometry.plain)
+    )
     if isinstance(pad, Puck) or pad.profile_mm is not None or pad.base not in BASES or slides_round:
         return {"area_mm2": solve_points(pad, wanted).force_N / pad.young_MPa}
     case = Case.of(replace(pad, law=None))

@@ -139,6 +139,8 @@ def fit_pucks(
         excess + prior,
         np.stack([young, np.hypot(np.sqrt(variance), young_spread)]),
         np.stack([alpha, alpha_spread]),
+        np.array([point.misfit for point in points]),
+        np.concatenate([c for c, *_ in parts]),
     )
     rmse_N = best.misfit * float(np.sqrt(np.mean(np.concatenate(loads) ** 2)))
     levels, error = press_levels(

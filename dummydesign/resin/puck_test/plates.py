@@ -11,7 +11,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import Quantity, value_at
 from dummydesign.core.toml_schema import read_table
 from dummydesign.core.user_library import data_folder
-from dummydesign.pad.tables.puck import friction_of, grip
+from dummydesign.pad.tables.puck import friction_of, grip, uniaxial
 from dummydesign.resin.model.resin import Interval
 
 LUBRICATED, BONDED = "lubricated", "bonded"
@@ -66,8 +66,27 @@ class OverFriction:
     alpha: Interval
 
 
-def over_friction(grips: np.ndarray, chi_square: np.ndarray, log_young: np.ndarray, alpha: np.ndarray) -> OverFriction:
+STEP, SEEN_STRAIN = 0.1, 0.01
+"""Of an exponent, for its effect on a curve; least compression that shows it."""
+
+
+def _exponent_error(alpha: np.ndarray, misfit: np.ndarray, strains: np.ndarray) -> np.ndarray:
+    """Standard deviation of exponents (n,) that a misfit of ln F may make which grows along the compression."""
+    bends = [np.std(np.log(uniaxial(a + STEP, strains) / uniaxial(a - STEP, strains))) / (2.0 * STEP) for a in alpha]
+    return misfit / np.array(bends)
+
+
+def over_friction(
+    grips: np.ndarray,
+    chi_square: np.ndarray,
+    log_young: np.ndarray,
+    alpha: np.ndarray,
+    misfit: np.ndarray,
+    strains: np.ndarray,
+) -> OverFriction:
     """Integrate what was fitted at each friction over the frictions.
+
+    How the law misfits along the compression is not known: a misfit may be all of the exponent.
 
     Parameters
     ----------
@@ -75,7 +94,12 @@ def over_friction(grips: np.ndarray, chi_square: np.ndarray, log_young: np.ndarr
         The nodes of :meth:`Plates.nodes`, and chi square of curves and prior there.
     log_young, alpha : ndarray, shape (2, n)
         Value and standard deviation at each; modulus in kPa.
+    misfit : ndarray, shape (n,)
+        Root mean square of ln of the fitted over the measured force.
+    strains : ndarray, shape (m,)
+        Compressions over the height that were fitted.
     """
+    spread = np.hypot(alpha[1], _exponent_error(alpha[0], misfit, strains[strains > SEEN_STRAIN]))
     density = np.exp(-0.5 * (chi_square - chi_square.min()))
     weights = density * np.where((np.arange(len(grips)) % max(len(grips) - 1, 1) == 0) & (len(grips) > 1), 0.5, 1.0)
     share = np.r_[0.0, np.cumsum(0.5 * (density[1:] + density[:-1]))]
@@ -83,7 +107,7 @@ def over_friction(grips: np.ndarray, chi_square: np.ndarray, log_young: np.ndarr
     return OverFriction(
         Interval(*np.exp(_mixed(weights, *log_young)).tolist()),
         Interval(*map(friction_of, frictions.tolist())),
-        Interval(*np.clip(_mixed(weights, *alpha), *ALPHA_RANGE).tolist()),
+        Interval(*np.clip(_mixed(weights, alpha[0], spread), *ALPHA_RANGE).tolist()),
     )
 
 

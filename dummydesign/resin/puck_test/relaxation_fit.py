@@ -314,6 +314,8 @@ def _summarise(
         (squares - squares.min()) / variance + prior,
         np.stack([log_young, np.sqrt(variance + law[0] ** 2)]),
         np.stack([alpha, law[1]]),
+        np.sqrt(squares),
+        np.concatenate([press.compression_mm for press in problem.presses]) / problem.height_mm,
     )
     young = known.young_kPa
     slow_low = float(np.exp(low[0])) if stiff > 1.0 else young.low

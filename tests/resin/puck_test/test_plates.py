@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.quantity import HALF_WIDTH
-from dummydesign.pad.tables.puck import friction_of, grip, load_puck_table
+from dummydesign.pad.tables.puck import friction_of, grip, load_puck_table, uniaxial
 from dummydesign.resin.puck_test.loading_fit import GRIPS, fit_pucks
 from dummydesign.resin.puck_test.plates import LUBRICATED, OPEN, over_friction, read_plates
 from tests.resin.puck_test.test_loading_fit import WINDOW, best_of, made
@@ -42,13 +42,28 @@ def test_a_flat_likelihood_leaves_the_priors_median_and_interval():
     grips, prior = plates.nodes(GRIPS)
     away = np.sign(np.arange(len(grips)) - 4) * np.sqrt(prior)
     young = np.stack([np.log(30.0) - 0.02 * away, np.full(len(grips), 0.01)])
-    known = over_friction(grips, prior, young, np.ones((2, len(grips))))
+    strains, none = np.linspace(0.02, 0.3, 30), np.zeros(len(grips))
+    known = over_friction(grips, prior, young, np.stack([none + 2.0, none + 0.1]), none, strains)
     assert known.young_kPa.value == pytest.approx(30.0, rel=1e-3)
     half_width = 0.5 * math.log(known.young_kPa.high / known.young_kPa.low)
     assert half_width == pytest.approx(HALF_WIDTH * math.hypot(0.02, 0.01), rel=0.06)
     assert known.friction.value == pytest.approx(plates.friction.value, rel=0.02)
     assert known.friction.low == pytest.approx(plates.friction.low, rel=0.2)
     assert known.friction.high == pytest.approx(plates.friction.high, rel=0.1)
+
+
+def test_a_misfit_along_the_compression_may_be_all_of_the_exponent():
+    """A misfit as large as half a unit of the exponent makes is half a unit of standard deviation."""
+    grips, prior = read_plates("0.1").nodes(GRIPS)
+    strains, young = np.linspace(0.02, 0.3, 30), np.array([[np.log(30.0)], [0.01]])
+    away = np.log(uniaxial(2.5, strains) / uniaxial(2.0, strains))
+    misfit = np.array([np.std(away)])
+    exact, loose = (
+        over_friction(grips, prior, young, np.array([[2.5], [0.02]]), one, strains).alpha
+        for one in (0.0 * misfit, misfit)
+    )
+    assert exact.high - exact.low == pytest.approx(2.0 * HALF_WIDTH * 0.02, rel=0.02)
+    assert loose.high - 2.5 == pytest.approx(HALF_WIDTH * 0.5, rel=0.01) and loose.low < 2.0
 
 
 def half(fit):

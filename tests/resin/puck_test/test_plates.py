@@ -56,12 +56,9 @@ def test_a_misfit_along_the_compression_may_be_all_of_the_exponent():
     """A misfit as large as half a unit of the exponent makes is half a unit of standard deviation."""
     grips, prior = read_plates("0.1").nodes(GRIPS)
     strains, young = np.linspace(0.02, 0.3, 30), np.array([[np.log(30.0)], [0.01]])
-    away = np.log(uniaxial(2.5, strains) / uniaxial(2.0, strains))
-    misfit = np.array([np.std(away)])
-    exact, loose = (
-        over_friction(grips, prior, young, np.array([[2.5], [0.02]]), one, strains).alpha
-        for one in (0.0 * misfit, misfit)
-    )
+    away = np.log(uniaxial(2.6, strains) / uniaxial(2.4, strains)) / 0.2
+    misfit, known = 0.5 * np.array([np.std(away)]), np.array([[2.5], [0.02]])
+    exact, loose = (over_friction(grips, prior, young, known, one, strains).alpha for one in (0.0 * misfit, misfit))
     assert exact.high - exact.low == pytest.approx(2.0 * HALF_WIDTH * 0.02, rel=0.02)
     assert loose.high - 2.5 == pytest.approx(HALF_WIDTH * 0.5, rel=0.01) and loose.low < 2.0
 

@@ -76,7 +76,8 @@ def test_modulus_and_arms_of_a_history_summed_elsewhere_come_back_within_their_i
     arms = ((1.2, 0.3), (10.0, 0.15))
     found = fitted(pressed(arms))
     assert found.known.young_kPa.low <= YOUNG_KPA <= found.known.young_kPa.high
-    assert found.known.friction.low == 0.0
+    # frictionless plates: a quantile over frictions from 0 on is not 0
+    assert found.known.friction.low < 0.01
     assert len(found.arms) == 2
     for arm, (tau, beta) in zip(found.arms, arms):
         assert arm.reason == ""

@@ -93,7 +93,7 @@ class Dimension:
     """A linear dimension between two points along x or y; ``at`` is the coordinate of its line.
 
     ``value`` is the true length [mm], ``enlarged`` the scale of its view over the sheet's. A number that has no room
-    between the arrows stands beyond the upper or right end, or before the other one, ``aside`` further off.
+    between the arrows, or stands ``aside``, is beyond the upper or right end, or before the other one, so far off.
     """
 
     start: Point
@@ -119,7 +119,7 @@ class Dimension:
         words = number_text(self.value)
         wide, axis = text_width(words, TEXT_MM), int(self.vertical)
         middle = (a[axis] + b[axis]) / 2
-        if abs(b[axis] - a[axis]) < wide + 2 * ARROW_MM:
+        if self.aside or abs(b[axis] - a[axis]) < wide + 2 * ARROW_MM:
             offset = ARROW_MM + 1.5 + wide / 2 + self.aside
             middle = min(a[axis], b[axis]) - offset if self.before else max(a[axis], b[axis]) + offset
         at = (self.at - 1.0, middle) if self.vertical else (middle, self.at + 1.0)

@@ -119,13 +119,15 @@ class Pad:
         scale *= 1.0 - put.get("softening_with_cycles", 0.0) * (1.0 - 0.5 ** state.get("before", 0.0))
         arms = [*self.arms, (30.0, put.get("slow_relaxation_mode", 0.0)), (0.005, put.get("fast_relaxation_mode", 0.0))]
         arms, force = [one for one in arms if one[1]], np.zeros_like(x)
-        for _ in range(15 if "machine_compliance" in put else 1):
+        # a stiff pad on a soft frame: whole steps would swing ever wider
+        steps, part = (60, 0.25) if "machine_compliance" in put else (1, 1.0)
+        for _ in range(steps):
             depth = x - put.get("contact_offset", 0.0) - put.get("machine_compliance", 0.0) * force
             share = np.clip(depth, 0.0, None) / self.thickness_mm
             elastic = scale * self.law(depth) * (1.0 + put.get("strain_stiffening", 0.0) * share**2)
             grow = put.get("strain_dependent_relaxation", 0.0)
             weight = 1.0 + grow * (share - 0.15) if grow else 1.0
-            force = np.maximum(maxwell(t, elastic, arms, weight), 0.0)
+            force = force + part * (np.maximum(maxwell(t, elastic, arms, weight), 0.0) - force)
         if "sensor_lag" in put:
             force = force - maxwell(t, force, [(put["sensor_lag"], 1.0)]) + force
         force = force * (1.0 - put.get("sensor_curve", 0.0) * force)

@@ -118,13 +118,15 @@ def _puck_helps(answer: Suggestion) -> bool:
 def _pad(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     """Cast the pad, press it by a campaign and compare it with the subjects."""
     made, best = _mould(answer), answer.best
+    # a calibration is of the first dummy, whose folder is there
+    name = CAMPAIGN if answer.request.calibration is None else f"{CAMPAIGN}-2"
     sheet = [] if _written(inputs) else [Step("make its mould and pour sheet", answer.mould_command)]
     hours = None if made.printing_h is None else made.printing_h + _curing_h(answer)
     given = {**inputs, "resin": str(inputs["resin"]), "condition": _typed_condition(inputs)}
     shape = "" if best.shape.plain else f" --shape {shlex.quote(str(best.shape))}"
     contact = f" --contact {given['condition']}" if given["condition"] else ""
     planned = (
-        f"dummydesign campaign new {CAMPAIGN} --resin {shlex.quote(given['resin'])} --ratio {best.ratio:g} "
+        f"dummydesign campaign new {name} --resin {shlex.quote(given['resin'])} --ratio {best.ratio:g} "
         f"--pads {best.thickness_mm:g}{shape}{command_words(Request, given, ('pad_mm', 'base', *TEST))}{contact}"
     )
     words = command_words(Request, given, (*TEST, "condition", "deceleration_mm_s2"))
@@ -133,10 +135,10 @@ def _pad(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
         Step("cast the pad by its pour sheet", None, hours, {"silicone": made.silicone_g, "resin": made.resin_g}),
         # a campaign knows no punch of two sides
         Step("plan its presses", None if given["punch"].startswith("rectangle") else planned),
-        Step(f"press in the order of its sheet; save each trace under its name in {CAMPAIGN}", None, PRESSING_H),
+        Step(f"press in the order of its sheet; save each trace under its name in {name}", None, PRESSING_H),
         Step(
             "compare it with the subjects",
-            f"dummydesign compare {CAMPAIGN}/*.csv --tissue {shlex.quote(given['tissue'])}{words}",
+            f"dummydesign compare {name}/*.csv --tissue {shlex.quote(given['tissue'])}{words}",
         ),
     ]
 

@@ -67,6 +67,9 @@ def read_calibration(path: str | Path) -> Calibration:
     except FileNotFoundError:
         message = f"calibration file '{path}' does not exist"
         raise InputError(message, "file_not_found", "calibration", str(path)) from None
+    except IsADirectoryError:
+        message = f"calibration '{path}' is a folder; give the file calibration.json in it"
+        raise InputError(message, "file_unreadable", "calibration", str(path)) from None
     except RecursionError:
         raise InputError(f"{name} cannot be read: nested too deeply", "file_unreadable", "calibration") from None
     except (OSError, ValueError) as problem:
@@ -206,7 +209,7 @@ def _posterior(table: _Entry, after: Model) -> Posterior:
             mean.insert(place, usual)
             covariance = np.insert(np.insert(covariance, place, 0.0, axis=0), place, 0.0, axis=1)
             covariance[place, place] = deviation**2
-    level, slope, curve = (table["pad_to_pad"][key].number(0.0, LARGEST_LAW_ERROR) for key in PADS)
+    level, slope, curve = (table["pad_to_pad"][key].number(0.0, LARGEST_CHANGE) for key in PADS)
     return Posterior(tuple(names), np.array(mean), covariance, (level, slope, curve))
 
 

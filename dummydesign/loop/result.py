@@ -216,7 +216,8 @@ def answer_of(result: LoopResult) -> list[str]:
         )
     before, left = result.base.errors.heldout_N, after.errors.heldout_N
     if left is not None and before is not None:
-        change = f"falls from {before:.3g} to {left:.3g} N" if result.effects else f"is {left:.3g} N"
+        way = "falls" if left < before else "goes"
+        change = f"{way} from {before:.3g} to {left:.3g} N" if result.effects else f"is {left:.3g} N"
         floor = after.fit.sizes.floor_N
         lines.append(f"The error on presses left out of the fit {change}; noise alone leaves {floor:.2g} N.")
     parameters = after.to_dict()["parameters"]

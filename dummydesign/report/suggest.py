@@ -389,9 +389,11 @@ def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
     words = f"of {castings['n']} castings are usable ({100 * needed:g} % needed)"
     facts = [(percent_below_limit(share, needed), words)]
     if result["verdict"]["light"] == "amber" and factors["factor"] is not None:
-        facts.append((f"{factors['force']:.2f}", "multiply forces by this (95 % of castings in reach)"))
+        facts.append((f"{factors['force']:.2f}", "multiply forces by this as poured (95 % of castings in reach)"))
         if factors["factor"] - factors["force"] > 0.005:
-            facts.append((f"{factors['factor']:.2f}", "multiply energies by this (95 % of castings in reach)"))
+            facts.append(
+                (f"{factors['factor']:.2f}", "multiply energies by this as poured (95 % of castings in reach)")
+            )
     return facts
 
 

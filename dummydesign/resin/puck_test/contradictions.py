@@ -123,7 +123,7 @@ def size_not_weighed(young_kPa: float, density_g_per_cm3: float, puck: PuckPoint
     message = (
         f"the size is not confirmed. A height typed 10 % low reads about {young_kPa / 1.1:.3g} kPa for "
         f"{young_kPa:.3g}. A puck of {puck.diameter_mm:g} x {puck.height_mm:g} mm weighs "
-        f"{mass_by_size_g(density_g_per_cm3, puck):.1f} g: weigh it and add --mass"
+        f"{mass_by_size_g(density_g_per_cm3, puck):.1f} g: weigh it, then type this again with --mass and --replace"
     )
     return {"code": "size_not_weighed", "message": message}
 

@@ -119,7 +119,7 @@ def _pad(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     """Cast the pad, press it by a campaign and compare it with the subjects."""
     made, best = _mould(answer), answer.best
     # a calibration is of the first dummy, whose folder is there
-    name = CAMPAIGN if answer.request.calibration is None else f"{CAMPAIGN}-2"
+    name = f"{CAMPAIGN}-2" if inputs.get("calibration") else CAMPAIGN
     sheet = [] if _written(inputs) else [Step("make its mould and pour sheet", answer.mould_command)]
     hours = None if made.printing_h is None else made.printing_h + _curing_h(answer)
     given = {**inputs, "resin": str(inputs["resin"]), "condition": _typed_condition(inputs)}

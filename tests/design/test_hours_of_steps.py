@@ -81,6 +81,13 @@ def test_the_steps_of_a_pad_can_be_typed_and_ask_for_the_same_test():
     assert typed.condition == "frictionless" and float(typed.deceleration_mm_s2) == 9000.0
 
 
+def test_after_a_calibration_the_presses_of_the_next_dummy_are_compared():
+    """The first one's folder is there: a plan of its name goes elsewhere, and its presses would be judged again."""
+    _, plan, press, compare = module.next_steps(answer("stands_for"), {**INPUTS, "calibration": "c.json"})
+    assert shlex.split(plan.command)[3] == "my-dummy-2" and "my-dummy-2/*.csv" in compare.command
+    assert "my-dummy-2" in press.do
+
+
 def test_a_test_beyond_the_subjects_asks_for_people_first(monkeypatch):
     monkeypatch.setattr(module, "beyond_people", lambda forces, tissue: 1.2)
     steps = module.next_steps(answer("not_settled"), INPUTS)

@@ -270,16 +270,21 @@ def stuck_factor(poisson: float) -> float:
     return (1.0 - poisson) * float(np.log(3.0 - 4.0 * poisson)) / (1.0 - 2.0 * poisson)
 
 
-def foot_depths_mm(shape: PadShape, radius_mm: float) -> Array:
-    """Depths at which the face around a crown's foot comes to touch: the force bends there; none beside the punch."""
-    return shape.height_mm * AT_FOOT if isinstance(shape, Crowned) and shape.foot_mm < radius_mm else np.array([])
+def with_foot(depth_mm: Array, shape: PadShape, radius_mm: float) -> Array:
+    """Rising depths, and within them those at which the face around a crown's foot under the punch comes to touch.
+
+    The force bends there. [mm]
+    """
+    if not (isinstance(shape, Crowned) and shape.foot_mm < radius_mm):
+        return depth_mm
+    foot = shape.height_mm * AT_FOOT
+    return np.union1d(depth_mm, foot[foot < depth_mm[-1]])
 
 
 def solvable_depths(pad: Pad | Puck, depth_mm: Array, in_space: bool = False) -> Array:
     """Depths of a grid that can be solved, those of a crown's foot, and those that first touch is joined to. [mm]"""
     if isinstance(pad, Pad) and not in_space:
-        foot = foot_depths_mm(pad.geometry, pad.radius_mm)
-        depth_mm = np.union1d(depth_mm, foot[foot < depth_mm[-1]])
+        depth_mm = with_foot(depth_mm, pad.geometry, pad.radius_mm)
     touch = touch_of(pad)
     least = least_depth_mm(pad, in_space)
     depth_mm = depth_mm[depth_mm >= least * (1.0 - 1e-9)]

@@ -153,15 +153,7 @@ def press_figure(one: PersonPress, name: str) -> Plot:
 
 
 def _press_section(one: PersonPress, row: dict[str, Any], names: set[str]) -> Section:
-    body = [
-        [
-            f"{words} [{unit}]",
-            number_text(row["pad"][key]),
-            span_text(row["band"][key]),
-            span_text(row["interval_95"][key]),
-        ]
-        for key, words, unit in FIVE
-    ]
+    body = _five_rows(row, "{} [{}]")
     body += [
         [
             f"{subject_words(subject['name'])}: peak, depth",
@@ -337,20 +329,23 @@ def people_text(result: dict[str, Any]) -> str:
     return f"{result['tissue']}, {subjects}" + (", inferred, not measured" if inferred else "")
 
 
+def _five_rows(press: dict[str, Any], label: str) -> list[list[str]]:
+    """Each of the five numbers of a press: the pad's, the subjects', and the range of people; a label for it."""
+    return [
+        [
+            label.format(words, unit),
+            number_text(press["pad"][key]),
+            span_text(press["band"][key]),
+            span_text(press["interval_95"][key]),
+        ]
+        for key, words, unit in FIVE
+    ]
+
+
 def press_table(result: dict[str, Any]) -> Table:
     """All five numbers of a single press, a row a press of several."""
     if len(result["presses"]) == 1:
-        one = result["presses"][0]
-        rows = [
-            [
-                f"{words} {unit}",
-                number_text(one["pad"][key]),
-                span_text(one["band"][key]),
-                span_text(one["interval_95"][key]),
-            ]
-            for key, words, unit in FIVE
-        ]
-        return Table(["", "pad", "subjects", "95 % of people"], rows)
+        return Table(["", "pad", "subjects", "95 % of people"], _five_rows(result["presses"][0], "{} {}"))
     rows = [
         [
             one["file"],

@@ -397,9 +397,16 @@ def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
     return facts
 
 
+def _known_from_N(answer: Suggestion) -> float:
+    """Steady force from which on people were pressed; that of the built-in tissues where it is not known. [N]"""
+    return (pressed_N(answer.tissue) or KNOWN_FORCE_N)[0]
+
+
 def _steady_words(answer: Suggestion) -> str:
-    least = (pressed_N(answer.tissue) or KNOWN_FORCE_N)[0]
-    low = f"Below {least:.2g} N there are no data on people; the range there is their law extrapolated and drawn paler."
+    low = (
+        f"Below {_known_from_N(answer):.2g} N there are no data on people; the range there is their law extrapolated "
+        "and drawn paler."
+    )
     if answer.tissue.measured:
         low = (
             f"Below {answer.request.protocol.forces_N[0]:g} N the subjects' range is their slowest rise, scaled to "
@@ -434,7 +441,7 @@ def _shapes(answer: Suggestion, result: dict[str, Any]) -> list[Section]:
     text = (
         "The best pad of each kind by one rule: its level, then the castings that are usable after one puck, then the "
         f"misfit. The misfit is the rms of ln F over {0.1 * low:g} to {high:g} N; below "
-        f"{(pressed_N(answer.tissue) or KNOWN_FORCE_N)[0]:.2g} N the tissue's curve is an extrapolation."
+        f"{_known_from_N(answer):.2g} N the tissue's curve is an extrapolation."
     )
     if answer.sites:
         text += f" Its sites: {answer.sites.text}."

@@ -20,7 +20,7 @@ from dummydesign.design.search.shape_search import MANY_BATCHES, ShapedDesign, c
 from dummydesign.design.search.slabs import SearchSpace
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM, PUNCH_RADIUS_MM, PUNCH_SIDE_MM
 from dummydesign.pad.axisymmetric.shaped_problem import PathCache, Touch
-from dummydesign.pad.first_touch import foot_depths_mm
+from dummydesign.pad.first_touch import with_foot
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.pad_under_punch import Pad
 
@@ -95,10 +95,11 @@ def _inputs(design: ShapedDesign, space: SearchSpace) -> tuple[dict[str, Any], P
     Of a round pad that is also its base and size and the punch's fillet, where they are not those of the tables.
     """
     thickness, own = design.thickness_mm, {}
+    depth = thickness * solved_shares(design, space)
     if design.shape.axisymmetric:
+        depth = with_foot(depth, design.shape, space.radius_mm)
         usual = {"base": "bonded", "extent_mm": PAD_EXTENT_MM, "edge_radius_mm": 0.0}
         own = {name: getattr(space, name) for name, value in usual.items() if getattr(space, name) != value}
-    depth = thickness * solved_shares(design, space)
     inputs = {"shape": str(design.shape), "thickness": thickness, "radius": space.radius_mm, "depth": depth, **own}
     return inputs, Pad(thickness, 1.0, space.radius_mm, geometry=design.shape, **own)
 
@@ -112,9 +113,7 @@ def solved_shares(design: ShapedDesign, space: SearchSpace) -> NDArray:
     if not design.shape.axisymmetric:
         return SPATIAL_SHARES * last
     step = SPACING[design.shape.flat_top]
-    even = np.minimum(step * np.arange(1, int(np.ceil(last / step - 1e-6)) + 1), limit)
-    foot = foot_depths_mm(design.shape, space.radius_mm) / design.thickness_mm
-    return np.union1d(even, foot[foot < even[-1]])
+    return np.unique(np.minimum(step * np.arange(1, int(np.ceil(last / step - 1e-6)) + 1), limit))
 
 
 def _law(design: ShapedDesign, made: Mapping[str, Any], asked: int, radius_mm: float) -> ElementsLaw:

@@ -16,7 +16,7 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
 from dummydesign.pad.axisymmetric.case import Case
-from dummydesign.pad.first_touch import foot_depths_mm, touch_of
+from dummydesign.pad.first_touch import touch_of, with_foot
 from dummydesign.pad.force_law import ForceCurve
 from dummydesign.pad.force_source import curve_without_solve, solve_points, solved_curve
 from dummydesign.pad.pad_under_punch import Pad, Puck
@@ -99,8 +99,7 @@ class CampaignPadLaw:
             # a face that slides needs some depth to start from
             return self.deepest_mm * np.linspace(0.06, 1.0, POINTS)
         grid = self.deepest_mm * (STARTS_AT + (1.0 - STARTS_AT) * np.linspace(0.0, 1.0, POINTS) ** 1.5)
-        foot = foot_depths_mm(self.pad.geometry, self.pad.radius_mm) if isinstance(self.pad, Pad) else grid
-        return np.union1d(grid, foot[foot < self.deepest_mm])
+        return with_foot(grid, self.pad.geometry, self.pad.radius_mm) if isinstance(self.pad, Pad) else grid
 
     @property
     def limit_mm(self) -> float:

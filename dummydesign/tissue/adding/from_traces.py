@@ -94,24 +94,36 @@ def reserve(name: str, replace_own: bool, elements: str = "5", law: str = AUTO) 
 
 
 def _sort_files(files: list[str]) -> tuple[list[tuple[Subject, str]], dict[str, list[Path]]]:
-    """Subjects of TOML files with their source, and the traces of every other subject."""
+    """Subjects of TOML files with their source, and the traces of every other subject.
+
+    A folder of traces is one subject, unless its files begin with several names (letters alone before the first "_");
+    one without a trace holds a folder for each subject.
+    """
     subjects: list[tuple[Subject, str]] = []
     groups: dict[str, list[Path]] = {}
     for text in files:
         path = Path(text)
         if path.is_dir():
-            inside = sorted(path.glob("*.csv"))
+            here = [path] if any(path.glob("*.csv")) else sorted(one for one in path.iterdir() if one.is_dir())
+            inside = [one for folder in here for one in sorted(folder.glob("*.csv"))]
             if not inside:
                 raise InputError(f"folder '{text}' holds no trace (*.csv)", "nothing_found", "trace", text)
-            groups.setdefault(path.resolve().name, []).extend(inside)
+            names = {_first_word(one) for one in inside}
+            several = here == [path] and len(names) > 1 and all(name.isalpha() for name in names)
+            for one in inside:
+                groups.setdefault(_first_word(one) if several else one.resolve().parent.name, []).append(one)
         elif path.suffix.lower() == ".toml":
             tissue = load_tissue(str(path))
             single = len(tissue.subjects) == 1
             named = [replace(one, name=tissue.name) if single else one for one in tissue.subjects]
             subjects += [(subject, path.name) for subject in named]
         elif path.is_file():
-            groups.setdefault(path.stem.split("_")[0], []).append(path)
+            groups.setdefault(_first_word(path), []).append(path)
         else:
             message = f"'{text}' is neither a trace CSV, a folder of traces nor a tissue TOML"
             raise InputError(message, "file_not_found", "trace", text)
     return subjects, groups
+
+
+def _first_word(path: Path) -> str:
+    return path.stem.split("_")[0]

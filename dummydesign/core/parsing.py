@@ -43,6 +43,9 @@ UNITS: dict[str, dict[str, float]] = {
     "1": {},
 }
 """Units that are understood for each unit a number is wanted in, with their size in it; ``1`` is a number without."""
+SEVERAL = re.compile(r"[,;]|\d\s+[\d.]")
+"""What a single number has not."""
+AS_TYPED = "; the decimal sign is a dot, commas separate numbers: 2.5,10"
 NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*$", re.ASCII)
 
 
@@ -98,12 +101,12 @@ def read_number(value: float | str, purpose: QuantitySpec | str) -> float:
         number = float(value if match is None else match[1])
         unit = "" if match is None else match[2]
         # neither what only Python takes for a number (nan, 1_000) nor a unit where there is none
-        if (unit and not known) or (match is None and isinstance(value, str)):
+        if (unit and not known) or (isinstance(value, str) and (match is None or SEVERAL.search(value))):
             raise ValueError
     except (TypeError, ValueError):
         shown = (value.strip() or repr(value)) if isinstance(value, str) else repr(value)
         hint = f", or one with a unit such as 1{purpose.unit} or 1{list(known)[-1]}" if known else ""
-        message = f"{purpose.quantity} = {shown} is not a number{'; the decimal sign is a dot' * (',' in shown)}{hint}"
+        message = f"{purpose.quantity} = {shown} is not a number{AS_TYPED * bool(SEVERAL.search(shown))}{hint}"
         raise InputError(message, "not_a_number", quantity_name(purpose.quantity), value) from None
     if unit:
         if unit not in known:

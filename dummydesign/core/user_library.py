@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from dummydesign.core.errors import InputError, NoAnswerError, quantity_name, unknown_name
-from dummydesign.core.files import write_bytes
+from dummydesign.core.files import check_file, reading, write_bytes
 
 
 @dataclass(frozen=True)
@@ -57,8 +57,7 @@ def find(kind: str, what: str, name: str) -> Entry:
     """Find a file by name, or take ``name`` as a path when it ends in ``.toml`` or has a folder in it."""
     if name.lower().endswith(".toml") or {os.sep, os.altsep or os.sep} & set(name):
         path = Path(name)
-        if not path.is_file():
-            raise InputError(f"{what} file '{name}' does not exist", "file_not_found", quantity_name(what), name)
+        check_file(f"{what} file", path, quantity_name(what))
         return Entry(path.stem, path, "file")
     known = entries(kind)
     if name.lower() not in known:
@@ -71,18 +70,12 @@ def find(kind: str, what: str, name: str) -> Entry:
 
 def read_toml(path: Path) -> tuple[dict[str, Any], str]:
     """Read a TOML file; return its content and its text (for line numbers in messages)."""
-    try:
+    with reading("file", path, "file"):
         text = path.read_text(encoding="utf-8-sig")  # some editors begin a file with a byte order mark
+    try:
         return tomllib.loads(text), text
-    except FileNotFoundError:
-        raise InputError(f"file '{path}' does not exist", "file_not_found", "file", str(path)) from None
-    except OSError as problem:
-        reason = f"cannot be read: {problem.strerror}"
-    except UnicodeDecodeError:
-        reason = "is not UTF-8 text"
     except tomllib.TOMLDecodeError as problem:
-        reason = f"not valid TOML: {problem}"
-    raise InputError(f"{path.name or path}: {reason}", "file_unreadable", "file", str(path))
+        raise InputError(f"{path.name}: not valid TOML: {problem}", "file_unreadable", "file", str(path)) from None
 
 
 def toml_text(text: str) -> str:

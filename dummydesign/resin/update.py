@@ -30,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import check_file
 from dummydesign.core.quantity import HALF_WIDTH, Quantity, value_at
 from dummydesign.core.user_library import Entry, make_room, read_toml
 from dummydesign.resin.model.resin import (
@@ -287,8 +288,7 @@ def add_resin(file: str | Path, replace_own: bool = False) -> tuple[Resin, Path]
     its ``base`` (the paper's polyurethane when none is named).
     """
     path = Path(file)
-    if not path.is_file():
-        raise InputError(f"resin file '{file}' does not exist", "file_not_found", "resin_file", str(file))
+    check_file("resin file", path, "resin_file")
     if path.suffix.lower() == ".csv":
         raise InputError(
             f"resin file '{file}' is a CSV, not TOML: give each point as [[point]] with ratio and "

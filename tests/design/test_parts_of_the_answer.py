@@ -274,7 +274,7 @@ SPACE = SimpleNamespace(
     resin=RESIN,
     targets=SimpleNamespace(protocol=NAGOYA_PROTOCOL, conditions=[SimpleNamespace(steady_force_N=f, velocity_mm_s=v)
                                                         for f, v in ((5.0, 10.0), (15.0, 250.0))]),
-    thickness_mm=np.array([8.0, 10.0, 12.0]), ratio=np.array([14.0, 15.0, 16.0]),
+    thickness_mm=np.array([8.0, 10.0, 12.0]), ratio=np.array([14.0, 15.0, 16.0]), allowed_mm=(3.0, 30.0),
 )  # fmt: skip
 
 

@@ -52,6 +52,8 @@ def render(result: dict[str, Any]) -> str:
     )
     written = _files_written(result)
     curve = "" if any(role.startswith("curve") for role in result.get("files", {})) else "; --out FILE writes the curve"
+    if "conditions" in result and result["inputs"]["fidelity"] == "table":
+        curve += "; shares are by the table: suggest solves its pad (--fidelity axisymmetric), a few percent differ"
     more = labelled("MORE", f"--details: all points and the solver's work{curve}")
     warnings = warning_block(result, (NO_RELAXATION,))
     if len(written) > 3:

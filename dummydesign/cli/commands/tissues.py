@@ -24,7 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     show.add_argument("name", metavar="NAME", help="a known tissue or a TOML file")
     add = actions.add_parser("add", help="make a tissue from traces or from fits, one subject per file or folder")
     add.add_argument("name", metavar="NAME", help="name of the new tissue")
-    add.add_argument("files", nargs="+", metavar="FILE", help="trace NAME_....csv, folder of one subject or more, or fit TOML")
+    add.add_argument(
+        "files", nargs="+", metavar="FILE", help="trace NAME_....csv, folder of one subject or more, or fit TOML"
+    )
     add.add_argument(
         "--law", default="ode", help="ode (default), consistent or published; none keeps the curves, auto decides"
     )

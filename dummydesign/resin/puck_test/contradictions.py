@@ -66,7 +66,7 @@ class Pair:
 
 
 def pairs_of(resin: Resin, point: Point, mass_g: float | None = None) -> list[Pair]:
-    """The table: puck and resin, puck and pucks of the same ratio, mass and density times volume.
+    """The table: puck and resin, or a puck of the same ratio that agrees; other pucks; mass and density times volume.
 
     Parameters
     ----------
@@ -79,16 +79,14 @@ def pairs_of(resin: Resin, point: Point, mass_g: float | None = None) -> list[Pa
     """
     young = point.young_kPa.value
     known = without_points(resin).modulus_kPa(point.ratio)
-    pairs = [
-        Pair(
-            f"young_kPa of this puck and of {resin.name} at ratio {point.ratio:g}",
-            young,
-            known.value,
-            math.hypot(point.spread, log_spread(known)),
-            "check diameter, height, ratio and the unit of the force",
-        )
-    ]
-    pairs += [
+    law = Pair(
+        f"young_kPa of this puck and of {resin.name} at ratio {point.ratio:g}",
+        young,
+        known.value,
+        math.hypot(point.spread, log_spread(known)),
+        "check diameter, height, ratio and the unit of the force",
+    )
+    pucks = [
         Pair(
             f"young_kPa of this puck and of {other.puck.file if other.puck else other.young_kPa.source}",
             young,
@@ -99,6 +97,9 @@ def pairs_of(resin: Resin, point: Point, mass_g: float | None = None) -> list[Pa
         for other in resin.points
         if resin.same_ratio(point, other)
     ]
+    # the law says less of the batch than a puck of it that agrees
+    agreeing = [one for one in pucks if not one.far]
+    pairs = [*(agreeing or [law]), *(one for one in pucks if one.far)]
     if mass_g is not None and point.puck is not None:
         density = resin.property("density_g_per_cm3", point.ratio)
         pairs.append(

@@ -129,8 +129,8 @@ class PuckProblem:
         )
 
     def starts(self, arms: int, grip: float) -> list[np.ndarray]:
-        """For each of :data:`EXPONENTS` the best of all combinations of times on a grid, E and strengths by non-negative
-        least squares."""
+        """For each of :data:`EXPONENTS` the best combination of times on a grid; E and strengths by non-negative least
+        squares."""
         from scipy.optimize import nnls
 
         starts = []

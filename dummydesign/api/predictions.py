@@ -12,7 +12,7 @@ from dummydesign.api.answers import Predicted
 from dummydesign.core import parsing
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import FilePath
-from dummydesign.core.parsing import check_units, parts_of, read_allowed, read_number, read_numbers, twin_of
+from dummydesign.core.parsing import one_of, parts_of, read_allowed, read_number, read_numbers, twin_of
 
 if TYPE_CHECKING:
     from dummydesign.measurement.motion import Motion
@@ -121,8 +121,10 @@ def relaxation_warnings(made: Pad | Puck, moves: bool) -> list[dict[str, str]]:
     """Warn where a pad without relaxation is pressed in time; ``moves`` says whether it is."""
     if made.prony or not moves:
         return []
-    message = "this pad has no relaxation: its force does not depend on speed. "
-    message += "Give --resin with --ratio, or --young with --prony TAU:BETA"
+    message = (
+        "this pad has no relaxation: its force does not depend on speed. "
+        "Give --resin with --ratio, or --young with --prony TAU:BETA"
+    )
     return [{"code": "no_relaxation", "message": message}]
 
 
@@ -138,8 +140,7 @@ def pad_warnings(made: Pad | Puck, fidelity: str) -> list[dict[str, str]]:
     if made.sides_mm is None or fidelity == "3d":
         return alone
     if not has_square_factor(made):
-        message = "the punch is taken as the circle of equal area; its corners are left out; "
-        message += "--fidelity 3d solves them"
+        message = "the punch is taken as the circle of equal area; its corners are left out; --fidelity 3d solves them"
         return [{"code": "equal_area_punch", "message": message}, *alone]
     message = "what a square adds to the circle of its area is that of sharp edges; half of it is stated as error"
     return [{"code": "square_with_fillet", "message": message}, *alone] if made.edge_radius_mm else alone
@@ -328,7 +329,7 @@ def predict(
     if (fields or picture) and (depth_mm is None or fidelity != "axisymmetric"):
         message = "fields and pictures are of static depths: --depth with --fidelity axisymmetric"
         raise InputError(message, "not_applicable", "fields" if fields else "picture")
-    check_units(units)
+    one_of("units", units, parsing.SYSTEMS)
     if units != parsing.SYSTEMS[0] and out is None:
         raise InputError("--units is of the table that --out writes: give --out", "not_applicable", "units", units)
     if rate_Hz is not None and (out is None or asked in ([], ["depth_mm"])):

@@ -56,13 +56,11 @@ def check_file(what: str, path: Path, quantity: str) -> None:
 def output_folder(path: str | Path) -> Path:
     """Make the output folder if needed and try that it can be written, before any work starts."""
     folder = Path(path)
-    try:
+    with writing("output folder", path, "out"):
         folder.mkdir(parents=True, exist_ok=True)
         probe = folder / f".try-{os.urandom(8).hex()}"
         probe.touch(exist_ok=False)
         probe.unlink()
-    except OSError as problem:
-        raise unwritable("output folder", path, problem, "out") from None
     return folder
 
 

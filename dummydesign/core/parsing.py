@@ -244,11 +244,6 @@ TWINS = {
 """Ending of a name, that of its twin, and the size of the twin's unit in the name's."""
 
 
-def check_units(units: str) -> None:
-    """Refuse another system of units."""
-    one_of("units", units, SYSTEMS)
-
-
 def twin_of(name: str, units: str = "in") -> tuple[str, float]:
     """Name of a column in a system of units, and the size of its unit in that of the package.
 

@@ -277,8 +277,8 @@ def known_puck(resin: Resin, sha256: str) -> Point | None:
 
 def without_puck(resin: Resin, sha256: str) -> Resin:
     """Begin again from the base and add every other point."""
-    others = [point for point in resin.points if point.puck is None or not point.puck.has(sha256)]
-    return rebuild(resin, others, resin.name)[0]
+    kept = (point for point in resin.points if point.puck is None or not point.puck.has(sha256))
+    return rebuild(resin, list(kept), resin.name)[0]
 
 
 def add_resin(file: str | Path, replace_own: bool = False) -> tuple[Resin, Path]:

@@ -280,14 +280,12 @@ def _render_puck(result: dict[str, Any]) -> list[str]:
 
 
 def _suggest_with(resin: str) -> str:
-    """The search with a batch that was measured: for the project's tissue, or for one to fill in."""
+    """The search with a batch that was measured: for the project's tissue, else for one to fill in."""
     from dummydesign.project.folder import find_project
 
     project = find_project()
-    named = None if project is None else project.tissue
-    tissue = f"--tissue {shlex.quote(named)}" if named else "--tissue NAME"
-    listed = "" if named else "; 'dummydesign tissues list' names the tissues"
-    return f"dummydesign suggest {tissue} --resin {shlex.quote(resin)}{listed}"
+    tissue = "NAME" if project is None or project.tissue is None else project.tissue
+    return f"dummydesign suggest --tissue {shlex.quote(tissue)} --resin {shlex.quote(resin)}"
 
 
 def _render_relaxation(relaxation: dict[str, Any] | None) -> list[str]:

@@ -82,10 +82,13 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         module, function = ADDING[options.action]
         add = getattr(import_module(f"dummydesign.tissue.adding.{module}"), function)
         return call(add, options, **({"replace_own": options.replace} if "replace" in options else {}))
-    actions = "list, show NAME, add NAME FILE..., add-curves NAME FILE.csv, add-points NAME POINTS.csv, "
-    actions += "add-spring NAME, template FILE.csv, add-regions FILE.csv, "
-    actions += "remove NAME, rename OLD NEW or path NAME"
-    raise InputError(f"tissues needs an action: {actions}", "missing", "action")
+    raise InputError(
+        "tissues needs an action: list, show NAME, add NAME FILE..., add-curves NAME FILE.csv, "
+        "add-points NAME POINTS.csv, add-spring NAME, template FILE.csv, add-regions FILE.csv, "
+        "remove NAME, rename OLD NEW or path NAME",
+        "missing",
+        "action",
+    )
 
 
 def _list() -> dict[str, Any]:

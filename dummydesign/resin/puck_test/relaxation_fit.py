@@ -139,13 +139,12 @@ class PuckProblem:
         for alpha in EXPONENTS:
             forces = self.parts(np.array([0.0, alpha, *offsets]), grip, grid)
             columns = self.factor @ (forces / self.force_N[:, None])
-            goal = self.factor @ np.ones(len(columns))
             # under correlated noise too few arms can be nearest with no modulus at all: it begins with the middle one
             lasting = np.log(np.median(self.force_N / forces[:, 0]))
             logs = [*np.log(np.full(arms, 0.1)), *np.log(grid[np.linspace(1, len(grid) - 2, arms).astype(int)])]
             tried = [(np.inf, [lasting, alpha, *offsets, *logs])]
             for combo in itertools.combinations(range(len(grid)), arms):
-                strength, rest = nnls(columns[:, [0, *(1 + k for k in combo)]], goal)
+                strength, rest = nnls(columns[:, [0, *(1 + k for k in combo)]], self.factor.sum(axis=1))
                 if strength[0] > 0.0:
                     beta = np.clip(strength[1:] / strength[0], 1e-3, 10.0)
                     logs = [*np.log(beta), *np.log(grid[list(combo)])]

@@ -176,8 +176,10 @@ def people_text(people: dict[str, Any]) -> str:
     subjects = f"{people['subjects']} subjects{', inferred, not measured' if people['inferred'] else ''}"
     press = f"{row['steady_force_N']:.3g} N, {row['velocity_mm_s']:g} mm/s"
     if high - low > WIDEST:
-        words = "subjects do not show which share of people lies below the pad's peak"
-        return f"{people['subjects']} {words} (90 %: {low:.0f} to {high:.0f} %)"
+        return (
+            f"{people['subjects']} subjects do not show which share of people lies below the pad's peak "
+            f"(90 %: {low:.0f} to {high:.0f} %)"
+        )
     span = f"90 %: {' to '.join(dict.fromkeys(map(_rounded, (low, high))))} %"
     return (
         f"{subjects}: the pad's peak is above {_rounded(100 * row['below_expected'])} % of people at {press} ({span})"

@@ -121,12 +121,12 @@ def mass_by_size_g(density_g_per_cm3: float, puck: PuckPoint) -> float:
 
 def size_not_weighed(young_kPa: float, density_g_per_cm3: float, puck: PuckPoint) -> dict[str, str]:
     """What to do where nothing confirms the typed size, with both numbers."""
-    message = (
-        f"the size is not confirmed. A height typed 10 % low reads about {young_kPa / 1.1:.3g} kPa for "
+    return {
+        "code": "size_not_weighed",
+        "message": f"the size is not confirmed. A height typed 10 % low reads about {young_kPa / 1.1:.3g} kPa for "
         f"{young_kPa:.3g}. A puck of {puck.diameter_mm:g} x {puck.height_mm:g} mm weighs "
-        f"{mass_by_size_g(density_g_per_cm3, puck):.1f} g: weigh it, then type this again with --mass and --replace"
-    )
-    return {"code": "size_not_weighed", "message": message}
+        f"{mass_by_size_g(density_g_per_cm3, puck):.1f} g: weigh it, then type this again with --mass and --replace",
+    }
 
 
 def other_height(fit: PuckFit, height_mm: float, fitted: Callable[[float], PuckFit]) -> list[Pair]:
@@ -227,6 +227,11 @@ def warnings_of(pairs: Sequence[Pair], alpha: float) -> tuple[tuple[Pair, ...], 
     ]
     weighed = any(one.what == WEIGHED and not one.far for one in pairs)
     if min(abs(alpha - end) for end in ALPHA_RANGE) < AT_BOUND and not weighed:
-        message = f"the Ogden exponent ended at the bound of its range, {alpha:.3g}; check diameter and height"
-        warnings.append({"code": "exponent_at_bound", "message": message})
+        warnings.append(
+            {
+                "code": "exponent_at_bound",
+                "message": f"the Ogden exponent ended at the bound of its range, {alpha:.3g}; check diameter and "
+                "height",
+            }
+        )
     return tuple(far), tuple(warnings)

@@ -44,9 +44,9 @@ from dummydesign.resin.puck_test.plates import ALPHA_RANGE, OPEN, Plates, over_f
 STRENGTHS = (1e-4, 30.0)
 KEPT = 256
 """Forces that a problem keeps."""
+# Of the Ogden law, from which every fit begins: offset and friction can stand in for stiffening, so that the sum of
+# squares may have a valley on either side of neo-Hookean.
 EXPONENTS = (1.5, 3.0)
-"""Of the Ogden law, from which every fit begins: offset and friction can stand in for stiffening, so that the sum of
-squares may have a valley on either side of neo-Hookean."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +129,7 @@ class PuckProblem:
         )
 
     def starts(self, arms: int, grip: float) -> list[np.ndarray]:
-        """For each of :data:`EXPONENTS` the best combination of times on a grid; E and strengths by non-negative least
+        """For each of both exponents the best combination of times on a grid; E and strengths by non-negative least
         squares."""
         from scipy.optimize import nnls
 
@@ -256,7 +256,7 @@ def _likeliest(trials: list[FitTrial]) -> FitTrial:
 
 
 def _profile(problem: PuckProblem, grips: np.ndarray, start: FitTrial) -> list[FitTrial]:
-    """Best fits at some grips, each from the nearest that was fitted and from :data:`EXPONENTS`; by rising grip."""
+    """Best fits at some grips, each from the nearest that was fitted and from both exponents; by rising grip."""
     valleys = [np.r_[start.parameters[0], alpha, start.parameters[2:]] for alpha in EXPONENTS]
     profile: list[FitTrial] = []
     for grip in grips[np.argsort(np.abs(grips - start.grip))].tolist():

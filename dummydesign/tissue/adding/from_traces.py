@@ -112,8 +112,8 @@ def _sort_files(files: list[str]) -> tuple[list[tuple[Subject, str]], dict[str, 
                 groups.setdefault(word if several else one.resolve().parent.name, []).append(one)
         elif path.suffix.lower() == ".toml":
             tissue = load_tissue(str(path))
-            single = {"name": tissue.name} if len(tissue.subjects) == 1 else {}
-            subjects += [(replace(one, **single), path.name) for one in tissue.subjects]
+            alone = len(tissue.subjects) == 1
+            subjects += [(replace(one, name=tissue.name) if alone else one, path.name) for one in tissue.subjects]
         elif path.is_file():
             groups.setdefault(path.stem.split("_")[0], []).append(path)
         else:

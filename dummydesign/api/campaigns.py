@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from dummydesign.api.answers import Result, question
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import FilePath
-from dummydesign.core.parsing import check_units
+from dummydesign.core.parsing import SYSTEMS, one_of
 from dummydesign.core.progress import quiet
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def plan_campaign(
     from dummydesign.measurement.campaign_plan import make_plan
     from dummydesign.report.campaign_sheet import sheet_html
 
-    check_units(units)
+    one_of("units", units, SYSTEMS)
     plan = make_plan(design)
     tables = set_up.tables()
     inputs = {"set_up": {**set_up.__dict__, "lowpass": tables["sensor"].get("lowpass_hz")}, "design": design.__dict__}

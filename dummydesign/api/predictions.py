@@ -12,7 +12,7 @@ from dummydesign.api.answers import Predicted
 from dummydesign.core import parsing
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import FilePath
-from dummydesign.core.parsing import check_units, parts_of, read_allowed, read_number, twin_of
+from dummydesign.core.parsing import one_of, parts_of, read_allowed, read_number, read_numbers, twin_of
 
 if TYPE_CHECKING:
     from dummydesign.measurement.motion import Motion
@@ -41,8 +41,9 @@ def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float],
     young, sources, prony, own_law = _material(inputs)
     size_text, punch = inputs["pad"], inputs["punch"]
     kind, _, size = size_text.partition(":")
-    sides = numbers("pad", size.replace("x", ","))
-    if {"slab": 2, "cylinder": 1}.get(kind) != len(sides) or not min(sides) > 0:
+    count = {"slab": 2, "cylinder": 1}.get(kind)
+    sides = read_numbers(size.replace("x", ","), "pad in mm") if count else ()
+    if count != len(sides) or not min(sides) > 0:
         message = f"pad '{size_text}' is not of the form slab:LENGTHxWIDTH or cylinder:DIAMETER in mm"
         raise InputError(message, "malformed", "pad", size_text)
     cylinder, plate = kind == "cylinder", punch == "plate"
@@ -107,12 +108,23 @@ def _material(inputs: dict[str, Any]) -> tuple[dict[str, float], list[str], tupl
     return young, sources, prony, None if alpha is None else ogden_law(alpha.value)
 
 
+def modulus_warnings(young: dict[str, float]) -> list[dict[str, str]]:
+    """Warn where no gel or tissue has the modulus."""
+    low, high = parsing.YOUNG.usual
+    if low <= young["value"] <= high:
+        return []
+    message = f"a modulus of {young['value']:g} kPa is not one of a gel ({low:g} to {high:g} kPa): check its unit"
+    return [{"code": "implausible_unit", "message": message}]
+
+
 def relaxation_warnings(made: Pad | Puck, moves: bool) -> list[dict[str, str]]:
     """Warn where a pad without relaxation is pressed in time; ``moves`` says whether it is."""
     if made.prony or not moves:
         return []
-    message = "this pad has no relaxation: its force does not depend on speed. "
-    message += "Give --resin with --ratio, or --young with --prony TAU:BETA"
+    message = (
+        "this pad has no relaxation: its force does not depend on speed. "
+        "Give --resin with --ratio, or --young with --prony TAU:BETA"
+    )
     return [{"code": "no_relaxation", "message": message}]
 
 
@@ -128,20 +140,10 @@ def pad_warnings(made: Pad | Puck, fidelity: str) -> list[dict[str, str]]:
     if made.sides_mm is None or fidelity == "3d":
         return alone
     if not has_square_factor(made):
-        message = "the punch is taken as the circle of equal area; its corners are left out; "
-        message += "--fidelity 3d solves them"
+        message = "the punch is taken as the circle of equal area; its corners are left out; --fidelity 3d solves them"
         return [{"code": "equal_area_punch", "message": message}, *alone]
     message = "what a square adds to the circle of its area is that of sharp edges; half of it is stated as error"
     return [{"code": "square_with_fillet", "message": message}, *alone] if made.edge_radius_mm else alone
-
-
-def numbers(name: str, text: str) -> list[float]:
-    """Numbers from text such as ``"1,2"``."""
-    try:
-        return [float(part) for part in text.split(",")]
-    except ValueError:
-        message = f"--{name} '{text}' is not a list of numbers separated by commas"
-        raise InputError(message, "not_a_number", name, text) from None
 
 
 def _prony(text: str | None) -> tuple[PronyTerm, ...]:
@@ -155,7 +157,7 @@ def _prony(text: str | None) -> tuple[PronyTerm, ...]:
         pair = part.split(":")
         if len(pair) != 2:
             raise InputError(f"--prony '{part}' is not TAU:BETA, such as 0.1:0.3,1.5:0.3", "malformed", "prony", part)
-        terms.append(PronyTerm(*(numbers("prony", number)[0] for number in pair)))
+        terms.append(PronyTerm(*(read_number(number, "prony") for number in pair)))
     return tuple(terms)
 
 
@@ -327,7 +329,7 @@ def predict(
     if (fields or picture) and (depth_mm is None or fidelity != "axisymmetric"):
         message = "fields and pictures are of static depths: --depth with --fidelity axisymmetric"
         raise InputError(message, "not_applicable", "fields" if fields else "picture")
-    check_units(units)
+    one_of("units", units, parsing.SYSTEMS)
     if units != parsing.SYSTEMS[0] and out is None:
         raise InputError("--units is of the table that --out writes: give --out", "not_applicable", "units", units)
     if rate_Hz is not None and (out is None or asked in ([], ["depth_mm"])):
@@ -335,7 +337,7 @@ def predict(
         raise InputError(message, "not_applicable", "rate_Hz", rate_Hz)
     made, young, sources = pad_of_inputs(inputs)
     moves = asked != ["depth_mm"] or tissue is not None
-    warnings = relaxation_warnings(made, moves) + pad_warnings(made, fidelity)
+    warnings = modulus_warnings(young) + relaxation_warnings(made, moves) + pad_warnings(made, fidelity)
     common: dict[str, Any] = {"inputs": inputs, "sources": sources, "warnings": warnings, "young_kPa": young}
     common["prony"] = [term.to_dict() for term in made.prony]
     prediction: StaticPrediction | MotionPrediction

@@ -162,6 +162,8 @@ class _Parser(argparse.ArgumentParser):
 
     def __init__(self, **given: Any) -> None:
         super().__init__(**given, allow_abbrev=False)
+        # a list of numbers may begin with a negative one, so that its own reader refuses it with the allowed range
+        vars(self)["_negative_number_matcher"] = re.compile(r"-\.?\d")
 
     def format_help(self) -> str:
         """Options, what their choices mean, examples."""

@@ -29,16 +29,38 @@ def writing(what: str, path: str | Path, quantity: str) -> Iterator[None]:
         raise unwritable(what, path, problem, quantity) from None
 
 
+@contextmanager
+def reading(what: str, path: str | Path, quantity: str, advice: str = "") -> Iterator[None]:
+    """Turn what the system refuses while a block reads a file, and what is no UTF-8 text, into an ``InputError``."""
+    code = "file_unreadable"
+    try:
+        yield
+        return
+    except FileNotFoundError:
+        code, reason = "file_not_found", "does not exist"
+    except UnicodeDecodeError:
+        reason = f"is not UTF-8 text{advice}"
+    except OSError as problem:
+        reason = f"cannot be read: {problem.strerror or problem}"
+    if Path(path).is_dir():
+        reason = "is a folder; give a file in it"
+    raise InputError(f"{what} '{path}' {reason}", code, quantity, str(path))
+
+
+def check_file(what: str, path: Path, quantity: str) -> None:
+    """Refuse what is no file that can be read."""
+    with reading(what, path, quantity):
+        path.open("rb").close()
+
+
 def output_folder(path: str | Path) -> Path:
     """Make the output folder if needed and try that it can be written, before any work starts."""
     folder = Path(path)
-    try:
+    with writing("output folder", path, "out"):
         folder.mkdir(parents=True, exist_ok=True)
         probe = folder / f".try-{os.urandom(8).hex()}"
         probe.touch(exist_ok=False)
         probe.unlink()
-    except OSError as problem:
-        raise unwritable("output folder", path, problem, "out") from None
     return folder
 
 

@@ -17,15 +17,21 @@ from dummydesign.core.errors import InputError, out_of_range, quantity_name
 def positive(quantity: str, value: float) -> None:
     """Refuse a number that is not finite and above zero."""
     if not (isinstance(value, int | float) or hasattr(value, "dtype")) or not math.isfinite(value) or value <= 0.0:
-        message = f"{quantity} = {value} must be a finite number above 0"
-        raise InputError(message, "out_of_range", quantity_name(quantity), value)
+        raise InputError(
+            f"{quantity} = {value} must be a finite number above 0", "out_of_range", quantity_name(quantity), value
+        )
 
 
 def one_of(quantity: str, name: str, known: Sequence[str]) -> None:
     """Refuse a name that is not among those that are known."""
     if name not in known:
-        message = f"{quantity} = '{name}' is not one of {', '.join(known)}"
-        raise InputError(message, "unknown_name", quantity_name(quantity), name, known)
+        raise InputError(
+            f"{quantity} = '{name}' is not one of {', '.join(known)}",
+            "unknown_name",
+            quantity_name(quantity),
+            name,
+            known,
+        )
 
 
 UNITS: dict[str, dict[str, float]] = {
@@ -43,6 +49,9 @@ UNITS: dict[str, dict[str, float]] = {
     "1": {},
 }
 """Units that are understood for each unit a number is wanted in, with their size in it; ``1`` is a number without."""
+SEVERAL = re.compile(r"[,;]|\d\s+[\d.]")
+"""What a single number has not."""
+AS_TYPED = "; the decimal sign is a dot, commas separate numbers: 2.5,10"
 NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*$", re.ASCII)
 
 
@@ -98,17 +107,26 @@ def read_number(value: float | str, purpose: QuantitySpec | str) -> float:
         number = float(value if match is None else match[1])
         unit = "" if match is None else match[2]
         # neither what only Python takes for a number (nan, 1_000) nor a unit where there is none
-        if (unit and not known) or (match is None and isinstance(value, str)):
+        if (unit and not known) or (isinstance(value, str) and (match is None or SEVERAL.search(value))):
             raise ValueError
     except (TypeError, ValueError):
         shown = (value.strip() or repr(value)) if isinstance(value, str) else repr(value)
         hint = f", or one with a unit such as 1{purpose.unit} or 1{list(known)[-1]}" if known else ""
-        message = f"{purpose.quantity} = {shown} is not a number{'; the decimal sign is a dot' * (',' in shown)}{hint}"
-        raise InputError(message, "not_a_number", quantity_name(purpose.quantity), value) from None
+        raise InputError(
+            f"{purpose.quantity} = {shown} is not a number{AS_TYPED * bool(SEVERAL.search(shown))}{hint}",
+            "not_a_number",
+            quantity_name(purpose.quantity),
+            value,
+        ) from None
     if unit:
         if unit not in known:
-            message = f"{purpose.quantity} = '{value}': unit '{unit}' is not one of {', '.join(known)}"
-            raise InputError(message, "unknown_unit", quantity_name(purpose.quantity), value, list(known))
+            raise InputError(
+                f"{purpose.quantity} = '{value}': unit '{unit}' is not one of {', '.join(known)}",
+                "unknown_unit",
+                quantity_name(purpose.quantity),
+                value,
+                list(known),
+            )
         scaled = number * known[unit]
         return float(f"{scaled:.12g}") if math.isfinite(scaled) else scaled
     _likely(number, purpose)
@@ -120,8 +138,9 @@ def read_count(value: int | str, quantity: str) -> int:
     try:
         return int(str(value))
     except ValueError:
-        message = f"{quantity} = {value} is not a whole number"
-        raise InputError(message, "not_a_number", quantity_name(quantity), value) from None
+        raise InputError(
+            f"{quantity} = {value} is not a whole number", "not_a_number", quantity_name(quantity), value
+        ) from None
 
 
 def _likely(number: float, purpose: QuantitySpec) -> None:
@@ -170,13 +189,22 @@ def _range(text: str, purpose: QuantitySpec) -> tuple[float, ...]:
     parts = [read_number(part, anything if at == 2 else purpose) for at, part in enumerate(text.split(":"))]
     if len(parts) != 3 or not all(map(math.isfinite, parts)) or not parts[2] > 0 or parts[1] < parts[0]:
         form = "START:STOP:STEP or a list A,B,C"
-        message = f"{quantity} = '{text}' is not {form} with START at most STOP and STEP above 0"
-        raise InputError(message, "malformed", quantity_name(quantity), text)
+        raise InputError(
+            f"{quantity} = '{text}' is not {form} with START at most STOP and STEP above 0",
+            "malformed",
+            quantity_name(quantity),
+            text,
+        )
     start, stop, step = parts
     count = math.floor((stop - start) / step * (1 + 1e-12) + 1e-9) + 1
     if count > MOST_VALUES:
-        message = f"{quantity} = '{text}' has {count} values; at most {MOST_VALUES} are allowed"
-        raise InputError(message, "too_large", quantity_name(quantity), count, MOST_VALUES)
+        raise InputError(
+            f"{quantity} = '{text}' has {count} values; at most {MOST_VALUES} are allowed",
+            "too_large",
+            quantity_name(quantity),
+            count,
+            MOST_VALUES,
+        )
     digits = 12 - math.floor(math.log10(max(abs(start), abs(stop), step)))
     return tuple(round(start + index * step, digits) for index in range(count))
 
@@ -205,8 +233,12 @@ def read_size(value: str | tuple[float, float], quantity: str) -> tuple[float, f
     try:
         length, width = (read_number(part, f"{quantity} in mm") for part in parts)
     except (InputError, ValueError):
-        message = f"{quantity} = '{value}' is not LENGTHxWIDTH in mm, such as 150x120"
-        raise InputError(message, "malformed", quantity_name(quantity), value) from None
+        raise InputError(
+            f"{quantity} = '{value}' is not LENGTHxWIDTH in mm, such as 150x120",
+            "malformed",
+            quantity_name(quantity),
+            value,
+        ) from None
     return length, width
 
 
@@ -221,8 +253,9 @@ def parse_limits(text: str | tuple[float, float], quantity: str) -> tuple[float,
     if len(values) == 1:
         values *= 2
     if len(values) != 2 or not all(map(math.isfinite, values)) or values[0] > values[1]:
-        message = f"{quantity} = '{text}' is not MIN:MAX with MIN at most MAX"
-        raise InputError(message, "malformed", quantity_name(quantity), text)
+        raise InputError(
+            f"{quantity} = '{text}' is not MIN:MAX with MIN at most MAX", "malformed", quantity_name(quantity), text
+        )
     return values[0], values[1]
 
 
@@ -239,11 +272,6 @@ TWINS = {
     "_N": ("_lbf", UNITS["N"]["lbf"]),
 }
 """Ending of a name, that of its twin, and the size of the twin's unit in the name's."""
-
-
-def check_units(units: str) -> None:
-    """Refuse another system of units."""
-    one_of("units", units, SYSTEMS)
 
 
 def twin_of(name: str, units: str = "in") -> tuple[str, float]:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from dummydesign.core.errors import InputError, NoAnswerError, quantity_name, unknown_name
-from dummydesign.core.files import write_bytes
+from dummydesign.core.files import check_file, reading, write_bytes
 
 
 @dataclass(frozen=True)
@@ -57,32 +57,30 @@ def find(kind: str, what: str, name: str) -> Entry:
     """Find a file by name, or take ``name`` as a path when it ends in ``.toml`` or has a folder in it."""
     if name.lower().endswith(".toml") or {os.sep, os.altsep or os.sep} & set(name):
         path = Path(name)
-        if not path.is_file():
-            raise InputError(f"{what} file '{name}' does not exist", "file_not_found", quantity_name(what), name)
+        check_file(f"{what} file", path, quantity_name(what))
         return Entry(path.stem, path, "file")
     known = entries(kind)
     if name.lower() not in known:
         if Path(name).is_file():
-            message = f"{what} '{name}' is a file that does not end in .toml; give a name of the list, or a TOML file"
-            raise InputError(message, "unknown_name", quantity_name(what), name, sorted(e.name for e in known.values()))
+            raise InputError(
+                f"{what} '{name}' is a file that does not end in .toml; give a name of the list, or a TOML file",
+                "unknown_name",
+                quantity_name(what),
+                name,
+                sorted(e.name for e in known.values()),
+            )
         raise unknown_name(what, name, [entry.name for entry in known.values()])
     return known[name.lower()]
 
 
 def read_toml(path: Path) -> tuple[dict[str, Any], str]:
     """Read a TOML file; return its content and its text (for line numbers in messages)."""
-    try:
+    with reading("file", path, "file"):
         text = path.read_text(encoding="utf-8-sig")  # some editors begin a file with a byte order mark
+    try:
         return tomllib.loads(text), text
-    except FileNotFoundError:
-        raise InputError(f"file '{path}' does not exist", "file_not_found", "file", str(path)) from None
-    except OSError as problem:
-        reason = f"cannot be read: {problem.strerror}"
-    except UnicodeDecodeError:
-        reason = "is not UTF-8 text"
     except tomllib.TOMLDecodeError as problem:
-        reason = f"not valid TOML: {problem}"
-    raise InputError(f"{path.name or path}: {reason}", "file_unreadable", "file", str(path))
+        raise InputError(f"{path.name}: not valid TOML: {problem}", "file_unreadable", "file", str(path)) from None
 
 
 def toml_text(text: str) -> str:
@@ -155,11 +153,19 @@ DEVICE = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 def check_name(what: str, name: str) -> None:
     """Refuse a name that cannot be a file's (InputError)."""
     if not _NAME.fullmatch(name):
-        message = f"{what} name '{name}' cannot be a file name: it may hold letters, digits, '-', '_' and '.'"
-        raise InputError(message, "bad_name", quantity_name(what), name)
+        raise InputError(
+            f"{what} name '{name}' cannot be a file name: it may hold letters, digits, '-', '_' and '.'",
+            "bad_name",
+            quantity_name(what),
+            name,
+        )
     if DEVICE.fullmatch(name):
-        message = f"{what} name '{name}' is the name of a device on Windows; choose another name"
-        raise InputError(message, "bad_name", quantity_name(what), name)
+        raise InputError(
+            f"{what} name '{name}' is the name of a device on Windows; choose another name",
+            "bad_name",
+            quantity_name(what),
+            name,
+        )
 
 
 def make_room(kind: str, what: str, name: str, replace: bool) -> list[dict[str, str]]:
@@ -167,8 +173,12 @@ def make_room(kind: str, what: str, name: str, replace: bool) -> list[dict[str, 
     check_name(what, name)
     known = entries(kind).get(name.lower())
     if known is not None and known.origin == "user" and not replace:
-        message = f"{what} '{known.name}' exists; choose another name, or --replace to take its place"
-        raise InputError(message, "file_exists", quantity_name(what), name)
+        raise InputError(
+            f"{what} '{known.name}' exists; choose another name, or --replace to take its place",
+            "file_exists",
+            quantity_name(what),
+            name,
+        )
     return hidden_by(kind, what, name)
 
 
@@ -190,8 +200,12 @@ def own_entry(kind: str, what: str, name: str) -> Entry:
             f"{what} of your own", name, [one.name for one in known.values() if one.origin == "user"], quantity=what
         )
     if entry.origin != "user":
-        message = f"{what} '{entry.name}' is built in and stays as it is; only your own can be changed"
-        raise InputError(message, "not_allowed", quantity_name(what), name)
+        raise InputError(
+            f"{what} '{entry.name}' is built in and stays as it is; only your own can be changed",
+            "not_allowed",
+            quantity_name(what),
+            name,
+        )
     return entry
 
 
@@ -202,8 +216,12 @@ def remove_own(kind: str, what: str, name: str) -> list[Path]:
         try:
             path.unlink()
         except OSError as problem:
-            message = f"'{path}' cannot be removed: {problem.strerror or problem}"
-            raise InputError(message, "file_unwritable", quantity_name(what), str(path)) from None
+            raise InputError(
+                f"'{path}' cannot be removed: {problem.strerror or problem}",
+                "file_unwritable",
+                quantity_name(what),
+                str(path),
+            ) from None
     return gone
 
 
@@ -213,8 +231,12 @@ def rename_own(kind: str, what: str, old: str, new: str) -> tuple[Path, list[dic
     check_name(what, new)
     taken = entries(kind).get(new.lower())
     if taken is not None and taken.origin == "user" and taken.path != entry.path:
-        message = f"{what} '{taken.name}' exists; remove it first, or choose another name"
-        raise InputError(message, "file_exists", quantity_name(what), new)
+        raise InputError(
+            f"{what} '{taken.name}' exists; remove it first, or choose another name",
+            "file_exists",
+            quantity_name(what),
+            new,
+        )
     target = user_folder() / kind / f"{new}.toml"
     companions = _with_companions(entry.path)[1:]
     write_bytes(target, with_name(entry.path.read_bytes(), new))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import shlex
 from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -77,8 +79,10 @@ class PadPath(Serialised):
 
 def whole_answer(answer: Suggestion, inputs: dict[str, Any], mould: dict[str, Any] | None = None) -> dict[str, Any]:
     """Return the answer with the question and what to do next; with a mould, the recipe is that of its volumes."""
-    ahead = {"next": to_plain(next_steps(answer, inputs)), "paths": to_plain(paths_of(answer))}
-    whole = {"inputs": inputs, **answer.to_dict(), **ahead, "files": {}}
+    steps, plain = next_steps(answer, inputs), answer.to_dict()
+    ahead = {"next": to_plain(steps), "paths": to_plain(paths_of(answer))}
+    ahead["rests_on"] = {**plain["rests_on"], "next_step": steps[0].do}
+    whole = {"inputs": inputs, **plain, **ahead, "files": {}}
     if mould is None:
         return whole
     known = whole["sources"]
@@ -118,8 +122,9 @@ def _puck_helps(answer: Suggestion) -> bool:
 def _pad(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     """Cast the pad, press it by a campaign and compare it with the subjects."""
     made, best = _mould(answer), answer.best
-    # a calibration is of the first dummy, whose folder is there
-    name = f"{CAMPAIGN}-2" if inputs.get("calibration") else CAMPAIGN
+    # a calibration is of an earlier dummy, whose folder may be there
+    numbered = (f"{CAMPAIGN}-{number}" for number in count(2))
+    name = next(one for one in numbered if not Path(one).exists()) if inputs.get("calibration") else CAMPAIGN
     sheet = [] if _written(inputs) else [Step("make its mould and pour sheet", answer.mould_command)]
     hours = None if made.printing_h is None else made.printing_h + _curing_h(answer)
     given = {**inputs, "resin": str(inputs["resin"]), "condition": _typed_condition(inputs)}
@@ -261,6 +266,7 @@ def why_red(answer: Suggestion) -> str:
     factor = (float(people[at]) / limit / force - 1.0) / max(own - 1.0, 1e-9)
     return (
         f"the resin relaxes too {'little' if little else 'much'}: at {force:g} N, {ranges.velocity_mm_s[at]:g} mm/s "
-        f"{whose} is {people[at] / force:.2f} times the steady force, the pad's {own:.2f}; it would have to relax "
+        f"{whose} is {people[at] / force:.2f} times the steady force, the pad's {own:.2f}; to "
+        f"be within {100.0 * (max(limit, 1.0 / limit) - 1.0):.0f} % of them it would have to relax "
         + (f"{factor:.1f} times as much" if factor > 0.0 else "not at all")
     )

@@ -20,7 +20,14 @@ from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search.shape_family import Family, under_square, with_elastic_law
 from dummydesign.design.search.shape_search import kinds_of
 from dummydesign.design.search.slabs import Correct, SearchSpace, thickness_steps
-from dummydesign.design.test_conditions import check_calibrated, check_test, own_slab_law, standard_press, tabulated
+from dummydesign.design.test_conditions import (
+    check_calibrated,
+    check_test,
+    correctable,
+    own_slab_law,
+    standard_press,
+    tabulated,
+)
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, PUNCH, THICKNESS_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import Punch, read_punch
@@ -87,6 +94,7 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
     tissue.target(request.aim)
     steps = thickness_steps(*(asked.thickness_mm or THICKNESS_MM))
     thickness = tabulated(steps if kept is None else np.array([kept.pad.thickness_mm]), request, punch)
+    allowed = tabulated(thickness_steps(*THICKNESS_MM), request, punch).tolist()
     ratios = _ratios(resin, request.ratio)
     targets = make_targets(tissue, request.aim, sampling, request.protocol)
     glued = punch.square and request.face == "bonded"
@@ -97,6 +105,7 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
 
         if not standard_press(request):
             check_calibrated(request, punch, thickness)
+            allowed = correctable(request, punch, np.array(allowed))
         calibrated = with_calibration(resin, request.calibration, request.punch, punch.square, request.edge_radius_mm)
         resin, law = calibrated.resin, cast(ForceLaw, calibrated.law)
         corrections.append(cast(Correct, partial(CalibratedFamily, correction=calibrated.law.correction)))
@@ -126,6 +135,7 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
         base=request.base,
         correct=partial(_corrected, corrections) if corrections else None,
         edge_radius_mm=request.edge_radius_mm,
+        allowed_mm=(allowed[0], allowed[-1]),
         least_film_mm=_least_film_mm(request, preset, resin, float(thickness[-1]), ratios),
         request=request,
         tissue=tissue,

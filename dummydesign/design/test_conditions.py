@@ -83,12 +83,17 @@ def why_solved(request: Request, punch: Punch, thickness_mm: float) -> str:
     return ""
 
 
-def check_calibrated(request: Request, punch: Punch, thickness_mm: NDArray) -> None:
-    """Refuse to design with a calibration where its corrections have nothing to act on: the tables of glued slabs."""
+def correctable(request: Request, punch: Punch, thickness_mm: NDArray) -> list[float]:
+    """Those thicknesses whose slabs the tables alone press: what a calibration can correct."""
     # slabs under a filleted punch have tables too
     sharp = replace(request, edge_radius_mm=0.0)
-    why = why_solved(sharp, punch, float(thickness_mm[-1]))
-    free = [one for one in thickness_mm if not why_solved(sharp, punch, float(one))]
+    return [one for one in thickness_mm.tolist() if not why_solved(sharp, punch, one)]
+
+
+def check_calibrated(request: Request, punch: Punch, thickness_mm: NDArray) -> None:
+    """Refuse to design with a calibration where its corrections have nothing to act on: the tables of glued slabs."""
+    free = correctable(request, punch, thickness_mm)
+    why = why_solved(replace(request, edge_radius_mm=0.0), punch, float(thickness_mm[-1]))
     instead = f" or up to --thickness {free[0]:g}:{free[-1]:g}" if free else ""
     if request.base != "bonded":
         why = f"base = {request.base} is not in them"

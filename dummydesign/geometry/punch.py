@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import csv
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import reading
+from dummydesign.core.parsing import LENGTH, read_number
 
-FORMS = "square:SIDE, rectangle:AxB or round:DIAMETER, sizes in mm"
+FLAT = {"square": 1, "rectangle": 2, "round": 1}
+"""Sizes that each kind of flat punch has."""
+FORMS = "square:SIDE, rectangle:AxB or round:DIAMETER, sizes in mm or with a unit"
 
 
 def equal_area_radius_mm(text: str) -> float:
@@ -26,15 +31,14 @@ def punch_sides_mm(text: str) -> tuple[float, float] | None:
     return None if name == "round" else (sizes[0], sizes[-1])
 
 
-def _read(text: str) -> tuple[str, list[float]]:
+def _read(text: str, counts: Mapping[str, int] = FLAT, forms: str = FORMS) -> tuple[str, list[float]]:
     name, _, size = text.partition(":")
     try:
-        sizes = [float(part) for part in size.split("x")]
-    except ValueError:
-        sizes = []
-    count = {"square": 1, "rectangle": 2, "round": 1}.get(name)
-    if count != len(sizes) or not all(math.isfinite(value) and value > 0 for value in sizes):
-        raise InputError(f"punch '{text}' is not {FORMS}", "malformed", "punch", text)
+        sizes = [read_number(part, LENGTH) for part in size.split("x")]
+    except InputError as problem:
+        raise InputError(f"punch '{text}' is not {forms}: {problem}", "malformed", "punch", text) from None
+    if counts.get(name) != len(sizes) or not all(math.isfinite(value) and value > 0 for value in sizes):
+        raise InputError(f"punch '{text}' is not {forms}", "malformed", "punch", text)
     return name, sizes
 
 
@@ -48,12 +52,8 @@ BALL_SHARE, BALL_POINTS = 0.98, 120
 def read_profile(path: str | Path) -> Profile:
     """Read a punch profile: columns r_mm and z_mm, the height over its lowest point."""
     name = Path(path).name
-    try:
+    with reading("punch profile", path, "punch_profile"):
         rows = list(csv.DictReader(Path(path).read_text(encoding="utf-8-sig").splitlines()))
-    except (OSError, UnicodeDecodeError) as problem:
-        reason = getattr(problem, "strerror", "not UTF-8")
-        code = "file_not_found" if isinstance(problem, FileNotFoundError) else "file_unreadable"
-        raise InputError(f"punch profile '{path}' cannot be read: {reason}", code, "punch_profile", str(path)) from None
     values = []
     for line, row in enumerate(rows, start=2):
         try:
@@ -117,11 +117,6 @@ def read_punch(text: str) -> Punch:
         return Punch(text, equal_area_radius_mm(text), punch_sides_mm(text))
     kind, _, size = text.partition(":")
     if kind == "ball":
-        try:
-            diameter = float(size)
-        except ValueError:
-            diameter = math.nan
-        if not (math.isfinite(diameter) and diameter > 0.0):
-            raise InputError(f"punch '{text}' is not ball:DIAMETER in mm", "malformed", "punch", text)
+        _, (diameter,) = _read(text, {kind: 1}, "ball:DIAMETER in mm or with a unit")
     profile = ball_profile(diameter) if kind == "ball" else read_profile(size)
     return Punch(text, float(profile[0][-1]), None, profile)

@@ -13,7 +13,7 @@ import numpy as np
 
 from dummydesign._version import __version__
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import write_text
+from dummydesign.core.files import reading, write_text
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
 from dummydesign.loop.calibration import PADS, Calibration, Model, Posterior
 from dummydesign.loop.data.pad_modulus_factors import USUAL
@@ -62,17 +62,11 @@ def read_calibration(path: str | Path) -> Calibration:
     """
     path = Path(path)
     name = f"calibration file '{path.name or path}'"
+    with reading("calibration file", path, "calibration"):
+        text = path.read_text(encoding="utf-8")
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        message = f"calibration file '{path}' does not exist"
-        raise InputError(message, "file_not_found", "calibration", str(path)) from None
-    except IsADirectoryError:
-        message = f"calibration '{path}' is a folder; give the file calibration.json in it"
-        raise InputError(message, "file_unreadable", "calibration", str(path)) from None
-    except RecursionError:
-        raise InputError(f"{name} cannot be read: nested too deeply", "file_unreadable", "calibration") from None
-    except (OSError, ValueError) as problem:
+        data = json.loads(text)
+    except (RecursionError, ValueError) as problem:
         raise InputError(f"{name} cannot be read: {problem}", "file_unreadable", "calibration") from None
     version = str(data.get("schema")) if isinstance(data, dict) else ""
     if version != SCHEMA and version.startswith(SCHEMA.rpartition("/")[0]):

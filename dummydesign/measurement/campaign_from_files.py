@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError, unknown_name
-from dummydesign.core.files import write_bytes
+from dummydesign.core.files import reading, write_bytes
 from dummydesign.measurement.campaign_file import FILE, TRIAL_NUMBERS, TRIAL_REQUIRED, read_campaign_toml, trial_tables
 from dummydesign.measurement.ramp_detection import ramp_of
 from dummydesign.measurement.trace import read_trace
@@ -188,11 +188,8 @@ def named_values(path: Path) -> dict[str, Any]:
 
 def read_table(path: Path, names: Sequence[str] | None = None) -> dict[str, dict[str, Any]]:
     """Read what a table of trials says of each file; of those named alone, where they are known."""
-    try:
+    with reading("table", path, "table"):
         text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as problem:
-        code = "file_not_found" if isinstance(problem, FileNotFoundError) else "file_unreadable"
-        raise InputError(f"table '{path}' cannot be read as UTF-8 text: {problem}", code, "table") from None
     lines = list(csv.reader(text.splitlines()))
     head = [cell.strip() for cell in lines[0]] if lines else []
     if "file" not in head:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError, errors_within
+from dummydesign.core.files import reading
 from dummydesign.core.toml_schema import TomlTable
 
 SCHEMA = "dummydesign.pad/1"
@@ -88,11 +89,13 @@ def thickness_error(thicknesses_mm: tuple[float, ...], gauge_mm: float) -> float
 def read_record(path: str | Path) -> PadRecord:
     """Read the record of a pad."""
     path = Path(path)
+    with reading("pad record", path, "record"):
+        text = path.read_text(encoding="utf-8")
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as problem:
-        code = "file_not_found" if isinstance(problem, FileNotFoundError) else "file_unreadable"
-        raise InputError(f"pad record '{path}' cannot be read: {problem}", code, "record") from None
+        data = json.loads(text)
+    except ValueError as problem:
+        message = f"pad record '{path}' cannot be read: {problem}"
+        raise InputError(message, "file_unreadable", "record") from None
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
         raise InputError(
             f"'{path}' is not a pad's record; 'dummydesign mold record' writes one", "file_unreadable", "record"

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import reading
 from dummydesign.core.parsing import columns_in
 from dummydesign.measurement.motion import Motion
 from dummydesign.measurement.plausible import ROLE, impossible, press_quantities, units_that_fit
@@ -104,16 +105,8 @@ def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[
     quantity : str
         What the file is, for errors: ``trace`` or ``motion_file``.
     """
-    what = f"{quantity.removesuffix('_file')} file '{path}'"
-    try:
+    with reading(f"{quantity.removesuffix('_file')} file", path, quantity, import_first(path)):
         text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(f"{what} does not exist", "file_not_found", quantity) from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path.name}: is not UTF-8 text{import_first(path)}", "file_unreadable", quantity) from None
-    except OSError as problem:
-        hint = f"; give the files in it, such as {path}/*.csv" if path.is_dir() else ""
-        raise InputError(f"{what} cannot be read: {problem.strerror}{hint}", "file_unreadable", quantity) from None
     rows = csv.reader(io.StringIO(text))
     header = [cell.strip() for cell in next(rows, [])]
     columns, sizes = columns_in(tuple(names), header)

@@ -303,7 +303,8 @@ def depth_for_steady_force(
         )
     if steady(low) > force_N:
         raise InputError(
-            f"force in N = {force_N:g} is below {steady(low):.3g}, the force at 0.1 % of the thickness: press deeper",
+            f"force in N = {force_N:g} is below {steady(low):.3g}, the force at 0.1 % of the thickness: press harder, "
+            f"or check the modulus, {1e3 * pad.young_MPa:g} kPa",
             "out_of_range",
             "force_N",
             force_N,

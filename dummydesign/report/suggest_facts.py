@@ -175,10 +175,20 @@ def people_text(people: dict[str, Any]) -> str:
     low, high = (100 * share for share in row["below_90"])
     subjects = f"{people['subjects']} subjects{', inferred, not measured' if people['inferred'] else ''}"
     press = f"{row['steady_force_N']:.3g} N, {row['velocity_mm_s']:g} mm/s"
-    span = f"90 %: {low:.0f} to {high:.0f} %"
     if high - low > WIDEST:
-        return f"{people['subjects']} subjects do not show which share of people lies below the pad's peak ({span})"
-    return f"{subjects}: the pad's peak is above {100 * row['below_expected']:.0f} % of people at {press} ({span})"
+        return (
+            f"{people['subjects']} subjects do not show which share of people lies below the pad's peak "
+            f"(90 %: {low:.0f} to {high:.0f} %)"
+        )
+    span = f"90 %: {' to '.join(dict.fromkeys(map(_rounded, (low, high))))} %"
+    return (
+        f"{subjects}: the pad's peak is above {_rounded(100 * row['below_expected'])} % of people at {press} ({span})"
+    )
+
+
+def _rounded(percent: float) -> str:
+    """A share of people that few subjects do not show to be none or all."""
+    return "below 1" if percent < 1.0 else "above 99" if percent > 99.0 else f"{percent:.0f}"
 
 
 def people_lines(people: dict[str, Any]) -> list[str]:
@@ -186,10 +196,10 @@ def people_lines(people: dict[str, Any]) -> list[str]:
     rows = [row for row in people["conditions"] if row["below_expected"] is not None]
     head = [f"share of people whose peak is at most the pad's, by {people['subjects']} subjects (90 % interval):"]
     return (head if rows else []) + [
-        "  {:g} N, {:g} mm/s: {:.0f} % ({:.0f} to {:.0f} %)".format(
+        "  {:g} N, {:g} mm/s: {} % ({} to {} %)".format(
             float(f"{row['steady_force_N']:.3g}"),
             row["velocity_mm_s"],
-            *(100 * share for share in (row["below_expected"], *row["below_90"])),
+            *(_rounded(100 * share) for share in (row["below_expected"], *row["below_90"])),
         )
         for row in rows
     ]

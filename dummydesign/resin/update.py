@@ -30,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import check_file
 from dummydesign.core.quantity import HALF_WIDTH, Quantity, value_at
 from dummydesign.core.user_library import Entry, make_room, read_toml
 from dummydesign.resin.model.resin import (
@@ -276,8 +277,8 @@ def known_puck(resin: Resin, sha256: str) -> Point | None:
 
 def without_puck(resin: Resin, sha256: str) -> Resin:
     """Begin again from the base and add every other point."""
-    others = [point for point in resin.points if point.puck is None or not point.puck.has(sha256)]
-    return rebuild(resin, others, resin.name)[0]
+    kept = (point for point in resin.points if point.puck is None or not point.puck.has(sha256))
+    return rebuild(resin, list(kept), resin.name)[0]
 
 
 def add_resin(file: str | Path, replace_own: bool = False) -> tuple[Resin, Path]:
@@ -287,8 +288,7 @@ def add_resin(file: str | Path, replace_own: bool = False) -> tuple[Resin, Path]
     its ``base`` (the paper's polyurethane when none is named).
     """
     path = Path(file)
-    if not path.is_file():
-        raise InputError(f"resin file '{file}' does not exist", "file_not_found", "resin_file", str(file))
+    check_file("resin file", path, "resin_file")
     if path.suffix.lower() == ".csv":
         raise InputError(
             f"resin file '{file}' is a CSV, not TOML: give each point as [[point]] with ratio and "

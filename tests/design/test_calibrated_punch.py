@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from contextlib import nullcontext
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from dummydesign.cli.text import FIRST
+from dummydesign.design.assessment.warnings import _edges
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.loop.calibration import Calibration, Model
@@ -97,6 +100,23 @@ def test_what_a_calibration_cannot_correct_is_refused_with_the_way_out(calibrati
     with raises_code(code) as problem:
         _resolved(calibration("square:14"), punch, **more)
     assert "--calibration none" in str(problem.value)
+
+
+def test_the_range_that_a_refusal_names_is_not_advised_to_be_widened(calibration):
+    """The answer in that range advised --thickness again, and the wider range was refused with the first advice."""
+    asked = Request("forefinger", punch="round:10", pad_mm=(40.0, 40.0), calibration=calibration(), shape="slab")
+    with raises_code("not_applicable") as problem:
+        read_problem(asked)
+    named = re.search(r"--thickness (\S+):(\S+)", str(problem.value))
+    low, high = (float(end) for end in named.groups())
+    assert 3.0 <= low < high < 20.0
+    found = read_problem(replace(asked, thickness_mm=(low, high)))
+    assert found.allowed_mm == (low, high)
+    best = SimpleNamespace(thickness_mm=high, ratio=float(found.ratio[1]))
+    ((code, text),) = _edges(best, found)
+    assert code == "at_edge" and "widen" not in text
+    narrow = read_problem(replace(asked, thickness_mm=(low, high - 1.0)))
+    assert "widen --thickness" in _edges(SimpleNamespace(thickness_mm=high - 1.0, ratio=best.ratio), narrow)[0][1]
 
 
 @pytest.mark.slow

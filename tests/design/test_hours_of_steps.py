@@ -81,11 +81,15 @@ def test_the_steps_of_a_pad_can_be_typed_and_ask_for_the_same_test():
     assert typed.condition == "frictionless" and float(typed.deceleration_mm_s2) == 9000.0
 
 
-def test_after_a_calibration_the_presses_of_the_next_dummy_are_compared():
+def test_after_a_calibration_the_presses_of_the_next_dummy_are_compared(tmp_path, monkeypatch):
     """The first one's folder is there: a plan of its name goes elsewhere, and its presses would be judged again."""
+    monkeypatch.chdir(tmp_path)
     _, plan, press, compare = module.next_steps(answer("stands_for"), {**INPUTS, "calibration": "c.json"})
     assert shlex.split(plan.command)[3] == "my-dummy-2" and "my-dummy-2/*.csv" in compare.command
     assert "my-dummy-2" in press.do
+    (tmp_path / "my-dummy-2").mkdir()
+    _, plan, press, compare = module.next_steps(answer("stands_for"), {**INPUTS, "calibration": "c.json"})
+    assert shlex.split(plan.command)[3] == "my-dummy-3" and "my-dummy-3" in press.do and "my-dummy-3" in compare.command
 
 
 def test_a_test_beyond_the_subjects_asks_for_people_first(monkeypatch):

@@ -274,7 +274,7 @@ SPACE = SimpleNamespace(
     resin=RESIN,
     targets=SimpleNamespace(protocol=NAGOYA_PROTOCOL, conditions=[SimpleNamespace(steady_force_N=f, velocity_mm_s=v)
                                                         for f, v in ((5.0, 10.0), (15.0, 250.0))]),
-    thickness_mm=np.array([8.0, 10.0, 12.0]), ratio=np.array([14.0, 15.0, 16.0]),
+    thickness_mm=np.array([8.0, 10.0, 12.0]), ratio=np.array([14.0, 15.0, 16.0]), allowed_mm=(3.0, 30.0),
 )  # fmt: skip
 
 
@@ -300,7 +300,7 @@ def test_designs_at_an_end_of_the_range_are_named():
     ):
         ((code, text),) = warnings._edges(chosen_of(thickness=thickness, ratio=ratio)[1], SPACE)
         assert code == "at_edge" and named in text
-    single = SimpleNamespace(thickness_mm=np.array([10.0]), ratio=np.array([15.0]), resin=RESIN)
+    single = SimpleNamespace(thickness_mm=np.array([10.0]), ratio=np.array([15.0]), resin=RESIN, allowed_mm=(3.0, 30.0))
     assert warnings._edges(chosen_of()[1], single) == []
 
 

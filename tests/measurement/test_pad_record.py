@@ -90,7 +90,7 @@ def test_a_record_of_another_pad_or_one_that_is_none_is_refused_with_the_line(tm
         ("bad.json", 15.0, "cannot be read"),
         ("damaged.json", 15.0, "damaged"),
         ("other.json", 15.0, "mold record"),
-        ("none.json", 15.0, "cannot be read"),
+        ("none.json", 15.0, "does not exist"),
     ):
         write(tmp_path, text=trial(name, thickness))
         refused(tmp_path, "campaign.toml:", word.split("|")[-1])

@@ -13,6 +13,7 @@ CALL = "predictions.predict"
 HELP = "Force of one pad: static, under a motion, in a ramp and hold, or as it stops a free mass."
 SHOWN = 25
 NO_RELAXATION = "no_relaxation"
+BY_TABLE = "; shares are by the table: suggest solves its pad (--fidelity axisymmetric), a few percent differ"
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
@@ -52,7 +53,8 @@ def render(result: dict[str, Any]) -> str:
     )
     written = _files_written(result)
     curve = "" if any(role.startswith("curve") for role in result.get("files", {})) else "; --out FILE writes the curve"
-    more = labelled("MORE", f"--details: all points and the solver's work{curve}")
+    by_table = "conditions" in result and result["inputs"]["fidelity"] == "table"
+    more = labelled("MORE", f"--details: all points and the solver's work{curve}{BY_TABLE * by_table}")
     warnings = warning_block(result, (NO_RELAXATION,))
     if len(written) > 3:
         written = [*written[:2], f"and {len(written) - 2} more"]

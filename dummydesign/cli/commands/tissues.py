@@ -24,7 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     show.add_argument("name", metavar="NAME", help="a known tissue or a TOML file")
     add = actions.add_parser("add", help="make a tissue from traces or from fits, one subject per file or folder")
     add.add_argument("name", metavar="NAME", help="name of the new tissue")
-    add.add_argument("files", nargs="+", metavar="FILE", help="trace CSV, folder of one subject's traces, or fit TOML")
+    add.add_argument(
+        "files", nargs="+", metavar="FILE", help="trace NAME_....csv, folder of one subject or more, or fit TOML"
+    )
     add.add_argument(
         "--law", default="ode", help="ode (default), consistent or published; none keeps the curves, auto decides"
     )
@@ -80,10 +82,13 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         module, function = ADDING[options.action]
         add = getattr(import_module(f"dummydesign.tissue.adding.{module}"), function)
         return call(add, options, **({"replace_own": options.replace} if "replace" in options else {}))
-    actions = "list, show NAME, add NAME FILE..., add-curves NAME FILE.csv, add-points NAME POINTS.csv, "
-    actions += "add-spring NAME, template FILE.csv, add-regions FILE.csv, "
-    actions += "remove NAME, rename OLD NEW or path NAME"
-    raise InputError(f"tissues needs an action: {actions}", "missing", "action")
+    raise InputError(
+        "tissues needs an action: list, show NAME, add NAME FILE..., add-curves NAME FILE.csv, "
+        "add-points NAME POINTS.csv, add-spring NAME, template FILE.csv, add-regions FILE.csv, "
+        "remove NAME, rename OLD NEW or path NAME",
+        "missing",
+        "action",
+    )
 
 
 def _list() -> dict[str, Any]:

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.tissue.model.maxwell_law import law_named
 
 if TYPE_CHECKING:
@@ -56,21 +55,7 @@ def count_unmeasured(resin: Resin, tissue: Tissue, best: DesignCandidate) -> dic
         "ratio_low": low,
         "ratio_high": high,
         "text": text,
-        "next_step": _next_step(resin, best, weak),
     }
-
-
-def _next_step(resin: Resin, best: DesignCandidate, weak: dict[str, int]) -> str:
-    """The measurement that would help most."""
-    if not resin.points and weak["resin"]:
-        second = best.ratio + 1.0 if best.ratio + 1.0 <= resin.ratio_max else best.ratio - 1.0
-        return (
-            f"pour two test pucks, at ratios {best.ratio:g} and {second:g}, press each (ramp, then 10 s hold) and pass "
-            "their traces to 'dummydesign resins add-compression'"
-        )
-    if weak["tissue"]:
-        return "replace the inferred tissue by your own traces with 'dummydesign tissues add'"
-    return "cast the pad, press it by the protocol and pass the traces to 'dummydesign compare'"
 
 
 def _leaves(numbers: dict[str, Any]) -> list[Any]:
@@ -191,22 +176,28 @@ def _edges(best: DesignCandidate, space: SearchSpace) -> Warnings:
     ends = float(resin.young_MPa(resin.ratio_min)), float(resin.young_MPa(resin.ratio_max))
     notes = []
     for name, value, steps, limits, beyond in (
-        ("thickness", best.thickness_mm, space.thickness_mm, THICKNESS_MM, ("", "")),
+        (
+            "thickness",
+            best.thickness_mm,
+            space.thickness_mm,
+            space.allowed_mm,
+            ("no thinner pad is designed", "no thicker pad is designed"),
+        ),
         (
             "ratio",
             best.ratio,
             space.ratio,
             (resin.ratio_min, resin.ratio_max),
-            ("softer", "stiffer") if ends[0] < ends[1] else ("stiffer", "softer"),
+            [
+                f"the limit of {resin.name}, try a {one} resin"
+                for one in sorted(("softer", "stiffer"), reverse=ends[0] > ends[1])
+            ],
         ),
     ):
         if len(steps) < 2 or value not in (steps[0], steps[-1]):
             continue
         at = int(value != steps[0])
-        text = f"the best {name} {value:g} is at the limit of the range searched"
-        if abs(value - limits[at]) > 1e-6:
-            text += f"; widen --{name}"
-        elif beyond[at]:
-            text += f", the limit of {resin.name}; try a {beyond[at]} resin"
+        advice = f"widen --{name}" if abs(value - limits[at]) > 1e-6 else beyond[at]
+        text = f"the best {name} {value:g} is at the limit of the range searched; {advice}"
         notes.append(("at_edge", text))
     return notes

@@ -44,7 +44,8 @@ class SearchSpace:
     """Every combination of the steps of thickness and ratio, of one resin, for one set of targets.
 
     ``tolerances`` gives how well a pad of a shape, thickness and ratio is made; ``puck_error`` is the standard
-    deviation of ln modulus that one puck leaves; thinner gel than ``least_film_mm`` does not level itself in time.
+    deviation of ln modulus that one puck leaves; thinner gel than ``least_film_mm`` does not level itself in time;
+    ``allowed_mm`` are the ends of what may be searched in such a test.
     """
 
     resin: Resin
@@ -61,6 +62,7 @@ class SearchSpace:
     correct: Correct | None = None
     edge_radius_mm: float = 0.0
     least_film_mm: float = 0.0
+    allowed_mm: tuple[float, float] = THICKNESS_MM
 
     @property
     def extent_mm(self) -> float:

@@ -19,6 +19,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from dummydesign.core.errors import DummydesignError, InputError, unknown_name
+from dummydesign.core.files import check_file
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.effects.contract_check import check_effect, faults_on, problem_text
 from dummydesign.loop.model.effect import Effect, SetupLaw, effect_classes, members
@@ -105,8 +106,7 @@ def read_effect(path: str | Path) -> Effect:
     """Run a file and make the one effect that it holds; see :func:`own_effects`."""
     path = Path(path)
     what = f"effect file '{path}'"
-    if not path.is_file():
-        raise InputError(f"{what} does not exist", "file_not_found", "effect", str(path))
+    check_file("effect file", path, "effect")
     # two files of one name in two folders are two modules
     name = f"dummydesign_own_effect_{path.stem}_{sha256(str(path.resolve()).encode()).hexdigest()[:12]}"
     spec = importlib.util.spec_from_file_location(name, path)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import reading
 from dummydesign.measurement.importing.cells import decimal_evidence, is_number, measure
 from dummydesign.measurement.importing.decisions import ImportLog
 from dummydesign.measurement.importing.decoding import decode
@@ -44,12 +45,8 @@ def read_named_table(path: Path, what: str, columns: Sequence[str], optional: Se
     columns, optional : sequence of str
         Columns by name; one in ``optional`` may be absent.
     """
-    try:
+    with reading(f"{what} file", path, what):
         data = path.read_bytes()
-    except OSError as problem:
-        code = "file_not_found" if isinstance(problem, FileNotFoundError) else "file_unreadable"
-        message = f"{what} file '{path}' cannot be read: {problem.strerror}"
-        raise InputError(message, code, what, str(path)) from None
     text = decode(data, ImportLog(path.name)).removeprefix("\ufeff") if data.strip() else ""
     best: tuple[int, int, str, list[str]] = (0, 0, ",", [])
     for separator in (",", ";", "\t", "|", " "):

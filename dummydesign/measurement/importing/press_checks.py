@@ -358,7 +358,7 @@ def subjects_among(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
             message = (
                 f"{a['file']} and {b['file']} press {a['depth_mm']:.3g} and {b['depth_mm']:.3g} mm deep with "
                 f"{a['steady_force_N']:.3g} and {b['steady_force_N']:.3g} N: two subjects or pads in one fit? "
-                "fit each by itself"
+                "fit each by itself; for a tissue give each subject a folder"
             )
             return [{"code": "several_subjects", "message": message}]
     return []

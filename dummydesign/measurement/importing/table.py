@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import reading
 from dummydesign.measurement.importing import cells as cell_text
 from dummydesign.measurement.importing import vocabulary as known
 from dummydesign.measurement.importing.columns import (
@@ -181,13 +182,10 @@ def _check_time(column: Column, seconds: NDArray, columns: Sequence[Column], val
 
 def _read_bytes(path: Path) -> bytes:
     """The file's content; refused when it changes while it is read."""
-    try:
+    with reading("file", path, "file"):
         before = path.stat()
         data = path.read_bytes()
         after = path.stat()
-    except OSError as problem:
-        message = f"{path.name}: cannot be read: {problem.strerror or problem}"
-        raise InputError(message, "file_unreadable", "file") from None
     if (before.st_size, before.st_mtime_ns) != (after.st_size, after.st_mtime_ns) or len(data) != after.st_size:
         message = f"{path.name}: is being written just now; wait for the test to end"
         raise InputError(message, "changed_meanwhile", "file")

@@ -173,8 +173,7 @@ def add_compression(
         end = f", plates {was.plates}" if was.plates else ""
         former = f"ratio {before.ratio:g}, {was.diameter_mm:g} x {was.height_mm:g} mm{end}"
     contradictions, first = warnings_of(pairs, alpha.value)
-    density = resin.property("density_g_per_cm3", ratio).value
-    asked = [] if mass_g else [size_not_weighed(young.value, density, puck)]
+    asked = [] if mass_g else [size_not_weighed(young.value, resin.property("density_g_per_cm3", ratio).value, puck)]
     warnings = [*first, *asked, *unseen, *_doubts(fit, plates, traces, window)]
     if action != "unchanged":
         changed, became = rebuild(resin, [*others, point], path.stem)

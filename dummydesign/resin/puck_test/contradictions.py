@@ -66,7 +66,7 @@ class Pair:
 
 
 def pairs_of(resin: Resin, point: Point, mass_g: float | None = None) -> list[Pair]:
-    """The table: puck and resin, puck and pucks of the same ratio, mass and density times volume.
+    """The table: puck and resin, or a puck of the same ratio that agrees; other pucks; mass and density times volume.
 
     Parameters
     ----------
@@ -79,16 +79,14 @@ def pairs_of(resin: Resin, point: Point, mass_g: float | None = None) -> list[Pa
     """
     young = point.young_kPa.value
     known = without_points(resin).modulus_kPa(point.ratio)
-    pairs = [
-        Pair(
-            f"young_kPa of this puck and of {resin.name} at ratio {point.ratio:g}",
-            young,
-            known.value,
-            math.hypot(point.spread, log_spread(known)),
-            "check diameter, height, ratio and the unit of the force",
-        )
-    ]
-    pairs += [
+    law = Pair(
+        f"young_kPa of this puck and of {resin.name} at ratio {point.ratio:g}",
+        young,
+        known.value,
+        math.hypot(point.spread, log_spread(known)),
+        "check diameter, height, ratio and the unit of the force",
+    )
+    pucks = [
         Pair(
             f"young_kPa of this puck and of {other.puck.file if other.puck else other.young_kPa.source}",
             young,
@@ -99,6 +97,9 @@ def pairs_of(resin: Resin, point: Point, mass_g: float | None = None) -> list[Pa
         for other in resin.points
         if resin.same_ratio(point, other)
     ]
+    # the law says less of the batch than a puck of it that agrees
+    agreeing = [one for one in pucks if not one.far]
+    pairs = [*(agreeing or [law]), *(one for one in pucks if one.far)]
     if mass_g is not None and point.puck is not None:
         density = resin.property("density_g_per_cm3", point.ratio)
         pairs.append(
@@ -120,12 +121,12 @@ def mass_by_size_g(density_g_per_cm3: float, puck: PuckPoint) -> float:
 
 def size_not_weighed(young_kPa: float, density_g_per_cm3: float, puck: PuckPoint) -> dict[str, str]:
     """What to do where nothing confirms the typed size, with both numbers."""
-    message = (
-        f"the size is not confirmed. A height typed 10 % low reads about {young_kPa / 1.1:.3g} kPa for "
+    return {
+        "code": "size_not_weighed",
+        "message": f"the size is not confirmed. A height typed 10 % low reads about {young_kPa / 1.1:.3g} kPa for "
         f"{young_kPa:.3g}. A puck of {puck.diameter_mm:g} x {puck.height_mm:g} mm weighs "
-        f"{mass_by_size_g(density_g_per_cm3, puck):.1f} g: weigh it, then type this again with --mass and --replace"
-    )
-    return {"code": "size_not_weighed", "message": message}
+        f"{mass_by_size_g(density_g_per_cm3, puck):.1f} g: weigh it, then type this again with --mass and --replace",
+    }
 
 
 def other_height(fit: PuckFit, height_mm: float, fitted: Callable[[float], PuckFit]) -> list[Pair]:
@@ -226,6 +227,11 @@ def warnings_of(pairs: Sequence[Pair], alpha: float) -> tuple[tuple[Pair, ...], 
     ]
     weighed = any(one.what == WEIGHED and not one.far for one in pairs)
     if min(abs(alpha - end) for end in ALPHA_RANGE) < AT_BOUND and not weighed:
-        message = f"the Ogden exponent ended at the bound of its range, {alpha:.3g}; check diameter and height"
-        warnings.append({"code": "exponent_at_bound", "message": message})
+        warnings.append(
+            {
+                "code": "exponent_at_bound",
+                "message": f"the Ogden exponent ended at the bound of its range, {alpha:.3g}; check diameter and "
+                "height",
+            }
+        )
     return tuple(far), tuple(warnings)

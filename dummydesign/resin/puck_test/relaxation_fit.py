@@ -44,6 +44,9 @@ from dummydesign.resin.puck_test.plates import ALPHA_RANGE, OPEN, Plates, over_f
 STRENGTHS = (1e-4, 30.0)
 KEPT = 256
 """Forces that a problem keeps."""
+# Of the Ogden law, from which every fit begins: offset and friction can stand in for stiffening, so that the sum of
+# squares may have a valley on either side of neo-Hookean.
+EXPONENTS = (1.5, 3.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,29 +128,29 @@ class PuckProblem:
             np.array([20.0, ALPHA_RANGE[1], *offsets, *[strong] * arms, *[long] * arms]),
         )
 
-    def starts(self, arms: int, grip: float, count: int = 2) -> list[np.ndarray]:
-        """The best of all combinations of times on a grid, E and strengths by non-negative least squares."""
+    def starts(self, arms: int, grip: float) -> list[np.ndarray]:
+        """For each of both exponents the best combination of times on a grid; E and strengths by non-negative least
+        squares."""
         from scipy.optimize import nnls
 
         starts = []
         grid = np.geomspace(3.0 * self.times[0], 0.6 * self.longest, 9)
         offsets = [0.0] * len(self.presses)
-        for alpha in (1.5, 3.0):
+        for alpha in EXPONENTS:
             forces = self.parts(np.array([0.0, alpha, *offsets]), grip, grid)
             columns = self.factor @ (forces / self.force_N[:, None])
-            goal = self.factor @ np.ones(len(columns))
-            for combo in itertools.combinations(range(len(grid)), arms):
-                strength, rest = nnls(columns[:, [0, *(1 + k for k in combo)]], goal)
-                if strength[0] > 0.0:
-                    beta = np.clip(strength[1:] / strength[0], 1e-3, 10.0)
-                    logs = [*np.log(beta), *np.log(grid[list(combo)])]
-                    starts.append((rest, [np.log(strength[0]), alpha, *offsets, *logs]))
             # under correlated noise too few arms can be nearest with no modulus at all: it begins with the middle one
             lasting = np.log(np.median(self.force_N / forces[:, 0]))
             logs = [*np.log(np.full(arms, 0.1)), *np.log(grid[np.linspace(1, len(grid) - 2, arms).astype(int)])]
-            starts.append((np.inf, [lasting, alpha, *offsets, *logs]))
-        starts.sort(key=lambda pair: pair[0])
-        return [np.array(q) for _, q in starts[:count]]
+            tried = [(np.inf, [lasting, alpha, *offsets, *logs])]
+            for combo in itertools.combinations(range(len(grid)), arms):
+                strength, rest = nnls(columns[:, [0, *(1 + k for k in combo)]], self.factor.sum(axis=1))
+                if strength[0] > 0.0:
+                    beta = np.clip(strength[1:] / strength[0], 1e-3, 10.0)
+                    logs = [*np.log(beta), *np.log(grid[list(combo)])]
+                    tried.append((rest, [np.log(strength[0]), alpha, *offsets, *logs]))
+            starts.append(np.array(min(tried, key=lambda pair: pair[0])[1]))
+        return starts
 
     def fit(self, starts: list[np.ndarray], grip: float) -> FitTrial:
         """Trust-region least squares of the whitened residuals; arms in the order of their times."""
@@ -253,11 +256,12 @@ def _likeliest(trials: list[FitTrial]) -> FitTrial:
 
 
 def _profile(problem: PuckProblem, grips: np.ndarray, start: FitTrial) -> list[FitTrial]:
-    """Best fits at some grips, from the nearest that was fitted; by rising grip."""
+    """Best fits at some grips, each from the nearest that was fitted and from both exponents; by rising grip."""
+    valleys = [np.r_[start.parameters[0], alpha, start.parameters[2:]] for alpha in EXPONENTS]
     profile: list[FitTrial] = []
-    for grip in grips[np.argsort(np.abs(grips - start.grip))]:
-        nearest = sorted(profile, key=lambda one: abs(one.grip - grip))[:1]
-        profile.append(problem.fit([one.parameters for one in (*nearest, start)], float(grip)))
+    for grip in grips[np.argsort(np.abs(grips - start.grip))].tolist():
+        nearest = min([start, *profile], key=lambda one: abs(one.grip - grip))
+        profile.append(problem.fit([nearest.parameters, *valleys], grip))
     return sorted(profile, key=lambda one: one.grip)
 
 

@@ -32,8 +32,7 @@ def add_tissue(
     subjects, groups = _sort_files(files)
     read = {person: [read_trace(path) for path in paths] for person, paths in groups.items()}
     sources = {person: ", ".join(path.name for path in paths) for person, paths in groups.items()}
-    others = [subject for subject, _ in subjects]
-    tissue, parts = people_tissue(name, read, sources, law, elements, sensor, others)
+    tissue, parts = people_tissue(name, read, sources, law, elements, sensor, [subject for subject, _ in subjects])
     write_text(path, tissue_toml(tissue))
     inputs = {"action": "add", "name": name, "files": files, "law": law, "elements": elements, "lowpass": lowpass}
     parts["fits"] = [{"subject": subject.name, "from": source} for subject, source in subjects] + parts["fits"]
@@ -76,8 +75,7 @@ def _traces(curves: list[ObservedCurve]) -> dict[str, list[Trace]]:
 def tissue_folder(name: str) -> Path:
     """Folder of the user's tissues, tried for writing; refuses names that make no file name."""
     if not _NAME.match(name) or DEVICE.fullmatch(name):
-        message = f"tissue name '{name}' may hold letters, digits, '-' and '_' only"
-        raise InputError(message, "bad_name", "tissue", name)
+        raise InputError(f"tissue name '{name}' may hold letters, digits, '-' and '_' only", "bad_name", "tissue", name)
     return output_folder(user_folder() / KIND)
 
 
@@ -94,24 +92,35 @@ def reserve(name: str, replace_own: bool, elements: str = "5", law: str = AUTO) 
 
 
 def _sort_files(files: list[str]) -> tuple[list[tuple[Subject, str]], dict[str, list[Path]]]:
-    """Subjects of TOML files with their source, and the traces of every other subject."""
+    """Subjects of TOML files with their source, and the traces of every other subject.
+
+    A folder of traces is one subject, unless its files begin with several names (letters alone before the first "_");
+    one without a trace holds a folder for each subject.
+    """
     subjects: list[tuple[Subject, str]] = []
     groups: dict[str, list[Path]] = {}
     for text in files:
         path = Path(text)
         if path.is_dir():
-            inside = sorted(path.glob("*.csv"))
+            here = [path] if any(path.glob("*.csv")) else sorted(one for one in path.iterdir() if one.is_dir())
+            inside = [one for folder in here for one in sorted(folder.glob("*.csv"))]
             if not inside:
                 raise InputError(f"folder '{text}' holds no trace (*.csv)", "nothing_found", "trace", text)
-            groups.setdefault(path.resolve().name, []).extend(inside)
+            words = [one.stem.split("_")[0] for one in inside]
+            several = here == [path] and len(set(words)) > 1 and all(map(str.isalpha, words))
+            for one, word in zip(inside, words):
+                groups.setdefault(word if several else one.resolve().parent.name, []).append(one)
         elif path.suffix.lower() == ".toml":
             tissue = load_tissue(str(path))
-            single = len(tissue.subjects) == 1
-            named = [replace(one, name=tissue.name) if single else one for one in tissue.subjects]
-            subjects += [(subject, path.name) for subject in named]
+            alone = len(tissue.subjects) == 1
+            subjects += [(replace(one, name=tissue.name) if alone else one, path.name) for one in tissue.subjects]
         elif path.is_file():
             groups.setdefault(path.stem.split("_")[0], []).append(path)
         else:
-            message = f"'{text}' is neither a trace CSV, a folder of traces nor a tissue TOML"
-            raise InputError(message, "file_not_found", "trace", text)
+            raise InputError(
+                f"'{text}' is neither a trace CSV, a folder of traces nor a tissue TOML",
+                "file_not_found",
+                "trace",
+                text,
+            )
     return subjects, groups

@@ -18,12 +18,16 @@ from dummydesign.resin.model.resin_file import load_resin
         ("ecoflex-00-10", (0.0, 100.0), 0.0, 10.0, ["stiffer resin"]),  # thinner softens
         ("ecoflex-00-10", (0.0, 100.0), 100.0, 10.0, ["softer resin"]),
         ("polyurethane-nagoya", (14.0, 20.0), 15.0, 4.0, ["widen --thickness"]),
+        ("polyurethane-nagoya", (14.0, 20.0), 15.0, 12.0, ["no thicker pad"]),  # a wider range is refused
         ("polyurethane-nagoya", (14.0, 20.0), 15.0, 10.0, []),
     ],
 )
 def test_the_advice_is_possible(resin, ratios, best, thickness, words):
     space = SimpleNamespace(
-        resin=load_resin(resin), ratio=np.array([ratios[0], 15.0, ratios[1]]), thickness_mm=np.array([4.0, 10.0, 12.0])
+        resin=load_resin(resin),
+        ratio=np.array([ratios[0], 15.0, ratios[1]]),
+        thickness_mm=np.array([4.0, 10.0, 12.0]),
+        allowed_mm=(3.0, 12.0),
     )
     notes = _edges(SimpleNamespace(ratio=best, thickness_mm=thickness), space)
     assert [code for code, _ in notes] == ["at_edge"] * len(words)

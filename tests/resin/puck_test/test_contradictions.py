@@ -78,6 +78,18 @@ def test_two_pucks_of_one_ratio_that_disagree_are_told_in_either_order():
     assert told(rebuild(resin, [first], "mine")[0], puck(15.5, 43.0, "b")) == ()
 
 
+@pytest.mark.parametrize(("off", "quiet"), [(1.04, True), (1.3, False), (0.25, False)])
+def test_a_second_puck_is_judged_by_the_first_where_they_agree_however_far_the_batch_is_from_the_law(off, quiet):
+    """A batch 2.9 standard deviations above the law: its second puck was refused as a radius typed for the diameter."""
+    resin = load_resin()
+    law = resin.modulus_kPa(15.5)
+    kPa = law.value * math.exp(2.9 * math.hypot(0.04, math.log(law.high / law.low) / 2.0 / HALF_WIDTH))
+    first, second = puck(15.5, kPa, "a"), puck(15.5, off * kPa, "b")
+    assert told(resin, first) == () and (off < 1.0 or told(resin, second))
+    both = rebuild(resin, [first], "mine")[0]
+    assert (told(both, second) == ()) is quiet and not (quiet and refused(both, second))
+
+
 def test_a_mass_that_disagrees_is_told():
     resin, point = load_resin(), puck(15.5, 42.0)
     mass = resin.property("density_g_per_cm3", 15.5).value * 0.25 * math.pi * 25.0 * 3.0

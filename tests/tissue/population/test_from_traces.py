@@ -312,6 +312,24 @@ def test_traces_belong_to_the_folder_or_to_what_stands_before_the_first_dash(hom
         from_traces._sort_files([str(home / "nobody.csv")])
 
 
+@pytest.mark.parametrize(
+    ("files", "subjects"),
+    [
+        (["all/anna_v10.csv", "all/bert_v10.csv", "all/anna_v250.csv"], {"anna": 2, "bert": 1}),
+        (["all/anna/1.csv", "all/bert/1.csv", "all/bert/2.csv", "all/notes/readme.txt"], {"anna": 1, "bert": 2}),
+        (["all/f05_v10.csv", "all/f10_v10.csv"], {"all": 2}),
+        (["all/press_1.csv", "all/press_2.csv"], {"all": 2}),
+        (["all/t13.5_v010.csv", "all/anna_v10.csv"], {"all": 2}),
+    ],
+)
+def test_a_folder_of_several_people_makes_several_subjects_and_one_of_conditions_does_not(home, files, subjects):
+    for name in files:
+        (home / name).parent.mkdir(parents=True, exist_ok=True)
+        (home / name).touch()
+    _, groups = from_traces._sort_files([str(home / "all")])
+    assert {who: len(paths) for who, paths in groups.items()} == subjects
+
+
 def test_a_press_under_two_names_is_warned_of_over_all_people():
     time = np.linspace(0.0, 1.0, 50)
     own = Trace("a.csv", time, time, time**2)

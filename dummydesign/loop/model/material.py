@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.quantity import HALF_WIDTH
+from dummydesign.core.quantity import HALF_WIDTH, Quantity
 from dummydesign.loop.data.pad_modulus_factors import PADS_DIFFER
 from dummydesign.loop.model.forward_model import BaseParameters, base_names
 from dummydesign.measurement.campaign import Campaign
@@ -117,6 +117,15 @@ def material_of(campaign: Campaign) -> Material:
         return Material(value, value, value, prony, source, spread)
     modulus = resin.modulus_kPa(pad.ratio)
     return Material(modulus.value, modulus.low, modulus.high, prony, modulus.source, spread)
+
+
+def exponent_declared(campaign: Campaign) -> Quantity | None:
+    """Exponent of the declared resin's elastic law where it is not neo-Hookean."""
+    if campaign.pad.resin is None:
+        return None
+    from dummydesign.resin import load_resin
+
+    return load_resin(campaign.pad.resin).ogden_alpha
 
 
 UNDECLARED = Material(30.0, 30.0, 30.0, (), "not declared").prior

@@ -235,7 +235,7 @@ def _laws(campaign: Campaign, trials: Sequence[Trial], progress: Progress) -> di
     return laws
 
 
-def _error_of(laws: Sequence[CampaignPadLaw], trials: Sequence[Trial], alpha: Quantity | None) -> tuple:
+def _error_of(laws: Sequence[CampaignPadLaw], trials: Sequence[Trial], alpha: Quantity | None = None) -> tuple:
     """The error of the laws of pads of one shape before a fit; of slabs and pucks without a solve the usual one."""
     stated = max((law.relative_error for law in laws if not law.sharp), default=0.0)
     bend = 0.0 if alpha is None else max(law.error_by_exponent(alpha) for law in laws)

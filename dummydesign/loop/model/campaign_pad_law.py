@@ -119,7 +119,9 @@ class CampaignPadLaw:
         """Relative error at a usual depth of an elastic law's exponent that is known to an interval."""
         pad, depth = self.pad, REFERENCE_DEPTH * self.pad.thickness_mm
         if isinstance(pad, Puck):
-            low, value, high = (uniaxial(one, np.array(REFERENCE_DEPTH)) for one in (alpha.low, alpha.value, alpha.high))
+            low, value, high = (
+                uniaxial(one, np.array(REFERENCE_DEPTH)) for one in (alpha.low, alpha.value, alpha.high)
+            )
             return float(max(abs(low / value - 1.0), abs(high / value - 1.0)))
         drop = mean_drop_mm(pad.geometry, pad.radius_mm)
         return float(elastic_factor(depth, pad.thickness_mm, pad.radius_mm, alpha, pad.geometry.name, drop)[1])

@@ -121,7 +121,7 @@ def material_of(campaign: Campaign) -> Material:
 
 def exponent_declared(campaign: Campaign) -> Quantity | None:
     """Exponent of the declared resin's elastic law where it is not neo-Hookean."""
-    if campaign.pad.resin is None:
+    if campaign.pad.resin is None or campaign.pad.ratio is None:
         return None
     from dummydesign.resin import load_resin
 

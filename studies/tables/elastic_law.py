@@ -1,8 +1,8 @@
 """Build the table of pads of another elastic law than neo-Hookean: ``python -m studies.tables.elastic_law``.
 
 One-term Ogden pads of one modulus under a round punch, glued to punch and base, are solved at three exponents, and
-slabs of one proportion at a fourth as a check. Slabs are tabulated over a / h and d / h; crowned pads are solved at two
-proportions that designs take, to see how far they are from the slab.
+slabs of one proportion at a fourth as a check. Slabs are tabulated over a / h and d / h; crowned pads that designs
+have taken are solved to see how far they are from the slab.
 """
 
 from __future__ import annotations
@@ -26,8 +26,21 @@ ALPHAS, CHECKED = (2.0, 3.5, 6.0), 1.5
 RATIOS = (0.4, 0.65, 1.0, 1.6)
 DEPTHS = (0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
 RADIUS_MM = 7.9
-CROWNS = ((4.5, (21.2, 2.0, 9.4)), (10.0, (2.6, 3.2, 7.8)))
-"""Thickness, and apex radius, height and foot radius of crowns. [mm]"""
+CROWNS = (
+    (4.5, (21.2, 2.0, 9.4)),
+    (5.0, (23.2, 2.2, 11.3)),
+    (6.5, (11.6, 2.1, 11.3)),
+    (7.5, (7.9, 1.5, 7.9)),
+    (10.0, (2.6, 3.2, 7.8)),
+    (10.0, (6.0, 2.6, 7.9)),
+    (10.5, (3.6, 4.6, 9.4)),
+    (12.5, (2.3, 4.0, 9.5)),
+    (13.5, (2.3, 2.7, 7.9)),
+    (14.0, (2.1, 6.2, 11.3)),
+    (16.5, (1.3, 3.3, 6.6)),
+    (19.0, (1.1, 3.8, 5.5)),
+)
+"""Thickness, and apex radius, height and foot radius of crowns that designs have taken. [mm]"""
 
 
 def log_forces(thickness_mm: float, shape: PadShape, alpha: float) -> Array:

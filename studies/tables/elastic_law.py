@@ -69,7 +69,7 @@ def build() -> dict[str, object]:
     slope, bend = np.swapaxes([slope_and_bend(RADIUS_MM / ratio, SLAB) for ratio in RATIOS], 0, 1)
     at, away = RADIUS_MM / RATIOS[1], CHECKED - 2.0
     checked = (log_forces(at, SLAB, CHECKED) - log_forces(at, SLAB, 2.0)) / away
-    depth, misses = np.array(DEPTHS), []
+    depth, more = np.array(DEPTHS), []
     for thickness, (tip, height, foot) in CROWNS:
         shape = make_shape("crowned", [("radius", tip), ("height", height), ("foot", foot)])
         own = slope_and_bend(thickness, shape)
@@ -77,7 +77,10 @@ def build() -> dict[str, object]:
         rows = np.full(len(depth), np.log(RADIUS_MM / (thickness - drop)))
         pressed = np.maximum(depth * thickness - drop, 0.0) / (thickness - drop)
         slab = [between(pressed, rows, depth, np.log(RATIOS), one) for one in (slope, bend)]
-        misses += [np.abs(own[0] - slab[0] + (alpha - 2.0) * (own[1] - slab[1])) for alpha in (CHECKED, *ALPHAS[1:])]
+        more.append(own - np.stack(slab))
+    # what most crowns have in common is added, how far each is from that is the error
+    middle = np.median(more, axis=0)
+    misses = [np.abs(s + (alpha - 2.0) * q) for s, q in more - middle for alpha in (CHECKED, *ALPHAS[1:])]
     error = np.nan_to_num(np.abs(checked - slope[1] - away * bend[1]))
     return {
         "meaning": "ln F(alpha) / F(2) = (alpha - 2) slope + (alpha - 2)^2 bend [a/h][d/h] of one-term Ogden pads of "
@@ -87,6 +90,8 @@ def build() -> dict[str, object]:
         "slope": np.round(slope, 5).tolist(),
         "bend": np.round(bend, 5).tolist(),
         "error": np.round(np.maximum.accumulate(error), 5).tolist(),
+        "crown_slope": np.round(middle[0], 5).tolist(),
+        "crown_bend": np.round(middle[1], 5).tolist(),
         "crown_error": np.round(np.max(misses, axis=0), 5).tolist(),
         "alpha_range": [CHECKED, ALPHAS[-1]],
     }

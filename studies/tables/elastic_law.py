@@ -2,7 +2,8 @@
 
 One-term Ogden pads of one modulus under a round punch, glued to punch and base, are solved at three exponents, and
 slabs of one proportion at a fourth as a check. Slabs are tabulated over a / h and d / h; crowned pads that designs
-have taken are solved to see how far they are from the slab.
+have taken are solved to see how far they are from the slab. ``--check SEED`` solves drawn crowns instead and prints how
+far the table is off.
 """
 
 from __future__ import annotations
@@ -11,14 +12,14 @@ import argparse
 
 import numpy as np
 
-from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.interpolation import between
 from dummydesign.core.user_library import data_folder
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import make_shape
 from dummydesign.pad.force_source import solve_points
 from dummydesign.pad.pad_under_punch import SLAB, Pad
-from dummydesign.pad.tables.elastic_law import NAME, mean_drop_mm, ogden_law
+from dummydesign.pad.tables.elastic_law import NAME, load_elastic_table, mean_drop_mm, ogden_law
 from studies.tables.common import Build, write_table
 
 Array = np.ndarray
@@ -97,10 +98,35 @@ def build() -> dict[str, object]:
     }
 
 
+def check(seed: int, count: int = 14) -> None:
+    """Print the largest error of ln F of drawn crowns at each exponent and depth, and how often it is stated."""
+    rng, table, off, stated = np.random.default_rng(seed), load_elastic_table(), [], []
+    while len(off) < count:
+        thickness, tip = rng.uniform(4.5, 18.0), np.exp(rng.uniform(np.log(1.2), np.log(25.0)))
+        size = [("radius", tip), ("height", rng.uniform(1.5, min(6.0, 0.55 * thickness))), ("foot", rng.uniform(6, 13))]
+        try:
+            shape = make_shape("crowned", size)
+        except InputError:  # no crown has these
+            continue
+        slope, bend = slope_and_bend(thickness, shape)
+        at = np.array(DEPTHS), RADIUS_MM / thickness, "crowned", mean_drop_mm(shape, RADIUS_MM) / thickness
+        known = [(alpha - 2.0, *table.factor(alpha, *at)) for alpha in (CHECKED, *ALPHAS[1:])]
+        off.append([np.abs(away * slope + away**2 * bend - np.log(factor)) for away, factor, _ in known])
+        stated.append([error for _, _, error in known])
+    print("exponents", (CHECKED, *ALPHAS[1:]), "depths over thickness", DEPTHS)
+    print(
+        "largest error", np.max(off, axis=0).round(3).tolist(), "stated", np.mean(np.less_equal(off, stated)).round(3)
+    )
+
+
 def main(arguments: list[str] | None = None) -> None:
-    """Solve and write the table."""
+    """Solve and write the table, or check it."""
     parser = argparse.ArgumentParser(prog="python -m studies.tables.elastic_law", description=__doc__)
-    parser.parse_args(arguments)
+    parser.add_argument("--check", type=int, metavar="SEED")
+    options = parser.parse_args(arguments)
+    if options.check is not None:
+        check(options.check)
+        return
     run = Build.begin("studies.tables.elastic_law", arguments)
     write_table(data_folder() / "materials" / "tables" / NAME, build(), run)
 

@@ -43,8 +43,8 @@ class ElasticTable:
     ) -> tuple[Array, Array]:
         """Factor and its relative error at d / h and a / h (broadcast), held at the table's ends.
 
-        A crowned pad is first taken as a slab that is thinner, and pressed less deep, by the crown's mean drop under the
-        punch over h (:func:`mean_drop_mm`). Any other ``shape`` than these has 1, and the slabs' as error.
+        A crowned pad is first taken as a slab that is thinner, and pressed less deep, by the crown's mean drop under
+        the punch over h (:func:`mean_drop_mm`). Any other ``shape`` than these has 1, and the slabs' as error.
         """
         share, left = np.asarray(depth, float), 1.0 - np.asarray(drop, float)
         pressed = np.maximum(share - drop, 0.0) / left

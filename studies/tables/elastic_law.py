@@ -106,9 +106,9 @@ def check(seed: int, count: int = 14) -> None:
         size = [("radius", tip), ("height", rng.uniform(1.5, min(6.0, 0.55 * thickness))), ("foot", rng.uniform(6, 13))]
         try:
             shape = make_shape("crowned", size)
+            slope, bend = slope_and_bend(thickness, shape)
         except InputError:  # no crown has these
             continue
-        slope, bend = slope_and_bend(thickness, shape)
         at = np.array(DEPTHS), RADIUS_MM / thickness, "crowned", mean_drop_mm(shape, RADIUS_MM) / thickness
         known = [(alpha - 2.0, *table.factor(alpha, *at)) for alpha in (CHECKED, *ALPHAS[1:])]
         off.append([np.abs(away * slope + away**2 * bend - np.log(factor)) for away, factor, _ in known])

@@ -31,7 +31,7 @@ from dummydesign.loop.model.forward_model import (
     parameter_names,
     simulate,
 )
-from dummydesign.loop.model.material import ARM_TOLERANCE, exponent_declared, material_of
+from dummydesign.loop.model.material import ARM_TOLERANCE, material_of
 from dummydesign.loop.pad_scatter import carried_share, recorded_spread
 from dummydesign.loop.result import LoopResult, PooledFit
 from dummydesign.loop.selection.cross_validation import pad_spreads, widened
@@ -275,9 +275,9 @@ def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Cali
         for name, use in phases.items()
         if use.any()
     }
-    alpha = exponent_declared(result.campaign)
+    material = material_of(result.campaign)
     pad = {
-        "young_kPa_expected": material_of(result.campaign).young_kPa,
+        "young_kPa_expected": material.young_kPa,
         "resin": result.campaign.pad.resin,
         "ratio": result.campaign.pad.ratio,
         "base": result.campaign.pad.base,
@@ -285,7 +285,7 @@ def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Cali
         "contact": result.campaign.punch.contact,
         "punch": result.campaign.punch.text,
         **result.campaign.usual_pad,
-        **({} if alpha is None else {"ogden_alpha": alpha.value}),
+        **({} if material.alpha is None else {"ogden_alpha": material.alpha.value}),
     }
     return Calibration(
         model_of(result.base.fit),

@@ -18,7 +18,7 @@ from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.loop.data.trials import Presses, stack
 from dummydesign.loop.model.campaign_pad_law import CampaignPadLaw
 from dummydesign.loop.model.effect import SetupLaw, UnitForce
-from dummydesign.loop.model.material import exponent_declared, material_of
+from dummydesign.loop.model.material import material_of
 from dummydesign.measurement.campaign import Campaign, Trial
 from dummydesign.pad.force_source import curve_without_solve, has_square_factor
 from dummydesign.pad.material.relaxation import PronyTerm
@@ -180,7 +180,7 @@ def law_of(campaign: Campaign, progress: Progress = quiet) -> CampaignLaw:
     priors = []
     for trials in by_shape.values():
         own = _laws(campaign, trials, progress)
-        priors.append(_error_of(list(own.values()), trials, exponent_declared(campaign)))
+        priors.append(_error_of(list(own.values()), trials, material_of(campaign).alpha))
         laws |= own
     return CampaignLaw(laws, tuple(max(terms) for terms in zip(*priors)))
 
@@ -261,7 +261,7 @@ def pad_of(
     campaign: Campaign, thickness_mm: float, young_MPa: float, geometry: PadShape, prony: tuple[PronyTerm, ...] = ()
 ) -> Pad | Puck:
     """A pad of a campaign under its punch, as the pad model takes it."""
-    pad, punch, alpha = campaign.pad, campaign.punch, exponent_declared(campaign)
+    pad, punch, alpha = campaign.pad, campaign.punch, material_of(campaign).alpha
     law = None if alpha is None else ogden_law(alpha.value)
     if pad.shape == "cylinder":
         return Puck(thickness_mm, young_MPa, pad.diameter_mm or 0.0, prony, punch.contact, law=law)

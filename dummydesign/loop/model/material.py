@@ -69,7 +69,7 @@ class Material:
     """Long-term modulus with its 95 % interval and the relaxation; ``source`` says where they come from. [kPa]
 
     ``arm_spread`` holds the standard deviations of ln tau and ln beta of each arm of ``prony``, which is empty where no
-    relaxation is declared.
+    relaxation is declared. ``alpha`` is the exponent of the elastic law where it is not neo-Hookean.
     """
 
     young_kPa: float
@@ -78,6 +78,7 @@ class Material:
     prony: tuple[PronyTerm, ...]
     source: str
     arm_spread: tuple[float, ...] = ()
+    alpha: Quantity | None = None
 
     @property
     def prior(self) -> BasePrior:
@@ -114,18 +115,9 @@ def material_of(campaign: Campaign) -> Material:
     prony, spread = resin.prony(pad.ratio), resin.arm_spread(pad.ratio)
     if value is not None:
         source = f"given, no interval known; relaxation of {resin.name}"
-        return Material(value, value, value, prony, source, spread)
+        return Material(value, value, value, prony, source, spread, resin.ogden_alpha)
     modulus = resin.modulus_kPa(pad.ratio)
-    return Material(modulus.value, modulus.low, modulus.high, prony, modulus.source, spread)
-
-
-def exponent_declared(campaign: Campaign) -> Quantity | None:
-    """Exponent of the declared resin's elastic law where it is not neo-Hookean."""
-    if campaign.pad.resin is None or campaign.pad.ratio is None:
-        return None
-    from dummydesign.resin import load_resin
-
-    return load_resin(campaign.pad.resin).ogden_alpha
+    return Material(modulus.value, modulus.low, modulus.high, prony, modulus.source, spread, resin.ogden_alpha)
 
 
 UNDECLARED = Material(30.0, 30.0, 30.0, (), "not declared").prior

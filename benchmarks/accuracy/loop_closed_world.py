@@ -1,16 +1,18 @@
 """The loop on presses that ``predict`` wrote: ``python -m benchmarks.accuracy.loop_closed_world --count 100``.
 
 Nothing is undeclared: a batch is drawn from the intervals of the resin that the campaign names, ``predict`` writes
-every press of the plan, noise is added. Shared with the loop: force law, relaxation and the resin's intervals, all of
+every press of the plan, noise is added. With ``--elastic`` the resin's pucks have shown an Ogden law, whose exponent is
+drawn from its interval. Shared with the loop: force law, relaxation and the resin's intervals, all of
 the model; what is tested is that the loop's model is the one that designs. Rows are kept in ``--rows``.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,13 +22,17 @@ from benchmarks.rows import resume, scratch
 from dummydesign.api.campaigns import calibrate, plan_campaign
 from dummydesign.api.predictions import predict
 from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.quantity import Quantity
 from dummydesign.measurement.campaign_file import SetUp
 from dummydesign.measurement.campaign_plan import PlanSettings
 from dummydesign.resin import load_resin
+from dummydesign.resin.model.resin_file import save_resin
 
 RESIN, RATIOS = "polyurethane-nagoya", (14.8, 16.0)
 NOISE_N, SLOW_N, SLOW_S = 0.02, 0.01, 1.0
 RATE_HZ, REST = 1000.0, 200
+EXPONENTS = {1.6: 0.08, 2.8: 0.4, 3.5: 0.4}
+"""Exponents of elastic laws that pucks have shown, and half their 95 % intervals."""
 KINDS = {
     "slabs": ("slab", (5.0, 15.0, 20.0)),
     "crown": ("crowned:3.6,4.6,9.4", (10.5,)),
@@ -62,9 +68,20 @@ def slow_noise(time_s: NDArray, rng: np.random.Generator) -> NDArray:
     return np.array(path)
 
 
-def run(number: int, seed: int, folder: Path) -> Row:
+def stiffening_resin(rng: np.random.Generator) -> tuple[str, str]:
+    """Keep a resin of another elastic law; its name, and the law of a batch as ``predict`` takes it."""
+    value = float(rng.choice(list(EXPONENTS)))
+    half, name = EXPONENTS[value], f"own-{value:g}"
+    known = Quantity(value, value - half, value + half, "fitted", "drawn")
+    save_resin(replace(load_resin(RESIN), name=name, ogden_alpha=known))
+    alpha = value + half * float(np.clip(rng.normal(), -2.0, 2.0)) / 1.96
+    return name, f"ogden:{2.0 / alpha:.9g},{alpha:.9g}"
+
+
+def run(number: int, seed: int, folder: Path, elastic: bool = False) -> Row:
     """Plan, press and correct one campaign."""
     rng = np.random.default_rng([seed, number])
+    name, law = stiffening_resin(np.random.default_rng([seed, number, 1])) if elastic else (RESIN, "neo-hookean")
     kind = list(KINDS)[number % len(KINDS)]
     shape, pads = KINDS[kind]
     ratio = float(np.round(rng.uniform(*RATIOS), 1))
@@ -72,7 +89,7 @@ def run(number: int, seed: int, folder: Path) -> Row:
     batch = resin.draw(1, rng)
     young, strengths = 1e3 * float(batch.young_MPa(ratio)[0]), batch.beta(ratio)[0]
     prony = ",".join(f"{tau:g}:{beta:.6g}" for tau, beta in zip(resin.tau_s, strengths))
-    set_up = SetUp("closed", resin=RESIN, ratio=ratio, shape=shape)
+    set_up = SetUp("closed", resin=name, ratio=ratio, shape=shape)
     plan_campaign(folder, set_up, PlanSettings(pads, repeats=2, ages_days=(7.0,), seed=1 + number), power=False)
     lost: list[str] = []
     made: dict[tuple, NDArray | None] = {}
@@ -84,6 +101,7 @@ def run(number: int, seed: int, folder: Path) -> Row:
                     key[0],
                     young_kPa=young,
                     prony=prony,
+                    law=law,
                     shape=trial.get("shape", shape),
                     force_N=key[2],
                     velocity_mm_s=key[1],
@@ -133,11 +151,13 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--seed", type=int, default=5900)
     parser.add_argument("--rows", type=Path, default=Path("loop_closed_world.jsonl"))
+    parser.add_argument("--elastic", action="store_true")
     options = parser.parse_args()
 
     def one(number: int, seed: int) -> Row:
         with scratch("closed-") as folder:
-            return run(number, seed, folder)
+            os.environ["DUMMYDESIGN_HOME"] = str(folder / "home")
+            return run(number, seed, folder / "campaign", options.elastic)
 
     rows = resume(options.rows, options.seed, options.count, Row, one)
     inside = sum(row.low_kPa <= row.young_kPa <= row.high_kPa for row in rows)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.quantity import fitted_around
+from dummydesign.core.quantity import Quantity, fitted_around
 from dummydesign.design.search.shape_family import Designs, Family
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.shape_registry import read_shape
@@ -122,8 +122,11 @@ def with_calibration(
             )
             warnings = (*warnings, {"code": "calibration_relaxation", "message": message})
         arms.append(ResinArm(fitted_around(term.tau_s, 0.0, source), fitted_around(term.beta, beta_spread, source)))
+    alpha = calibration.pad.get("ogden_alpha")
     resin = replace(
         updated,
+        # the law that the campaign was compared with: its effects and law error stand on that
+        ogden_alpha=None if alpha is None else Quantity(alpha, alpha, alpha, "fitted", source),
         arms=tuple(arms),
         relaxation_ratio_ref=float(ratio),
         references=(*resin.references, source),

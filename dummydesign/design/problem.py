@@ -111,7 +111,7 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
         corrections.append(cast(Correct, partial(CalibratedFamily, correction=calibrated.law.correction)))
     if law is None:
         law = own_slab_law(request, punch, thickness)
-    if calibrated is None and (alpha := resin.ogden_alpha) is not None:
+    if (alpha := resin.ogden_alpha) is not None:
         glued = (
             standard_press(replace(request, punch=PUNCH, pad_mm=(PAD_LENGTH_MM, PAD_WIDTH_MM))) and not punch.profile_mm
         )

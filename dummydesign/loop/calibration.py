@@ -275,8 +275,9 @@ def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Cali
         for name, use in phases.items()
         if use.any()
     }
+    material = material_of(result.campaign)
     pad = {
-        "young_kPa_expected": material_of(result.campaign).young_kPa,
+        "young_kPa_expected": material.young_kPa,
         "resin": result.campaign.pad.resin,
         "ratio": result.campaign.pad.ratio,
         "base": result.campaign.pad.base,
@@ -284,6 +285,7 @@ def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Cali
         "contact": result.campaign.punch.contact,
         "punch": result.campaign.punch.text,
         **result.campaign.usual_pad,
+        **({} if material.alpha is None else {"ogden_alpha": material.alpha.value}),
     }
     return Calibration(
         model_of(result.base.fit),

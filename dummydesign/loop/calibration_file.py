@@ -231,7 +231,7 @@ def _pad(table: _Entry) -> dict[str, Any]:
         "shape": "slab" if slab else "cylinder",
         "contact": contact and contact.interface(CONDITIONS),
         **({"punch": punch.text()} if punch else {}),
-        **{key: usual.positive() for key in USUAL if (usual := table.get(key))},
+        **{key: usual.positive() for key in (*USUAL, "ogden_alpha") if (usual := table.get(key))},
     }
 
 

@@ -73,7 +73,7 @@ def _under_corners(pad: Pad | Puck, curve: ForceCurve) -> ForceCurve:
 def curve_without_solve(pad: Pad | Puck) -> ForceCurve | None:
     """Long-term force of a slab in the response table, or in closed form of a puck that slips freely; else None."""
     if isinstance(pad, Pad):
-        return elastic_curve(pad, "table") if _tabulated(pad) else None
+        return elastic_curve(pad, "table") if _tabulated(_of_table(pad)) else None
     from dummydesign.pad.tables.puck import DEEPEST, uniaxial
 
     alpha = exponent_of(pad.shape)
@@ -120,8 +120,12 @@ def has_square_factor(pad: Pad) -> bool:
         return False
     if pad.geometry.crowned:
         return pad.geometry.axisymmetric and pad.profile_mm is None
-    plain = pad if exponent_of(pad.shape) is None else replace(pad, law=None)
-    return _tabulated(replace(plain, edge_radius_mm=0.0))
+    return _tabulated(replace(_of_table(pad), edge_radius_mm=0.0))
+
+
+def _of_table(pad: Pad) -> Pad:
+    """The pad without an elastic law that is a factor on the table."""
+    return pad if exponent_of(pad.shape) is None else replace(pad, law=None)
 
 
 def _tabulated(pad: Pad) -> bool:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.progress import Progress, quiet
+from dummydesign.core.quantity import Quantity
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS, PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.pad_shape import PadShape
@@ -22,6 +23,7 @@ from dummydesign.measurement.campaign import Campaign, Trial
 from dummydesign.pad.force_source import curve_without_solve, has_square_factor
 from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.pad.pad_under_punch import Pad, Puck
+from dummydesign.pad.tables.elastic_law import ogden_law
 
 SLAB_ERROR = ((0.005, 0.35), (0.015, 0.35), (0.008, 0.4), (0.001, 0.7))
 """Error of a law per thickness in level, slope and curvature at d/h = 0.4, and waves: median size and spread of its
@@ -50,13 +52,15 @@ def error_priors(
     thickness: float = 0.0,
     rough: bool = False,
     usual: tuple = SLAB_ERROR,
+    bend: float = 0.0,
 ) -> tuple:
-    """Median size and spread of the law error: the usual one with the stated error of a force and of thickness."""
+    """Median size and spread of the law error: the usual one with the stated error of a force, of thickness, and of the
+    bend over depth by an elastic law that is known to an interval."""
     stated, shape = 0.5 * relative_error, OUTLINE_ERROR if outline else 0.0
     more = (
         (stated, shape, THICKNESS_SLOPE * thickness),
-        (stated, shape),
-        (0.5 * stated,),
+        (stated, shape, 0.5 * bend),
+        (0.5 * stated, 0.5 * bend),
         (ROUGHNESS if rough else 0.0,),
     )
     return tuple((float(np.linalg.norm([size, *added])), spread) for (size, spread), added in zip(usual, more))
@@ -176,7 +180,7 @@ def law_of(campaign: Campaign, progress: Progress = quiet) -> CampaignLaw:
     priors = []
     for trials in by_shape.values():
         own = _laws(campaign, trials, progress)
-        priors.append(_error_of(list(own.values()), trials))
+        priors.append(_error_of(list(own.values()), trials, material_of(campaign).alpha))
         laws |= own
     return CampaignLaw(laws, tuple(max(terms) for terms in zip(*priors)))
 
@@ -231,14 +235,15 @@ def _laws(campaign: Campaign, trials: Sequence[Trial], progress: Progress) -> di
     return laws
 
 
-def _error_of(laws: Sequence[CampaignPadLaw], trials: Sequence[Trial]) -> tuple:
+def _error_of(laws: Sequence[CampaignPadLaw], trials: Sequence[Trial], alpha: Quantity | None = None) -> tuple:
     """The error of the laws of pads of one shape before a fit; of slabs and pucks without a solve the usual one."""
     stated = max((law.relative_error for law in laws if not law.sharp), default=0.0)
+    bend = 0.0 if alpha is None else max(law.error_by_exponent(alpha) for law in laws)
     square = [law.pad for law in laws if isinstance(law.pad, Pad) and law.pad.sides_mm]
     thickness = float(np.sqrt(np.mean([level_error(trial) ** 2 for trial in trials]))) / THICKNESS_SLOPE
     outline = not all(map(has_square_factor, square))
     usual = ROUND_ERROR if not square and all(isinstance(law.pad, Pad) for law in laws) else SLAB_ERROR
-    return error_priors(stated, outline, thickness, any(law.grows for law in laws), usual)
+    return error_priors(stated, outline, thickness, any(law.grows for law in laws), usual, bend)
 
 
 def _groups(thickness_mm: list[float]) -> list[list[float]]:
@@ -256,15 +261,17 @@ def pad_of(
     campaign: Campaign, thickness_mm: float, young_MPa: float, geometry: PadShape, prony: tuple[PronyTerm, ...] = ()
 ) -> Pad | Puck:
     """A pad of a campaign under its punch, as the pad model takes it."""
-    pad, punch = campaign.pad, campaign.punch
+    pad, punch, alpha = campaign.pad, campaign.punch, material_of(campaign).alpha
+    law = None if alpha is None else ogden_law(alpha.value)
     if pad.shape == "cylinder":
-        return Puck(thickness_mm, young_MPa, pad.diameter_mm or 0.0, prony, punch.contact)
+        return Puck(thickness_mm, young_MPa, pad.diameter_mm or 0.0, prony, punch.contact, law=law)
     size = (pad.length_mm, pad.width_mm) if pad.length_mm and pad.width_mm else None
     return Pad(
         thickness_mm,
         young_MPa,
         punch.radius_mm,
         prony=prony,
+        law=law,
         base=pad.base,
         condition=punch.contact,
         extent_mm=math.sqrt(size[0] * size[1] / math.pi) if size else None,

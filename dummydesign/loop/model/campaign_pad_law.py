@@ -13,13 +13,17 @@ from numpy.typing import NDArray
 
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.quantity import Quantity
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
+from dummydesign.loop.model.forward_model import REFERENCE_DEPTH
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.first_touch import touch_of, with_foot
 from dummydesign.pad.force_law import ForceCurve
 from dummydesign.pad.force_source import curve_without_solve, solve_points, solved_curve
 from dummydesign.pad.pad_under_punch import Pad, Puck
+from dummydesign.pad.tables.elastic_law import elastic_factor, mean_drop_mm
+from dummydesign.pad.tables.puck import uniaxial
 from dummydesign.pad.tables.slab import FILLETS, POWER, load_compressibility, load_table
 
 POINTS, DENSE = 24, 600  # depths that are solved, and at which the curve is kept
@@ -110,6 +114,17 @@ class CampaignPadLaw:
     def relative_error(self) -> float:
         """Median of the stated error over the force."""
         return float(np.median(self.curve.relative_error(self.depths_mm[self.depths_mm <= self.limit_mm])))
+
+    def error_by_exponent(self, alpha: Quantity) -> float:
+        """Relative error at a usual depth of an elastic law's exponent that is known to an interval."""
+        pad, depth = self.pad, REFERENCE_DEPTH * self.pad.thickness_mm
+        if isinstance(pad, Puck):
+            low, value, high = (
+                uniaxial(one, np.array(REFERENCE_DEPTH)) for one in (alpha.low, alpha.value, alpha.high)
+            )
+            return float(max(abs(low / value - 1.0), abs(high / value - 1.0)))
+        drop = mean_drop_mm(pad.geometry, pad.radius_mm)
+        return float(elastic_factor(depth, pad.thickness_mm, pad.radius_mm, alpha, pad.geometry.name, drop)[1])
 
     @cached_property
     def power(self) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.quantity import HALF_WIDTH
+from dummydesign.core.quantity import HALF_WIDTH, Quantity
 from dummydesign.loop.data.pad_modulus_factors import PADS_DIFFER
 from dummydesign.loop.model.forward_model import BaseParameters, base_names
 from dummydesign.measurement.campaign import Campaign
@@ -69,7 +69,7 @@ class Material:
     """Long-term modulus with its 95 % interval and the relaxation; ``source`` says where they come from. [kPa]
 
     ``arm_spread`` holds the standard deviations of ln tau and ln beta of each arm of ``prony``, which is empty where no
-    relaxation is declared.
+    relaxation is declared. ``alpha`` is the exponent of the elastic law where it is not neo-Hookean.
     """
 
     young_kPa: float
@@ -78,6 +78,7 @@ class Material:
     prony: tuple[PronyTerm, ...]
     source: str
     arm_spread: tuple[float, ...] = ()
+    alpha: Quantity | None = None
 
     @property
     def prior(self) -> BasePrior:
@@ -114,9 +115,9 @@ def material_of(campaign: Campaign) -> Material:
     prony, spread = resin.prony(pad.ratio), resin.arm_spread(pad.ratio)
     if value is not None:
         source = f"given, no interval known; relaxation of {resin.name}"
-        return Material(value, value, value, prony, source, spread)
+        return Material(value, value, value, prony, source, spread, resin.ogden_alpha)
     modulus = resin.modulus_kPa(pad.ratio)
-    return Material(modulus.value, modulus.low, modulus.high, prony, modulus.source, spread)
+    return Material(modulus.value, modulus.low, modulus.high, prony, modulus.source, spread, resin.ogden_alpha)
 
 
 UNDECLARED = Material(30.0, 30.0, 30.0, (), "not declared").prior

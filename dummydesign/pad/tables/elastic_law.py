@@ -24,8 +24,8 @@ RINGS = 24
 class ElasticTable:
     """s and q over a / h and d / h: ln of the factor is (alpha - 2) s + (alpha - 2)^2 q; and what it misses.
 
-    ``error`` over d / h is that of ln of the factor over alpha - 2 at an exponent that was not used, ``crown_error``
-    that of crowned pads.
+    ``crown_slope`` and ``crown_bend`` over d / h are what is added to s and q of a crowned pad. ``error`` over d / h is
+    that of ln of the factor over alpha - 2 at an exponent that was not used, ``crown_error`` that of crowned pads.
     """
 
     ratio: Array
@@ -33,23 +33,31 @@ class ElasticTable:
     slope: Array
     bend: Array
     error: Array
+    crown_slope: Array
+    crown_bend: Array
     crown_error: Array
     alpha_range: tuple[float, float]
 
-    def factor(self, alpha: float, depth: ArrayLike, ratio: ArrayLike, shape: str = "slab") -> tuple[Array, Array]:
+    def factor(
+        self, alpha: float, depth: ArrayLike, ratio: ArrayLike, shape: str = "slab", drop: ArrayLike = 0.0
+    ) -> tuple[Array, Array]:
         """Factor and its relative error at d / h and a / h (broadcast), held at the table's ends.
 
-        A crowned pad has the factor of a slab that is thinner, and pressed less deep, by the crown's mean drop under
-        the punch (:func:`mean_drop_mm`). Any other ``shape`` than these has 1, and the slabs' as error.
+        A crowned pad is first taken as a slab that is thinner, and pressed less deep, by the crown's mean drop under
+        the punch over h (:func:`mean_drop_mm`). Any other ``shape`` than these has 1, and the slabs' as error.
         """
-        x, y = np.broadcast_arrays(np.asarray(depth, float), np.log(np.asarray(ratio, float)))
+        share, left = np.asarray(depth, float), 1.0 - np.asarray(drop, float)
+        pressed = np.maximum(share - drop, 0.0) / left
+        x, y = np.broadcast_arrays(pressed, np.log(np.asarray(ratio, float) / left))
         away, rows = alpha - 2.0, np.log(self.ratio)
         slope, bend = (between(x, y, self.depth, rows, one) for one in (self.slope, self.bend))
-        factor = np.exp(away * slope + away**2 * bend)
         error = abs(away) * np.interp(x, self.depth, self.error)
         if shape == "crowned":
-            error = error + abs(away) * np.interp(x, self.depth, self.crown_error)
-        elif shape != "slab":
+            own = (self.crown_slope, self.crown_bend, self.crown_error)
+            of_slope, of_bend, of_error = (np.interp(share, self.depth, one) for one in own)
+            slope, bend, error = slope + of_slope, bend + of_bend, error + abs(away) * of_error
+        factor = np.exp(away * slope + away**2 * bend)
+        if shape not in ("slab", "crowned"):
             return np.ones_like(factor), error + np.abs(factor - 1.0)
         return factor, error
 
@@ -102,12 +110,8 @@ def elastic_factor(
     drop_mm : array_like
         Mean drop of a crown under the punch. [mm]
     """
-    thickness = np.asarray(thickness_mm, float) - drop_mm
-    at = (
-        np.maximum(np.asarray(depth_mm, float) - drop_mm, 0.0) / thickness,
-        np.asarray(radius_mm, float) / thickness,
-        shape,
-    )
+    thickness = np.asarray(thickness_mm, float)
+    at = np.divide(depth_mm, thickness), np.divide(radius_mm, thickness), shape, np.divide(drop_mm, thickness)
     table = load_elastic_table()
     (value, error), (low, _), (high, _) = (table.factor(one, *at) for one in (alpha.value, alpha.low, alpha.high))
     return value, error + np.maximum(np.abs(low / value - 1.0), np.abs(high / value - 1.0))

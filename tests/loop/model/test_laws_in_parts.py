@@ -9,8 +9,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from dummydesign.api.predictions import pad_of_inputs
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.progress import quiet
+from dummydesign.core.quantity import Quantity
 from dummydesign.geometry.punch import ball_profile
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.loop.effects.learned import FADE, Learned, SmoothChange, at_nodes, fading, followed
@@ -22,7 +24,10 @@ from dummydesign.loop.pad_scatter import carried_share, pad_scatter, recorded_ln
 from dummydesign.loop.result import worth_of
 from dummydesign.pad.first_touch import interpolate_curve, low_end
 from dummydesign.pad.force_law import PadCurve
+from dummydesign.pad.force_source import elastic_curve
 from dummydesign.pad.pad_under_punch import Pad, Puck
+from dummydesign.resin import load_resin
+from dummydesign.resin.model.resin_file import save_resin
 from tests.support import puck_presses as pucks
 from tests.support.known_laws import puck_law, slab_law
 from tests.support.puck_presses import clean_fit
@@ -284,6 +289,32 @@ def test_the_law_under_a_round_punch_is_known_as_the_table_states_it(thickness_m
     _, (slope, _), (curve, _), _ = campaign_law._error_of([law], [trial(thickness_mm)])
     stated = float(law.curve.relative_error(np.array([0.4 * thickness_mm]))[0])
     assert stated < 2.0 * np.hypot(slope, curve) < 2.5 * stated
+
+
+@pytest.mark.parametrize("text", ["slab", "crowned:3.6,4.6,9.4"])
+def test_pads_of_a_resin_that_stiffens_are_pressed_as_predict_presses_them(text):
+    base = load_resin()
+    save_resin(replace(base, name="stiffens", ogden_alpha=Quantity(3.4, 3.0, 3.9, "fitted", "two pucks")))
+    own = set_up(side_mm=14.0)
+    own.pad.resin, own.pad.ratio, own.punch.radius_mm = "stiffens", 15.5, 14.0 / np.sqrt(np.pi)
+    pad = campaign_law.pad_of(own, 10.5, 1.0, read_shape(text))
+    said = pad_of_inputs(
+        {"thickness_mm": 10.5, "shape": text, "resin": "stiffens", "ratio": 15.5, "young_kPa": None, "prony": None}
+        | {"pad": "slab:60x50", "punch": "square:14", "base": "bonded", "condition": "bonded", "poisson": 0.5}
+        | {"edge_radius_mm": 0.0, "law": "neo-hookean"}
+    )[0]
+    assert said.law == pad.law
+    if text != "slab":  # it is solved
+        return
+    law, plain = (CampaignPadLaw(one, 4.5) for one in (pad, replace(pad, law=None)))
+    depth = np.array([1.0, 2.5, 4.2])
+    force = elastic_curve(said, "table").force(depth)
+    np.testing.assert_allclose(law.curve.force(depth) * said.young_MPa, force, rtol=1e-9)
+    assert np.all(np.diff(law.curve.force(depth) / plain.curve.force(depth)) > 0.01)
+    # what is not known of the exponent bends the law, its level stays
+    alphas = None, Quantity(3.4, 3.0, 3.9, "fitted", "two pucks")
+    free, held = (campaign_law._error_of([law], [trial(10.5)], alpha) for alpha in alphas)
+    assert held[0] == free[0] and held[1][0] > 1.5 * free[1][0] and held[3] == free[3]
 
 
 def test_learned_changes_interpolate_between_knots_and_fade_evenly():

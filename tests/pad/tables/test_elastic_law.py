@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.quantity import Quantity
+from dummydesign.geometry.shape_registry import make_shape
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.force_source import elastic_curve
 from dummydesign.pad.material.hyperelastic import Yeoh
@@ -27,6 +28,23 @@ def test_the_factor_is_that_of_solved_slabs_within_its_error(alpha):
     factor, error = load_elastic_table().factor(alpha, DEPTH, 7.9 / 15.0)
     off = np.abs(factor / (np.array(SOLVED[alpha]) / SOLVED[2.0]) - 1.0)
     assert np.all(off[DEPTH <= 0.4] < 0.006) and np.all(off <= error + 0.003)
+
+
+# thickness; radius, height and foot of crowns that are not in the table: F(3.5) / F(2) at d / h of 0.1 to 0.4, solved
+CROWNS = {
+    (13.9, (7.7, 3.6, 9.6)): (0.97665, 0.9718, 0.97641, 1.03032),
+    (5.7, (3.6, 2.7, 9.4)): (0.97824, 0.97567, 0.99141, 1.09223),
+    (8.6, (1.7, 3.7, 8.7)): (0.9756, 0.97136, 0.97891, 1.00822),
+}
+
+
+@pytest.mark.parametrize(("thickness", "size"), CROWNS)
+def test_the_factor_is_that_of_solved_crowns_within_its_error(thickness, size):
+    shape, solved = make_shape("crowned", list(zip(("radius", "height", "foot"), size))), CROWNS[thickness, size]
+    drop, known = mean_drop_mm(shape, 7.9), Quantity(3.5, 3.5, 3.5, "fitted", "t")
+    factor, error = elastic_factor(thickness * DEPTH[:4], thickness, 7.9, known, "crowned", drop)
+    off = np.abs(factor / solved - 1.0)
+    assert np.all(off <= error) and np.all(off[:2] < 0.012) and off[2] < 0.04
 
 
 def test_neo_hookean_has_no_factor_and_an_unknown_shape_has_it_in_its_error():

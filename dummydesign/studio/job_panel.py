@@ -10,6 +10,7 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.studio import jobs, widgets
+from dummydesign.studio.markup import verbatim
 from dummydesign.studio.widgets import html
 
 ENDED = {"failed": "no result", "stopped": "stopped", "lost": "ended"}
@@ -80,7 +81,7 @@ class JobPanel:
                 for words in self._commands():
                     widgets.command_line(words)
             except InputError as refused:
-                html('<p class="note">{}</p>', widgets.without_options(str(refused)))
+                html('<p class="note">{}</p>', str(refused))
         self.update()
 
     def end(self) -> None:
@@ -148,7 +149,7 @@ class JobPanel:
             if answer is not None:
                 if answer is not newest or not as_chosen:
                     when = time.strftime("%d %b %H:%M", time.localtime(answer.started))
-                    html('<p class="source">Result of {}: <code>{}</code></p>', when, answer.begun)
+                    html('<p class="source">Result of {}: <code>{}</code></p>', when, verbatim(answer.begun))
                 if self.shown is not None:
                     self._show(answer)
                     widgets.warnings(answer.answer if self._warn else {})
@@ -167,7 +168,7 @@ class JobPanel:
             # an answer with a verdict says by itself what is wrong
             if not (self.shown is not None and {"verdict", "accepted"} & job.answer.keys()):
                 with self._problem:
-                    widgets.tell_problem(widgets.without_options(job.error))
+                    widgets.tell_problem(job.error)
             if job.state == "failed" and job.answer:
                 self._status.set_text(f"done in {job.seconds:.0f} s")
 

@@ -17,7 +17,7 @@ from dummydesign.geometry.punch import PROFILE, Punch, read_punch
 from dummydesign.project.folder import Project
 from dummydesign.project.status import STANDARD_RESIN, ProjectFile, ProjectStatus, finished_manifest, things_in
 from dummydesign.studio import file_transfer, select_options
-from dummydesign.studio.markup import Markup, filled
+from dummydesign.studio.markup import Markup, filled, page_path
 
 PAD_FIELDS = ("shape", "thickness_mm", "ratio")
 NO_TISSUE = "No tissue is chosen yet. Choose the one that the pad imitates."
@@ -251,25 +251,12 @@ def page_link(
     return filled('<a data-test="{}" class="{}"{} href="{}">{}</a>', test, kind, marks, to, words)
 
 
-PAGES = {
-    "tissues": "/tissue",
-    "import": "/measured",
-    "fit": "/tissue",
-    "suggest": "/design",
-    "mold": "/mould",
-    "campaign": "/campaign",
-    "loop": "/learn",
-    "status": "/design",
-    "resins": "/resin",
-}
-"""Page that a command belongs to."""
 _NUMBERS = {"thickness": "thickness_mm", "ratio": "ratio"}
 
 
 def next_page(status: ProjectStatus) -> str:
     """The page on which the next step is done."""
-    words = shlex.split(status.next_command)
-    return "/resin" if "--puck" in words else PAGES.get(words[1], "/design")
+    return page_path(shlex.split(status.next_command)[1:]) or "/design"
 
 
 def next_state(status: ProjectStatus, state: State) -> State:

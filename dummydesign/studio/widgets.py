@@ -24,21 +24,9 @@ from dummydesign.report.plot import plots_js
 from dummydesign.studio.file_transfer import check_there
 from dummydesign.studio.jobs import changed_inputs
 from dummydesign.studio.jobs import shown as as_typed
-from dummydesign.studio.markup import Markup, filled, joined
+from dummydesign.studio.markup import STEPS, Markup, filled, in_page_words, joined, verbatim
 from dummydesign.studio.select_options import offered
 from dummydesign.studio.state import State, address, page_link, read_state
-
-STEPS = (
-    ("/", "Overview"),
-    ("/measured", "1 Measured"),
-    ("/tissue", "2 Tissue"),
-    ("/design", "3 Design"),
-    ("/resin", "4 Puck"),
-    ("/mould", "5 Mould"),
-    ("/cast", "6 Cast pad"),
-    ("/campaign", "7 Campaign"),
-    ("/learn", "8 Learn"),
-)
 
 
 @cache
@@ -81,7 +69,7 @@ def lay_out(
         problem = problem_text(refused)
     if empty and not (project or problem):
         title = "New project"
-    links = Markup().join(page_link(path, words, current=path == here) for path, words in STEPS)
+    links = Markup().join(page_link(path, words, current=path == here) for path, words in STEPS.items())
     html(
         '<a class="skip" href="#body">to the content</a><div class="top"><div class="bar"><span '
         'class="name">{}</span><nav aria-label="steps">{}</nav></div></div>',
@@ -330,7 +318,7 @@ def select_several(label: str, known: Mapping[str, str], value: Sequence[str], t
 
 def marked(text: str) -> Markup:
     """Return a text as HTML in which the first use of each term opens its definition under the pointer and by touch."""
-    shown, at = Markup(), 0
+    text, shown, at = in_page_words(text), Markup(), 0
     for start, end, term in report_page.marked_terms(text):
         shown += text[at:start] + filled('<abbr class="term" data-term="{}">{}</abbr>', term.text, text[start:end])
         at = end
@@ -361,11 +349,6 @@ def problem_text(problem: Exception) -> str:
         file = f"'{Path(str(problem.filename)).name}': " if problem.filename else ""
         return f"{file}{problem.strerror or problem}. Mend this, then try again"
     return f"This failed unexpectedly ({type(problem).__name__}: {problem}). Load this page again"
-
-
-def without_options(text: str) -> str:
-    """Return a sentence of a command as a page has it: options are named as its fields are."""
-    return re.sub(r"--([a-z][a-z-]+)", lambda found: found[1].replace("-", " "), text)
 
 
 def tell_changes(root: Path, manifest: str, advice: str) -> None:
@@ -399,7 +382,7 @@ def command_line(words: Sequence[str]) -> None:
     """Show the command that does the same as the page, to copy."""
     text = as_typed(words)
     with ui.element("div").classes("command"):
-        html('<code tabindex="0" title="{}">{}</code>', text, text)
+        html('<code tabindex="0" title="{}">{}</code>', verbatim(text), verbatim(text))
         copy = ui.button(icon="content_copy", on_click=lambda: ui.clipboard.write(text), color=None)
         copy.props('flat dense size=sm aria-label="copy the command"')
 
@@ -437,7 +420,8 @@ def table(
 
     ``symbols`` are what the first cells of the rows say under the pointer.
     """
-    text = str(Table(head, rows).html())
+    worded = [[in_page_words(cell) if isinstance(cell, str) else cell for cell in row] for row in rows]
+    text = str(Table(head, worded).html())
     for row, symbol in zip(rows, symbols):
         named = filled('<td><abbr class="term" tabindex="0" data-term="{}">{}</abbr></td>', symbol, row[0])
         text = text.replace(str(filled("<td>{}</td>", row[0])), str(named), 1)

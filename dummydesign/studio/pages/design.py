@@ -23,6 +23,7 @@ from dummydesign.project.folder import Project
 from dummydesign.report.plot import Plot
 from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio import slider_model as sliders
+from dummydesign.studio.markup import in_page_words
 from dummydesign.studio.pages import search
 from dummydesign.studio.state import PAD_FIELDS, State, absolute, page_link, punch_of
 from dummydesign.studio.widgets import html, keep_state, open_page
@@ -230,7 +231,7 @@ class DesignPage:
         try:
             shape = str(sliders.first_pad(self.root, self.state, kind))
         except InputError as problem:
-            ui.notify(str(problem), type="warning", multi_line=True)
+            ui.notify(in_page_words(str(problem)), type="warning", multi_line=True)
         else:
             self.choose(shape=shape)
 

@@ -25,13 +25,17 @@ from dummydesign.studio.widgets import html, keep_state
 OPEN = {
     "columns": "columns, as time=NAME,displacement=NAME,force=NAME",
     "units": "units, as time=s,displacement=mm,force=N",
+    "rate": "rate in Hz: samples a second, where the file has no time",
+    "delay": "delay in s: by how much the force is later than the displacement",
     "separator": "separator: tab, semicolon, comma, bar, spaces",
     "decimal": "decimal sign: . or ,",
-    "skip": "lines to leave out at the start",
-    "flip": "turn round: displacement, force, both, or none",
-    "tare": "reading at no force: auto, none or a number",
-    "contact": "reading at contact: auto, none or a number",
-    "split": "parts: auto, or none for one press",
+    "encoding": "encoding, such as utf-8 or cp932",
+    "skip": "skip: lines to leave out at the start",
+    "flip": "flip: displacement, force, both, or none",
+    "tare": "tare, the reading at no force: auto, none, first, drift, slope or a number",
+    "contact": "contact, the reading there: auto, none or a number",
+    "split": "split: auto, or none for one press",
+    "sheets": "sheets of a workbook, or not:NAME for all others",
 }
 COLUMNS = {
     "press": "file",

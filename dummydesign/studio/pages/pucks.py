@@ -12,15 +12,16 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.user_library import entries
 from dummydesign.project.folder import Project, project_of
 from dummydesign.project.status import witness_size
-from dummydesign.studio import jobs, select_options, widgets
+from dummydesign.studio import jobs, project_index, select_options, widgets
 from dummydesign.studio.job_panel import JobPanel
-from dummydesign.studio.state import State, page_link
+from dummydesign.studio.state import State, absolute, page_link
 from dummydesign.studio.trash import choose_for_project
 from dummydesign.studio.widgets import NumberField, html, keep_state, open_page
 
 TYPED = "puck_"
 """Beginning of the names under which the address keeps the choices of this page, which are named as the options are."""
 SIZES_MM = (1.0, 500.0)
+NUMBER = ("value", "low", "high", "kind", "source")
 
 
 class PuckPage:
@@ -33,6 +34,7 @@ class PuckPage:
         start = typed or _last(project.root)
         with widgets.fold("Print the ring of a puck", "ring", opened=not known):
             JobPanel(project.root, "ring", "Make the ring", self._ring_words, _show_ring, needs="files")
+        widgets.fold(f"Numbers of {state.resin}, with their sources", "numbers", self._numbers)
         if not known:
             html('<p class="note">No presses yet: {} first.</p>', page_link("/measured", "bring in the file of a puck"))
             return
@@ -68,6 +70,16 @@ class PuckPage:
         self._form.on_change(self._renew)
         self._own = widgets.area()
         self._list()
+
+    def _numbers(self) -> None:
+        from dummydesign.resin import load_resin
+        from dummydesign.resin.describe import explain
+
+        numbers = explain(load_resin(absolute(self._root, self._state.resin)))["numbers"].items()
+        head = ("number", "unit", "value", "95 % low", "95 % high", "kind", "source")
+        rows = [[*project_index.name_and_unit(name), *(one[key] for key in NUMBER)] for name, one in numbers]
+        widgets.table(head, rows, words=True)
+        widgets.command_line(["resins", "show", self._state.resin])
 
     def _renew(self) -> None:
         keep_state(self._state, **{f"{TYPED}{name}": text for name, text in self._form.kept().items()})

@@ -36,6 +36,7 @@ PAGES = {
     "mold --puck": "/resin",
     "mold record": "/cast",
     "tissues add-points": "",
+    "resins list": "/design",
     "resins add-hardness": "",
     "suggest --sites": "",
     "whatif": "",
@@ -52,7 +53,7 @@ REMEDIES: tuple[tuple[str, str], ...] = (
 """What only a command line offers, and what a page offers in its place."""
 COMMAND = re.compile(
     rf"'(?:dummydesign )?((?:{_NAMES})(?: [^']*)?)'"
-    rf"|\bdummydesign ((?:{_NAMES})(?: \S+)*?)(?=$|[;,)]|\. )"
+    rf"|\bdummydesign ((?:{_NAMES})\b.*?)(?=[.)]*$|[;,.)]+ )"
     r"|(?<=\()((?:tissues|resins|campaign|mold) [a-z-]+)(?=\))"
 )
 """A command in a sentence: in quotes, with what is typed behind it, or alone between brackets."""

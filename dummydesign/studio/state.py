@@ -91,13 +91,13 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
         if (text.strip() or name == "calibration") and _in_project(project.root, name, text)
     }
     designs = [one.folder for one in things_in(project.root, "designs") if is_design(one)]
-    own, tissue = _of_project(project), given.get("tissue") or project.tissue or ""
+    own, tissue = of_project(project), given.get("tissue") or project.tissue or ""
     # what was edited by hand since wins over an older design
     chosen = {name: text for name, text in own.items() if name in QUESTION_FIELDS} | {"tissue": tissue or None}
     newest = [folder for folder in designs if chosen.items() <= design_state(project.root, folder).items()]
     # nothing was chosen at all: the newest design says what one worked on
     newest = newest or ([] if tissue else designs)
-    base: dict[str, Any] = {"tissue": tissue, **own}
+    base: dict[str, Any] = {**own, "tissue": tissue}
     if given.get("design") in designs:
         base |= design_state(project.root, given["design"])
     elif newest and "shape" not in given:
@@ -171,10 +171,10 @@ def _inside(root: Path, path: object) -> str:
     return Path(text).relative_to(root).as_posix() if Path(text).is_relative_to(root) else text
 
 
-def _of_project(project: Project) -> dict[str, Any]:
+def of_project(project: Project) -> dict[str, Any]:
     """What ``project.toml`` says of a state; a shape only with its lengths, for a kind alone is to be searched."""
     own = {name: value for name, value in project.given().items() if name in ("shape", *QUESTION_FIELDS[1:])}
-    return {name: value for name, value in own.items() if name != "shape" or ":" in value}
+    return {"tissue": project.tissue or ""} | {k: v for k, v in own.items() if k != "shape" or ":" in v}
 
 
 def _number(text: str, before: Any, is_number: bool) -> Any:

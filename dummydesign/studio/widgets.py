@@ -232,6 +232,16 @@ class NumberField(ui.input):
         return None
 
 
+def way_back(field: ui.element, usual: object, back: Callable[[], object] | None = None) -> None:
+    """Mark a field whose value is not its usual one, by a button that takes it back to that."""
+    own = cast(ValueElement, field)
+    with field.add_slot("append"):
+        mark = ui.button(icon="undo", on_click=back or (lambda: own.set_value(usual)), color=None)
+    words = f"{field.props.get('label', '')} was changed: back to the default"
+    mark.props.update({"aria-label": words, "title": words, "data-test": "back"})
+    mark.props("flat dense round size=sm").bind_visibility_from(own, "value", lambda value: value not in (usual, None))
+
+
 class Form:
     """Fields by name, beside each other where there is room, each with a name for tests."""
 
@@ -247,6 +257,8 @@ class Form:
             self.fields: dict[str, Any] = dict(make())
         for name, field in self.fields.items():
             field.props.setdefault("data-test", f"{self._test}-{name}")
+            if usual := cast(ValueElement, field).value:
+                way_back(field, usual)
             if name in self._kept:
                 cast(ValueElement, field).set_value(self._kept[name])
 

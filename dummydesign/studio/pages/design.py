@@ -25,7 +25,7 @@ from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio import slider_model as sliders
 from dummydesign.studio.markup import in_page_words
 from dummydesign.studio.pages import search
-from dummydesign.studio.state import PAD_FIELDS, State, absolute, page_link, punch_of
+from dummydesign.studio.state import PAD_FIELDS, State, absolute, of_project, page_link, punch_of
 from dummydesign.studio.widgets import html, keep_state, open_page
 
 SETTLE_S = 0.35
@@ -138,6 +138,8 @@ class DesignPage:
 
     def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
         self.root, self.state = project.root, state
+        usual = State(**of_project(project)).question
+        self.usual = {name: value for name, value in usual.items() if value or name != "tissue"}
         self.wanted = self.shown = self.written = 0
         self.busy = self.setting = False
         self.unchosen = all(getattr(state, name) == getattr(State, name) for name in (*PAD_FIELDS, "design"))
@@ -185,6 +187,8 @@ class DesignPage:
             typed.style("width:100%")
         for name, field in self.fields.items():
             field.on_value_change(lambda event, name=name: self.choose(**{name: event.value}))
+        for name, usual in self.usual.items():
+            widgets.way_back(self.fields.get(name, self.punch), usual, partial(self.choose, **{name: usual}))
         self.punch.on("change", lambda: self.choose(punch=self.punch.value.strip() or PUNCH))
         self.shape.on("change", lambda: self.choose(shape=self.shape.value.strip() or "slab"))
         self.kind.on_value_change(self.begin_kind)
@@ -267,7 +271,9 @@ class DesignPage:
             shown = f"{value} (missing)" if value else "choose one"
             self.fields[name].set_options(select_options.offered(offered, value, shown), value=value)
         asked = (state.tissue, state.aim, state.resin, Path(state.calibration).parent.name, state.punch)
-        self.question.set_text(f"Judged against {', '.join(name for name in asked if name)}")
+        changed = [name for name, usual in self.usual.items() if getattr(state, name) != usual]
+        marks = f" (changed: {', '.join(changed)})" if changed else ""
+        self.question.set_text(f"Judged against {', '.join(name for name in asked if name)}{marks}")
         self.kind.set_value(state.kind)
         self.punch.set_value(state.punch)
         self.shape.set_value(state.shape)

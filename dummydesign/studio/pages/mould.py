@@ -93,7 +93,7 @@ class MouldPage:
         with widgets.fresh(self.source):
             _source(self.root, now)
         self.section.set_content(figures.section_html(self.root, now))
-        self.work.main = not verdict_of(self.root, now)
+        self.work.main = not (verdict_of(self.root, now) or project_index.wants_puck(self.root, now))
         self.work.renew()
         self.list_moulds()
 
@@ -195,6 +195,8 @@ def _source(root: Path, state: State) -> None:
         )
     if red := verdict_of(root, state):
         html('<p class="problem" role="alert" data-test="red">Do not cast this pad. {}</p>', red)
+    elif project_index.wants_puck(root, state):
+        widgets.go("/resin", "Measure one puck first", test="puck-first")
 
 
 def _links(root: Path, folder: str) -> None:

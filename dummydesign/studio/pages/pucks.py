@@ -21,7 +21,7 @@ from dummydesign.studio.widgets import NumberField, html, keep_state, open_page
 TYPED = "puck_"
 """Beginning of the names under which the address keeps the choices of this page, which are named as the options are."""
 SIZES_MM = (1.0, 500.0)
-NUMBER = ("value", "low", "high", "kind", "source")
+NUMBER = ("value", "low", "high", "kind")
 
 
 class PuckPage:
@@ -76,9 +76,9 @@ class PuckPage:
         from dummydesign.resin.describe import explain
 
         numbers = explain(load_resin(absolute(self._root, self._state.resin)))["numbers"].items()
-        head = ("number", "unit", "value", "95 % low", "95 % high", "kind", "source")
+        head = ("number", "unit", "value", "95 % low", "95 % high", "kind")
         rows = [[*project_index.name_and_unit(name), *(one[key] for key in NUMBER)] for name, one in numbers]
-        widgets.table(head, rows, words=True)
+        widgets.table(head, rows, symbols=[one["source"] for _, one in numbers])
         widgets.command_line(["resins", "show", self._state.resin])
 
     def _renew(self) -> None:

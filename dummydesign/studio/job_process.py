@@ -17,7 +17,6 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from itertools import islice
 from pathlib import Path
 
 from dummydesign.core.errors import InputError
@@ -91,8 +90,7 @@ def main(folder: Path, handed_on: int | None = None) -> int:
 def is_turn(folder: Path) -> bool:
     """Whether fewer than ``MOST_AT_ONCE`` jobs that were started before this one are not done yet."""
     earlier = (one for one in folder.parent.glob("[0-9]*-*") if place_in_queue(one) < place_in_queue(folder))
-    left = (one for one in earlier if not (one / STATUS).exists() and is_locked(one / LOCK))
-    return len(list(islice(left, MOST_AT_ONCE))) < MOST_AT_ONCE
+    return sum(not (one / STATUS).exists() and is_locked(one / LOCK) for one in earlier) < MOST_AT_ONCE
 
 
 def place_in_queue(folder: Path) -> tuple[int, str]:

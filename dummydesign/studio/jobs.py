@@ -36,21 +36,19 @@ def shown(words: Sequence[str]) -> str:
     return shlex.join(["dummydesign", *words])
 
 
-def options(given: Mapping[str, object]) -> list[str]:
-    """Options that are not empty: numbers short, True as a bare flag."""
-    words: list[str] = []
-    for name, value in given.items():
-        text = f"{value:g}" if isinstance(value, int | float) else str(value or "").strip()
+def command(*words: str, **options: object) -> list[str]:
+    """A command with those of its options that are not empty: numbers short, True as a bare flag."""
+    typed = list(words)
+    for name, value in options.items():
+        option, text = (
+            f"--{name.replace('_', '-')}",
+            f"{value:g}" if isinstance(value, int | float) else str(value or ""),
+        )
         if value is True:
-            words.append(f"--{name}")
-        elif value is not False and text:
-            words += [f"--{name}", text]
-    return words
-
-
-def suggest(given: Mapping[str, object], out: str) -> list[str]:
-    """Design a pad, without its mould."""
-    return ["suggest", *options(given), "--no-cad", "--out", f"designs/{out}"]
+            typed.append(option)
+        elif value is not False and text.strip():
+            typed += [option, text.strip()]
+    return typed
 
 
 KINDS = {

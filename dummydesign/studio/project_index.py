@@ -104,8 +104,7 @@ def doubts_of_design(root: Path, folder: str, state: State) -> list[str]:
 
 def wants_puck(root: Path, state: State) -> bool:
     """Whether the design of this pad is settled by a puck of its resin, which was not measured yet."""
-    unsettled = summary_of_pad(root, state).get("verdict") == "not_settled"
-    return unsettled and not measured(absolute(root, state.resin))
+    return summary_of_pad(root, state).get("verdict") == "not_settled" and not measured(absolute(root, state.resin))
 
 
 def summary_of_pad(root: Path, state: State) -> dict[str, Any]:

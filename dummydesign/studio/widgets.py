@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, TypeVar, cast
 from urllib.parse import urlencode
 
 from nicegui import ui
@@ -148,8 +148,17 @@ def _tell_failures() -> None:
     ui.on_exception(tell)
 
 
-for kind in (ui.expansion, ui.select):
+for kind in (ui.expansion, ui.input, ui.select):
     kind.default_style("width:100%")
+
+
+Made = TypeVar("Made", bound=ui.element)
+
+
+def having(element: Made, **props: str) -> Made:
+    """Give an element properties of any letters, those that are empty left out; as text a backslash would end them."""
+    element.props.update({name.replace("_", "-"): value for name, value in props.items() if value})
+    return element
 
 
 def html(template: str, *values: object) -> ui.html:
@@ -159,10 +168,8 @@ def html(template: str, *values: object) -> ui.html:
 
 def area(test: str = "", live: bool = False) -> ui.element:
     """Add an empty place as wide as the page; screen readers speak what appears in a ``live`` one."""
-    element = ui.element("div").style("width:100%")
-    if test:
-        element.props(f'data-test="{test}"')
-    return element.props('role="status" aria-live="polite"') if live else element
+    place = ui.element("div").style("width:100%").props('role="status" aria-live="polite"' if live else "")
+    return having(place, data_test=test)
 
 
 def fresh(element: ui.element) -> ui.element:
@@ -180,9 +187,7 @@ def on_change(then: Callable[..., object], *fields: ui.element) -> None:
 def button(words: str, action: Callable[..., object], test: str = "", label: str = "", main: bool = False) -> ui.button:
     """Add a button, outlined unless it is a main one; ``label`` is what screen readers speak for its words."""
     added = ui.button(words, on_click=action, color="primary" if main else None).props("" if main else "outline")
-    # not in a text of properties: a name with a backslash in it would break off there
-    added.props.update({name: text for name, text in (("data-test", test), ("aria-label", label)) if text})
-    return added
+    return having(added, data_test=test, aria_label=label)
 
 
 def number_of(text: str, name: str, key: str = "") -> float | None:
@@ -213,8 +218,7 @@ class NumberField(ui.input):
     ) -> None:
         self._name, self._low, self._high = label, low, high
         super().__init__(label, value="" if value is None else f"{value:.10g}", validation=self._refusal)
-        given = {"inputmode": "decimal", "data-test": test, "hint": hint}
-        self.props("hide-bottom-space").props.update({name: text for name, text in given.items() if text})
+        having(self.props("hide-bottom-space"), inputmode="decimal", data_test=test, hint=hint)
 
     @property
     def number(self) -> float | None:
@@ -238,8 +242,8 @@ def way_back(field: ui.element, usual: object, back: Callable[[], object] | None
     with field.add_slot("append"):
         mark = ui.button(icon="undo", on_click=back or (lambda: own.set_value(usual)), color=None)
     words = f"{field.props.get('label', '')} was changed: back to the default"
-    mark.props.update({"aria-label": words, "title": words, "data-test": "back"})
-    mark.props("flat dense round size=sm").bind_visibility_from(own, "value", lambda value: value not in (usual, None))
+    having(mark.props("flat dense round size=sm"), aria_label=words, title=words, data_test="back")
+    mark.bind_visibility_from(own, "value", lambda value: value not in (usual, None))
 
 
 class Form:
@@ -290,8 +294,7 @@ def fields() -> ui.element:
 
 def fold(words: str, test: str = "", fill: Callable[[], object] | None = None, opened: bool = False) -> ui.expansion:
     """Add a part that is folded; ``fill`` fills it each time it is opened."""
-    panel = ui.expansion(words, value=opened)
-    panel.props.update({"data-test": test} if test else {})
+    panel = having(ui.expansion(words, value=opened), data_test=test)
 
     def turned() -> None:
         with fresh(panel):
@@ -317,15 +320,18 @@ def tabs(names: Mapping[str, str], first: str, turned: Callable[[str], object]) 
 
 def select(label: str, known: Mapping[str, str], value: str, test: str = "") -> ui.select:
     """Add a field to choose from value to words; what is chosen now is offered too when it is not there any more."""
-    added = ui.select(offered(known, value), value=value, label=label)
-    added.props.update({"data-test": test} if test else {})
-    return added
+    return having(ui.select(offered(known, value), value=value, label=label), data_test=test)
+
+
+def offer(field: ui.select, known: Mapping[str, str], value: str) -> None:
+    """Offer what there is; what is chosen and not there is offered as missing, and nothing takes its place."""
+    field.set_options(offered(known, value, f"{value} (missing)" if value else "choose one"), value=value)
 
 
 def select_several(label: str, known: Mapping[str, str], value: Sequence[str], test: str) -> ui.select:
     """Add a field to choose several of value to words."""
     added = ui.select(dict(known), multiple=True, value=list(value), label=label)
-    return added.props(f'use-chips data-test="{test}"').style("grid-column:1/-1")
+    return having(added.props("use-chips").style("grid-column:1/-1"), data_test=test)
 
 
 def marked(text: str) -> Markup:
@@ -396,7 +402,7 @@ def command_line(words: Sequence[str]) -> None:
     with ui.element("div").classes("command"):
         html('<code tabindex="0" title="{}">{}</code>', verbatim(text), verbatim(text))
         copy = ui.button(icon="content_copy", on_click=lambda: ui.clipboard.write(text), color=None)
-        copy.props('flat dense size=sm aria-label="copy the command"')
+        having(copy.props("flat dense size=sm"), aria_label="copy the command")
 
 
 def facts(rows: Sequence[tuple[str, str]]) -> None:

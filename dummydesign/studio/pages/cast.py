@@ -21,7 +21,7 @@ from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, file_transfer, project_index, select_options, widgets
 from dummydesign.studio.file_actions import DropList
 from dummydesign.studio.job_panel import JobPanel
-from dummydesign.studio.jobs import Job, changed_since, options
+from dummydesign.studio.jobs import Job, changed_since, command
 from dummydesign.studio.markup import Markup, filled
 from dummydesign.studio.project_index import PadWithPresses
 from dummydesign.studio.state import State, page_link
@@ -158,22 +158,23 @@ class PressComparison:
         """The comparison as a command."""
         pad, presses = self.presses()
         stem = self.tissue.value.rpartition("/")[2].removesuffix(".toml")
-        given = {
-            "tissue": self.tissue.value,
-            "lowpass": pad.lowpass,
-            "record": self.record.value,
-            "punch": pad.punch,
-            "out": f"designs/compare-{stem}",
-        }
-        return ["compare", *presses, *options(given)]
+        return command(
+            "compare",
+            *presses,
+            tissue=self.tissue.value,
+            lowpass=pad.lowpass,
+            record=self.record.value,
+            punch=pad.punch,
+            out=f"designs/compare-{stem}",
+        )
 
     def replay_words(self) -> list[str]:
         """The prediction as a command; offered for a pad of a campaign alone."""
         if not self.calibration.value:
             message = "choose a calibration: the model is then compared with the presses too"
             raise InputError(message, "missing", "calibration")
-        pad, given = self.chosen(), {"calibration": self.calibration.value, "tissue": self.tissue.value}
-        return ["replay", pad.campaign if pad else "", *options(given)]
+        campaign = pad.campaign if (pad := self.chosen()) else ""
+        return command("replay", campaign, calibration=self.calibration.value, tissue=self.tissue.value)
 
     def replay_belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a job predicted this campaign with this calibration."""
@@ -202,16 +203,15 @@ class PressComparison:
 
     def show(self, job: Job) -> None:
         """Verdict, what to do with the pad, each press, and the report of a comparison."""
-        from dummydesign.report.compare import next_steps
+        from dummydesign.report.compare import next_steps, pad_text
 
         answer, files = job.answer, job.answer.get("files") or {}
         widgets.tell_changes(self.root, str(files.get("manifest") or ""), "Compare again.")
         if verdict := answer["verdict"]:
             widgets.tell_verdict(verdict["light"], verdict["text"], test="verdict")
             html('<p data-test="correction">{}</p>', full_sentence(next_steps(answer)[0]))
-        if pad := answer.get("pad"):
-            size = f"{pad['thickness_mm']:.2f} mm (standard error {pad['thickness_sd_mm']:.2f} mm)"
-            html("<p>Cast: {}, {}.</p>", size, "accepted" if pad["accepted"] else "not accepted")
+        if cast := pad_text(answer):
+            html("<p>The pad: {}.</p>", cast)
         if path := files.get("report_values"):
             plots = figures.compared_plots(self.root / path)
             html('<div data-test="compared-plots">{}</div>', Markup(plots_html(plots)))
@@ -266,8 +266,8 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
     def words() -> list[str]:
         gauges = gauged.filled(**{name: f"thickness at {name}" for name in gauged.fields})
         thickness = ",".join(f"{name}={value:g}" for name, value in gauges.items())
-        given = {"thickness": thickness, **others.filled(mass="the mass of the trimmed pad")}
-        return ["mold", "record", chosen.value, *options(given)]
+        more = others.filled(mass="the mass of the trimmed pad")
+        return command("mold", "record", chosen.value, thickness=thickness, **more)
 
     def list_records() -> None:
         """List what was recorded, here and among the choices of the comparison."""
@@ -421,15 +421,16 @@ class PeopleOfPad:
                 raise InputError(f"type {purpose.quantity}", "missing", "drive")
         numbers = ",".join(f"{value:g}" for value in values.values())
         drive = read_drive(f"{self.drive.value}:{numbers}" if numbers else self.drive.value)
-        given = {
-            "tissue": tissue,
-            "drive": drive.text,
-            "limits": self.limits.value,
-            "lowpass": pad.lowpass,
-            "punch": pad.punch,
-            "out": f"designs/on-person-{Path(tissue).stem}",
-        }
-        return ["on-person", *presses, *options(given)]
+        return command(
+            "on-person",
+            *presses,
+            tissue=tissue,
+            drive=drive.text,
+            limits=self.limits.value,
+            lowpass=pad.lowpass,
+            punch=pad.punch,
+            out=f"designs/on-person-{Path(tissue).stem}",
+        )
 
     def _known_limits(self) -> dict[str, str]:
         return {"": "none"} | {f"{LIMITS}/{one.name}": one.stem for one in sorted((self.root / LIMITS).glob("*.toml"))}

@@ -65,7 +65,6 @@ class MeasuredPage:
         DropList(self._root, self._take, self._list_files, test="measured")
         self._chosen = widgets.select_several("Files to read", {}, [], "files")
         self._all = widgets.button("Choose all files", lambda: self._choose(self._names()), "all-files")
-        self._all.style("margin-top:.4rem")
         self._work = JobPanel(
             self._root,
             "import",
@@ -125,13 +124,10 @@ class MeasuredPage:
     def _words(self) -> list[str]:
         if not self._chosen.value:
             raise InputError("Choose a file to read.", "missing", "file")
-        names = list(self._chosen.value)
+        names = self._chosen.value
         stem = names[0].rpartition(".")[0] if len(names) == 1 else "all"
-        return [
-            "import",
-            *(f"measured/{name}" for name in names),
-            *jobs.options(self._open.values() | {"out": f"measured/import-{stem}"}),
-        ]
+        files = [f"measured/{name}" for name in names]
+        return jobs.command("import", *files, **self._open.values(), out=f"measured/import-{stem}")
 
     def _belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job read the chosen files."""

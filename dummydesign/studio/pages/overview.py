@@ -50,7 +50,7 @@ def make_new(root: Path) -> None:
 
     def renew() -> None:
         with widgets.fresh(line):
-            widgets.command_line(["init", ".", *jobs.options(given())])
+            widgets.command_line(jobs.command("init", ".", **given()))
 
     problem = ui.element("div")
 

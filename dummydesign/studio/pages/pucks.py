@@ -87,8 +87,8 @@ class PuckPage:
 
     def _ring_words(self) -> list[str]:
         size = witness_size()
-        given = {"puck": size, "resin": self._state.resin, "ratio": self._state.ratio, "out": f"moulds/puck_{size}"}
-        return ["mold", *jobs.options(given)]
+        out = f"moulds/puck_{size}"
+        return jobs.command("mold", puck=size, resin=self._state.resin, ratio=self._state.ratio, out=out)
 
     def _words(self) -> list[str]:
         given = self._form.filled(
@@ -99,7 +99,7 @@ class PuckPage:
             name="the name of the batch",
         )
         select_options.check_name("resin", given["name"])
-        return ["resins", "add-compression", given.pop("press"), *jobs.options(given)]
+        return jobs.command("resins", "add-compression", given.pop("press"), **given)
 
     def _show(self, job: jobs.Job) -> None:
         answer, name = job.answer, job.answer["name"]

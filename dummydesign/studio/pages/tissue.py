@@ -24,7 +24,6 @@ from dummydesign.studio.trash import choose_for_project
 from dummydesign.studio.widgets import html, open_page
 from dummydesign.tissue.model.maxwell_law import arm_names, parameter_words
 
-CHOOSE = "choose one"
 OWN = ("presses", "name", "touched", "people", "group")
 """Choices of this page in the address."""
 
@@ -93,9 +92,7 @@ class TissuePage:
         widgets.button(f"Use {tissue} for this project", lambda: self.use(tissue), "use-fitted")
 
     def _renew(self) -> None:
-        shown = f"{self.tissue} (missing)" if self.tissue else CHOOSE
-        known = select_options.offered(select_options.tissues(self.root), self.tissue, shown)
-        self._chosen.set_options(known, value=self.tissue)
+        widgets.offer(self._chosen, select_options.tissues(self.root), self.tissue)
         with widgets.fresh(self._shown):
             if self.tissue.startswith("tissue/") and (self.root / self.tissue).is_file():
                 manage(self.root, self.tissue, "tissue")
@@ -162,7 +159,7 @@ def fit_panel(page: TissuePage) -> None:
             raise InputError("Choose the presses to fit.", "missing", "trace")
         given = form.values()
         kept = file_transfer.plain_name(f"{(given.pop('name') or '').strip() or 'mine'}.toml")
-        return ["fit", *picked.value, *jobs.options({**given, "out": f"tissue/{kept}"})]
+        return jobs.command("fit", *picked.value, **given, out=f"tissue/{kept}")
 
     def belongs(job: jobs.Job, chosen: list[str]) -> bool:
         """Whether a fit is of the chosen presses and name."""
@@ -295,9 +292,8 @@ class _People:
         self._fields: dict[str, ui.input] = {}
         with ui.element("div").classes("people"):
             for path, words in traces.items():
-                name = ui.input(f"Person of {words}", value=start.get(path, "")).style("width:100%")
-                self._fields[path] = name.props('dense data-test="person"')
-                name.props["data-press"] = words
+                name = ui.input(f"Person of {words}", value=start.get(path, "")).props("dense")
+                self._fields[path] = widgets.having(name, data_test="person", data_press=words)
         self._form = widgets.Form(
             "people",
             lambda: {
@@ -359,13 +355,13 @@ class _People:
         typed = self._form.values()
         law = {"elements": typed["elements"], "mode": "per-speed", "lowpass": typed["lowpass"]}
         return [
-            ["fit", *presses, *jobs.options(law | {"out": f"tissue/{name}/{person}.toml", "replace": True})]
+            jobs.command("fit", *presses, **law, out=f"tissue/{name}/{person}.toml", replace=True)
             for person, presses in people.items()
         ]
 
     def _words(self) -> list[str]:
-        name, replaced = self._tissue(), jobs.options({"replace": self._form.values()["replace"]})
-        return ["tissues", "add", name, *(f"tissue/{name}/{person}.toml" for person in self._people()), *replaced]
+        name, fits = self._tissue(), [f"tissue/{self._tissue()}/{person}.toml" for person in self._people()]
+        return jobs.command("tissues", "add", name, *fits, replace=self._form.values()["replace"])
 
     def _check(self) -> None:
         """Refuse a name that is taken before anything is fitted."""

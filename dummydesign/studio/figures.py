@@ -142,14 +142,8 @@ def designs_plot(root: Path, folders: Sequence[str]) -> Plot | None:
     return replace(plot, name="designs")  # the page has a steady plot of its own
 
 
-def measured_over_fitted(root: Path, answer: Mapping[str, Any]) -> list[Plot]:
-    """Measured force over time with the model's curve, one plot a condition, from the values that the report wrote."""
-    path = answer.get("files", {}).get("report_values")
-    return measured_presses(root / path) if path else []
-
-
 def measured_presses(path: Path) -> list[Plot]:
-    """The presses among the values of a report; none without the file."""
+    """Measured force over time with the model's curve, one plot a condition, from the values that a report wrote."""
     figures = figure_values(path) if path.is_file() else {}
     return [_measured_press(name, rows) for name, rows in figures.items() if name.startswith("press-")]
 
@@ -289,20 +283,9 @@ def pad_page(shape: PadShape, thickness_mm: float) -> str:
 
 def solids_page(parts: dict[str, np.ndarray]) -> str:
     """A page with solids and the script that turns them."""
-    from dummydesign.mold.files.solid_view import view_script
-    from dummydesign.report.page import page, solid_section
+    from dummydesign.mold.files.solid_view import stack, view_page
 
-    section = solid_section(parts, "Drag or use the arrow keys to turn, scroll to zoom.")
-    # the view takes what the lines around it leave of the frame; its own style comes later, so "main" outranks it
-    alone = "" if len(parts) > 1 else "main .viewer .controls{display:none}"
-    small = (
-        "<style>main h1,main h2,.lead,footer,.terms{display:none}html,body,main,section{height:100%;margin:0}"
-        "main{padding:0 .5rem;box-sizing:border-box}main section p{margin:.2rem 0;font-size:.9rem}"
-        "main section,main .viewer{display:flex;flex-direction:column;min-height:0;padding:0;border:0}"
-        "main .viewer,main .viewer .stage{flex:1 1 0;min-height:0}main .viewer .stage{min-height:140px}"
-        f"main .viewer .stage canvas{{height:100%}}{alone}</style>"
-    )
-    return page("Solids", "", [section], scripts=[view_script()], values=False).replace("</head>", f"{small}</head>")
+    return view_page(stack(parts), "The pad", "Drag or use the arrow keys to turn, scroll or pinch to zoom.")
 
 
 def _faces(nodes: np.ndarray) -> np.ndarray:

@@ -417,14 +417,18 @@ MOST_WARNINGS = 4
 
 def warnings(answer: Mapping[str, Any]) -> None:
     """Show what a command warned of."""
-    lines = [[marked(str(one["message"]))] for one in answer.get("warnings", [])]
-    first, rest = (joined("<li>{}</li>", some) for some in (lines[:MOST_WARNINGS], lines[MOST_WARNINGS:]))
-    if first:
-        html('<ul class="warnings">{}</ul>', first)
-    if rest:
-        left = len(lines) - MOST_WARNINGS
-        words = f"{left} more warning{'s' * (left > 1)}"
-        html('<details><summary>{}</summary><ul class="warnings">{}</ul></details>', words, rest)
+    lines = [marked(str(one["message"])) for one in answer.get("warnings", [])]
+    if lines:
+        html("{}", listed(lines, MOST_WARNINGS, "warning"))
+
+
+def listed(lines: Sequence[Markup], most: int, what: str) -> Markup:
+    """A list as HTML: its first lines in sight, further ones folded."""
+    kind, left = f"{what}s", len(lines) - most
+    first, rest = (joined("<li>{}</li>", ([one] for one in some)) for some in (lines[:most], lines[most:]))
+    head = f"{left} more {kind if left > 1 else what}"
+    folded = filled('<details><summary>{}</summary><ul class="{}">{}</ul></details>', head, kind, rest)
+    return filled('<ul class="{}">{}</ul>{}', kind, first, folded if rest else "")
 
 
 def table(

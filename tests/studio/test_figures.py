@@ -86,9 +86,8 @@ def test_measured_presses_are_read_from_the_files_of_a_report(tmp_path, name, ti
     made = Plot(name, "t", "a", "time since contact [s]", "force [N]", "time_s", "force_N", curves, log_x=True)
     other = Plot("residual", "t", "a", "x", "y", "time_s", "force_N", curves)
     (tmp_path / "mine.csv").write_text(csv_text(COLUMNS, [*other.rows(), *made.rows()]), encoding="utf-8")
-    answer = {"files": {"report": "x.html", "report_values": "mine.csv"}}
-    assert figures.measured_over_fitted(tmp_path, {"files": {"report_values": "gone.csv"}}) == []
-    (plot,) = figures.measured_over_fitted(tmp_path, answer)
+    assert figures.measured_presses(tmp_path / "gone.csv") == []
+    (plot,) = figures.measured_presses(tmp_path / "mine.csv")
     assert plot.title == title and plot.x_range == (0.01, 10.0)
     for k, (drawn, one) in enumerate(zip(plot.series, series)):
         assert drawn.label == one.partition(", ")[0] and (drawn.kind == "dots") == one.startswith("measured")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -391,7 +390,7 @@ class PeopleOfPad:
                 name = purpose.quantity.partition(" in ")[0]
                 label = f"{name[0].upper()}{name[1:]}" + (f" [{purpose.unit}]" if purpose.unit else "")
                 self.numbers[purpose] = NumberField(label, usual, test=f"drive-{name}").bind_visibility_from(
-                    self.drive, "value", partial(_is_wanted, purpose)
+                    self.drive, "value", lambda drive, purpose=purpose: purpose in dict(DRIVES[drive].numbers)
                 )
             self.limits = widgets.select("Your limits", self._known_limits(), "", "limits")
         self.work = JobPanel(
@@ -436,8 +435,7 @@ class PeopleOfPad:
         return {"": "none"} | {f"{LIMITS}/{one.name}": one.stem for one in sorted((self.root / LIMITS).glob("*.toml"))}
 
     def _find_limits(self) -> None:
-        known = self._known_limits()
-        self.limits.set_options(known, value=self.limits.value if self.limits.value in known else "")
+        widgets.offer(self.limits, self._known_limits(), self.limits.value)
 
     def _keep_limits(self, name: str, content: bytes) -> Taken:
         """Keep a file of limits that can be read, and choose it."""
@@ -449,11 +447,6 @@ class PeopleOfPad:
         kept = keep_file(self.root, self.root / LIMITS, name, content)
         self.limits.set_options(self._known_limits(), value=f"{LIMITS}/{kept.name}")
         return kept
-
-
-def _is_wanted(purpose: QuantitySpec, drive: str) -> bool:
-    """Whether a drive needs to know a number."""
-    return purpose in dict(DRIVES[drive].numbers)
 
 
 def _numbers() -> dict[QuantitySpec, float | None]:

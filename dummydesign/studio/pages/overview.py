@@ -13,7 +13,7 @@ from dummydesign.project.folder import Project, make_example, make_project
 from dummydesign.project.status import STANDARD_RESIN, ProjectFile, ProjectStatus, measured, pads_of, status_of
 from dummydesign.studio import figures, jobs, project_index, select_options, widgets
 from dummydesign.studio.file_actions import deleted_files
-from dummydesign.studio.markup import STEPS, Markup, filled, in_page_words, joined, verbatim
+from dummydesign.studio.markup import STEPS, Markup, in_page_words, joined, verbatim
 from dummydesign.studio.state import State, absolute, address, design_state, is_design, next_page, next_state, page_link
 from dummydesign.studio.widgets import html
 
@@ -87,13 +87,9 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
         widgets.tell_problem(problem)
     links, cards = links_of(project.root, status, state), []
     for room, (path, words) in ROOMS.items():
-        lines = [[links.get(one.folder) or line_of(one)] for one in reversed(status.files[room])]
-        first, rest = (joined("<li>{}</li>", some) for some in (lines[:8], lines[8:]))
-        folded = (
-            filled("<details><summary>{} more</summary><ul>{}</ul></details>", len(lines) - 8, rest) if rest else ""
-        )
-        cards.append((page_link(path, words), first or Markup("<li>none yet</li>"), folded))
-    html('<div class="cards">{}</div>', joined("<div><h2>{}</h2><ul>{}</ul>{}</div>", cards))
+        lines = [links.get(one.folder) or verbatim(line_of(one)) for one in reversed(status.files[room])]
+        cards.append((page_link(path, words), widgets.listed(lines or [Markup("none yet")], 8, "thing")))
+    html('<div class="cards">{}</div>', joined("<div><h2>{}</h2>{}</div>", cards))
     reports = [
         (f"{one.folder.partition('/')[2]}: report", f"{one.folder}/report.html")
         for one in (*status.files["designs"], *status.files["calibrations"])

@@ -33,7 +33,10 @@ class PuckPage:
         typed = {name.removeprefix(TYPED): text for name, text in query.items() if name.startswith(TYPED)}
         start = typed or _last(project.root)
         with widgets.fold("Print the ring of a puck", "ring", opened=not known):
-            JobPanel(project.root, "ring", "Make the ring", self._ring_words, _show_ring, needs="files")
+            size = witness_size()
+            given = {"puck": size, "resin": state.resin, "ratio": state.ratio, "out": f"moulds/puck_{size}"}
+            words = jobs.command("mold", **given)
+            JobPanel(project.root, "ring", "Make the ring", lambda: words, _show_ring, needs="files")
         widgets.fold(f"Numbers of {state.resin}, with their sources", "numbers", self._numbers)
         if not known:
             html('<p class="note">No presses yet: {} first.</p>', page_link("/measured", "bring in the file of a puck"))
@@ -85,11 +88,6 @@ class PuckPage:
         keep_state(self._state, **{f"{TYPED}{name}": text for name, text in self._form.kept().items()})
         self._work.renew()
 
-    def _ring_words(self) -> list[str]:
-        size = witness_size()
-        out = f"moulds/puck_{size}"
-        return jobs.command("mold", puck=size, resin=self._state.resin, ratio=self._state.ratio, out=out)
-
     def _words(self) -> list[str]:
         given = self._form.filled(
             press="which press is the puck's",
@@ -113,16 +111,14 @@ class PuckPage:
                 (f"{low} to {high}", "plate friction that fits, in the interval"),
             ]
         )
-        rows, problem = _moduli(self._root / job.words[2], answer)
-        if problem:
-            html('<p class="problem" role="alert">{}</p>', problem)
-        widgets.table(["", "modulus kPa", "95 % low", "95 % high"], rows)
         if answer["action"] == "unchanged":
             html('<p class="note">{} has this puck already. Nothing was changed.</p>', name)
         if answer.get("before"):
             html('<p class="note">The puck was known at {}. It was replaced.</p>', answer["before"])
         html("<p>The resin is in your own library, for all projects. Add further pucks under its name.</p>")
-        if not problem:
+        with widgets.problems_in(widgets.area()):
+            rows = _moduli(self._root / job.words[2], answer)
+            widgets.table(["", "modulus kPa", "95 % low", "95 % high"], rows)
             widgets.button(f"Use {name} for this project", lambda: self._use(name), "use-resin", main=True)
 
     def _use(self, name: str) -> None:
@@ -158,24 +154,22 @@ def _is_trace(path: Path) -> bool:
     return {"time_s", "displacement_mm", "force_N"} <= words
 
 
-def _moduli(puck: Path, answer: Mapping[str, Any]) -> tuple[list[list[object]], str]:
-    """Rows of the resin's modulus at the puck's ratio without and with this puck; or what is wrong."""
+def _moduli(puck: Path, answer: Mapping[str, Any]) -> list[list[object]]:
+    """Rows of the resin's modulus at the puck's ratio without and with this puck."""
     from dummydesign.measurement.trace import read_trace
     from dummydesign.resin.model.resin_file import load_resin, recording_sha256
     from dummydesign.resin.update import known_puck, without_puck
 
-    rows: list[list[object]] = [["this puck alone", *(answer["young_kPa"][key] for key in ("value", "low", "high"))]]
-    try:
-        resin, sha256 = load_resin(answer["name"]), recording_sha256(read_trace(puck))
-    except InputError as refused:
-        return rows, f"{refused}."
+    name, ratio = answer["name"], float(answer["ratio"])
+    resin, sha256 = load_resin(name), recording_sha256(read_trace(puck))
     if known_puck(resin, sha256) is None:
-        return rows, f"The resin '{answer['name']}' does not hold this puck (any more). Run the command again."
-    ratio = float(answer["ratio"])
-    for words, resin_then in (("before", without_puck(resin, sha256)), (answer["name"], resin)):
+        message = f"The resin '{name}' does not hold this puck (any more). Run the command again."
+        raise InputError(message, "file_not_found", "puck")
+    rows: list[list[object]] = [["this puck alone", *(answer["young_kPa"][key] for key in ("value", "low", "high"))]]
+    for words, resin_then in (("before", without_puck(resin, sha256)), (name, resin)):
         one = resin_then.modulus_kPa(ratio)
         rows.append([f"{words}, at ratio {ratio:g}", one.value, one.low, one.high])
-    return rows, ""
+    return rows
 
 
 def _last(root: Path) -> dict[str, str]:

@@ -246,7 +246,7 @@ def show_curves(root: Path, answer: Mapping[str, Any]) -> None:
 
     # several fits on a page have presses of the same name
     own = Path(answer["files"]["tissue"]).with_suffix("").as_posix().replace("/", "-")
-    plots = figures.measured_over_fitted(root, answer)
+    plots = figures.measured_presses(root / answer["files"].get("report_values", ""))
     html("{}", Markup(plots_html(replace(one, name=f"{own}-{one.name}") for one in plots)))
     report = answer["files"].get("report", "")
     if report and (root / report).is_file():
@@ -289,11 +289,14 @@ class _People:
         for path in start.keys() - traces.keys():
             widgets.tell_problem(f"The press '{path}' is not there (any more). It is left out until you bring it back.")
         widgets.button("Take the names from the file names", self._guess, "guess-people")
-        self._fields: dict[str, ui.input] = {}
-        with ui.element("div").classes("people"):
-            for path, words in traces.items():
-                name = ui.input(f"Person of {words}", value=start.get(path, "")).props("dense")
-                self._fields[path] = widgets.having(name, data_test="person", data_press=words)
+        self._persons = widgets.Form(
+            "person",
+            lambda: {
+                path: widgets.having(ui.input(f"Person of {words}"), data_test="person", data_press=words)
+                for path, words in traces.items()
+            },
+            start,
+        )
         self._form = widgets.Form(
             "people",
             lambda: {
@@ -315,7 +318,7 @@ class _People:
             check=self._check,
             main=False,
         )
-        widgets.on_change(self._renew, *self._fields.values(), *self._form.fields.values())
+        widgets.on_change(self._renew, *self._persons.fields.values(), *self._form.fields.values())
 
     def _renew(self) -> None:
         people = "\n".join(f"{path}\t{name}" for path, name in self._assigned().items())
@@ -324,11 +327,11 @@ class _People:
 
     def _guess(self) -> None:
         """Fill in what stands before the first underscore, as ``tissues add`` reads single traces."""
-        for path, field in self._fields.items():
+        for path, field in self._persons.fields.items():
             field.value = Path(path).stem.split("_")[0]
 
     def _assigned(self) -> dict[str, str]:
-        return {path: name for path, field in self._fields.items() if (name := (field.value or "").strip())}
+        return {path: name.strip() for path, name in self._persons.kept().items() if name.strip()}
 
     def _people(self) -> dict[str, list[str]]:
         """Presses of each person."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from markupsafe import Markup, escape
 
@@ -44,20 +44,6 @@ PAGES = {
     "doctor": "",
 }
 """Page of a command, by its first word or two; empty for one that no page runs."""
-_NAMES = "|".join(sorted({command.partition(" ")[0] for command in PAGES}))
-REMEDIES: tuple[tuple[str, str], ...] = (
-    (r" \(--replace overwrites\)| \([^()]*project\.toml\)", ""),
-    (r"--shape auto\b", "Shapes to search: auto"),
-    (r"(\b(add|use|predict) )?--fidelity \w+", "'Solve this pad'"),
-)
-"""What only a command line offers, and what a page offers in its place."""
-COMMAND = re.compile(
-    rf"'(?:dummydesign )?((?:{_NAMES})(?: [^']*)?)'"
-    rf"|\bdummydesign ((?:{_NAMES})\b.*?)(?=[.)]*$|[;,.)]+ )"
-    r"|(?<=\()((?:tissues|resins|campaign|mold) [a-z-]+)(?=\))"
-)
-"""A command in a sentence: in quotes, with what is typed behind it, or alone between brackets."""
-OPTION = re.compile(r"(?<![\w-])--([a-z][a-z0-9-]*)")
 
 
 def page_path(words: Sequence[str]) -> str:
@@ -65,17 +51,37 @@ def page_path(words: Sequence[str]) -> str:
     return PAGES.get(" ".join(words[:2]), PAGES.get(words[0], ""))
 
 
+def _page_of(command: re.Match[str]) -> str:
+    path = page_path(command[command.lastindex or 0].split())
+    return f"the page '{STEPS[path]}'" if path else "the command line"
+
+
+_NAMES = "|".join(sorted({command.partition(" ")[0] for command in PAGES}))
+WORDS: tuple[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str]], ...] = (
+    # a command: in quotes, with what is typed behind it to the end of its sentence, or alone between brackets
+    (
+        re.compile(
+            rf"'(?:dummydesign )?((?:{_NAMES})(?: [^']*)?)'"
+            rf"|\bdummydesign ((?:{_NAMES})\b.*?)(?=[.)]*$|[;,.)]+ )"
+            r"|(?<=\()((?:tissues|resins|campaign|mold) [a-z-]+)(?=\))"
+        ),
+        _page_of,
+    ),
+    # what only a command line offers
+    (re.compile(r" \(--replace overwrites\)| \([^()]*project\.toml\)"), ""),
+    (re.compile(r"--shape auto\b"), "Shapes to search: auto"),
+    (re.compile(r"(\b(add|use|predict) )?--fidelity \w+"), "'Solve this pad'"),
+    # any other option has the name of its field
+    (re.compile(r"(?<![\w-])--([a-z][a-z0-9-]*)"), lambda option: option[1].replace("-", " ")),
+)
+"""Words of the command line, and what pages say in their place."""
+
+
 def in_page_words(text: str) -> str:
     """Return a sentence of a command as pages have it: commands are pages, options are named as fields are."""
-
-    def page(found: re.Match[str]) -> str:
-        path = page_path(found[found.lastindex or 0].split())
-        return f"the page '{STEPS[path]}'" if path else "the command line"
-
-    text = COMMAND.sub(page, text)
-    for pattern, instead in REMEDIES:
-        text = re.sub(pattern, instead, text)
-    return OPTION.sub(lambda found: found[1].replace("-", " "), text)
+    for typed, instead in WORDS:
+        text = typed.sub(instead, text)
+    return text
 
 
 def filled(template: str, *values: object) -> Markup:

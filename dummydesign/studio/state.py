@@ -43,12 +43,11 @@ class State:
 
     def query(self) -> str:
         """Return the state as the query of an address."""
-        given = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "missing"}
         return urlencode(
             {
                 name: f"{value:g}" if isinstance(value, float) else value
-                for name, value in given.items()
-                if value != "" or name == "calibration"
+                for name, value in vars(self).items()
+                if name != "missing" and (value != "" or name == "calibration")
             }
         )
 
@@ -227,8 +226,8 @@ def address(path: str, **query: object) -> str:
 
     The address is relative. The studio lies under a path that changes at each start, and every page is one step below.
     """
-    filled = {name: value for name, value in query.items() if value is not None}
-    given = urlencode(filled, quote_via=quote, errors="surrogateescape")
+    asked = ((name, value) for name, value in query.items() if value is not None)
+    given = urlencode(dict(asked), quote_via=quote, errors="surrogateescape")
     return "./" + quote(path.lstrip("/"), safe="/", errors="surrogateescape") + (f"?{given}" if given else "")
 
 

@@ -7,6 +7,7 @@ import json
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -247,10 +248,9 @@ class DesignPage:
         self.evaluate()
 
     def _aims(self, tissue: str) -> dict[str, str]:
-        try:
+        with suppress(InputError):
             return select_options.aims(absolute(self.root, tissue))
-        except InputError:
-            return {}
+        return {}
 
     def _set_choices(self, state: State) -> None:
         """Offer what there is, and show what is chosen."""

@@ -95,8 +95,8 @@ class LearnPage:
 
     def show_campaign(self) -> None:
         """Whether the campaign is pressed, both commands, and what was learned from it."""
-        plans = {one.folder: one.summary or {} for one in things_in(self.root, "campaigns")}
-        left = plans.get(self.campaign.value, {}).get("missing", 0)
+        plans = (one for one in things_in(self.root, "campaigns") if one.folder == self.campaign.value)
+        left = sum((one.summary or {}).get("missing", 0) for one in plans)
         self.work.main = not left
         with widgets.fresh(self.lacking):
             if left:

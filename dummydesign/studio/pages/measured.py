@@ -101,8 +101,8 @@ class MeasuredPage:
         return taken
 
     def _names(self) -> list[str]:
-        paths = (path for path in self._folder.glob("*.*") if path.suffix.lower() in TEXTS and path.is_file())
-        return sorted(path.name for path in paths if not path.name.startswith("."))
+        paths = self._folder.glob("[!.]*.*")
+        return sorted(path.name for path in paths if path.suffix.lower() in TEXTS and path.is_file())
 
     def _choose(self, names: list[str]) -> None:
         there = self._names()

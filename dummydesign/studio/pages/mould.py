@@ -199,8 +199,8 @@ def _source(root: Path, state: State) -> None:
 
 def _links(root: Path, folder: str) -> None:
     """Two buttons, the solid, a table of parts by format; what is read seldom is folded."""
-    names = [path.name for path in (root / folder).iterdir() if path.is_file() and not path.name.startswith(".")]
-    groups = dict(project_index.grouped_files(names))
+    files = (root / folder).glob("[!.]*")
+    groups = dict(project_index.grouped_files(path.name for path in files if path.is_file()))
     widgets.zip_link(folder, [f"{folder}/{name}" for words, name in groups.get("Pour", []) if "start here" in words])
     with ui.element("div").classes("pair"):
         for view in sorted((root / folder).glob("assembly_*.html"))[:1]:

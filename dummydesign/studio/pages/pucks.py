@@ -141,7 +141,7 @@ def _show_ring(job: jobs.Job) -> None:
 
 def pucks(root: Path) -> dict[str, str]:
     """Files that may be pucks: imported presses, and measured files that are traces as they are."""
-    own = [path for path in sorted((root / "measured").glob("*.csv")) if _is_trace(path)]
+    own = sorted(filter(_is_trace, (root / "measured").glob("*.csv")))
     return select_options.traces(root) | {f"measured/{path.name}": path.name for path in own}
 
 

@@ -195,7 +195,7 @@ def deleted_files(root: Path) -> None:
                 when = time.strftime("%d %b %H:%M", time.localtime(one.time))
                 with ui.element("div").classes("thing"):
                     html("<span>{}, {} {}</span>", one.path, one.why, when)
-                    back = partial(bar.take_back, one, renew)
-                    widgets.button("Restore", back, "restore", f"Restore {one.path}").props("dense")
+                    restore = partial(bar.take_back, one, renew)
+                    widgets.button("Restore", restore, "restore", f"Restore {one.path}").props("dense")
 
     renew()

@@ -302,8 +302,7 @@ def latest(root: Path, name: str) -> Job | None:
 
 def is_last(root: Path, job: Job, made: Callable[[Job], str]) -> bool:
     """Whether no later command of the step made the same file or folder, which took the place of this one's."""
-    same = (one for one in reversed(all_jobs(root, job.name)) if made(one) == made(job))
-    return next(same, job).folder == job.folder
+    return next((one for one in reversed(all_jobs(root, job.name)) if made(one) == made(job)), job).folder == job.folder
 
 
 def is_there(root: Path, job: Job, made: Callable[[Job], str]) -> bool:

@@ -63,7 +63,7 @@ class State:
         return self.shape.partition(":")[0].lower()
 
     @property
-    def question(self) -> dict[str, str]:
+    def question(self) -> dict[str, Any]:
         """What a search is asked, without the pad."""
         return {name: getattr(self, name) for name in QUESTION_FIELDS}
 

@@ -388,10 +388,10 @@ class PeopleOfPad:
             self.numbers: dict[QuantitySpec, NumberField] = {}
             for purpose, usual in _numbers().items():
                 name = purpose.quantity.partition(" in ")[0]
-                label = f"{name[0].upper()}{name[1:]}" + (f" [{purpose.unit}]" if purpose.unit else "")
-                self.numbers[purpose] = NumberField(label, usual, test=f"drive-{name}").bind_visibility_from(
-                    self.drive, "value", lambda drive, purpose=purpose: purpose in dict(DRIVES[drive].numbers)
-                )
+                label = f"{name[0].upper()}{name[1:]}" + f" [{purpose.unit}]" * bool(purpose.unit)
+                wanting = {drive for drive, one in DRIVES.items() if purpose in dict(one.numbers)}
+                field = NumberField(label, usual, test=f"drive-{name}")
+                self.numbers[purpose] = field.bind_visibility_from(self.drive, "value", wanting.__contains__)
             self.limits = widgets.select("Your limits", self._known_limits(), "", "limits")
         self.work = JobPanel(
             self.root,

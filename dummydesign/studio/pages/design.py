@@ -266,7 +266,7 @@ class DesignPage:
         asked = (state.tissue, state.aim, state.resin, Path(state.calibration).parent.name, state.punch)
         changed = [name for name, usual in self.usual.items() if getattr(state, name) != usual]
         marks = f" (changed: {', '.join(changed)})" if changed else ""
-        self.question.set_text(f"Judged against {', '.join(name for name in asked if name)}{marks}")
+        self.question.set_text(f"Judged against {', '.join(filter(None, asked))}{marks}")
         self.kind.set_value(state.kind)
         self.punch.set_value(state.punch)
         self.shape.set_value(state.shape)

@@ -108,8 +108,8 @@ def _show_jobs(root: Path) -> None:
     rows = []
     for job in reversed(jobs.all_jobs(root)[-12:]):
         state = "red" if job.state == "failed" and job.answer else job.progress or job.state
-        notes = [str(one["message"]) for one in job.answer.get("warnings", [])]
-        log = "\n".join([*filter(None, [job.log]), *notes]) or "It wrote nothing beside its answer."
+        notes = (str(one["message"]) for one in job.answer.get("warnings", []))
+        log = "\n".join(filter(None, [job.log, *notes])) or "It wrote nothing beside its answer."
         rows.append((state, job.seconds, verbatim(job.begun), verbatim(log)))
     html(
         "{}",

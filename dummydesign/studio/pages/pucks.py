@@ -34,8 +34,7 @@ class PuckPage:
         start = typed or _last(project.root)
         with widgets.fold("Print the ring of a puck", "ring", opened=not known):
             size = witness_size()
-            given = {"puck": size, "resin": state.resin, "ratio": state.ratio, "out": f"moulds/puck_{size}"}
-            words = jobs.command("mold", **given)
+            words = jobs.command("mold", puck=size, resin=state.resin, ratio=state.ratio, out=f"moulds/puck_{size}")
             JobPanel(project.root, "ring", "Make the ring", lambda: words, _show_ring, needs="files")
         widgets.fold(f"Numbers of {state.resin}, with their sources", "numbers", self._numbers)
         if not known:

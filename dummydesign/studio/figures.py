@@ -17,7 +17,7 @@ from dummydesign.core.files import read_json
 from dummydesign.core.levels import level_name
 from dummydesign.design.plot_data import force_grids
 from dummydesign.design.request import ANSWER
-from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.geometry.dimensions import PAD_WIDTH_MM
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.report.page import STYLES, figure_values, log_start
 from dummydesign.report.plot import Plot, Series, keys_html, press_plot, steady_plot
@@ -245,53 +245,6 @@ def _outline(punch: Punch, foot_mm: float) -> tuple[np.ndarray, np.ndarray]:
     if height[-1] < TALL_MM:
         across, height = np.r_[across, across[-1]], np.r_[height, TALL_MM]
     return np.r_[-across[::-1], across], foot_mm + np.r_[height[::-1], height]
-
-
-def pad_page(shape: PadShape, thickness_mm: float) -> str:
-    """A page of its own with a pad as a solid to turn: layers apart, cut through the middle where a bone is inside."""
-    half = 0.5 * np.array([PAD_LENGTH_MM, PAD_WIDTH_MM])
-    fine = np.r_[np.linspace(-32.0, 32.0, 33), np.linspace(-16.0, 16.0, 65)]
-    x, y = (np.unique(np.r_[-h, fine[np.abs(fine) < h], h]) for h in half)
-
-    def body(x: np.ndarray, y: np.ndarray, low: Any, high: Any) -> np.ndarray:
-        """What lies between two height fields, closed; shape (n, 3, 3)."""
-        across, along = np.meshgrid(x, y, indexing="ij")
-        over, under = (
-            np.stack(
-                [across, along, np.broadcast_to(one(across, along) if callable(one) else one, across.shape)], axis=-1
-            )
-            for one in (high, low)
-        )
-        sides = (np.s_[::-1, 0], np.s_[:, -1], np.s_[0], np.s_[-1, ::-1])
-        walls = (_faces(np.stack([under[side], over[side]])) for side in sides)
-        faces = np.concatenate([_faces(over), _faces(under)[:, ::-1], *walls])
-        return faces[np.ptp(faces[:, :, 2], axis=1) + np.ptp(faces[:, :, 1], axis=1) > 0.0]
-
-    def top(across: np.ndarray, along: np.ndarray) -> np.ndarray:
-        return thickness_mm - np.asarray(shape.drop_mm(across, along), float)
-
-    if (layers := shape.layers()) is not None:
-        between = thickness_mm - layers[0]
-        ends = x[[0, -1]], y[[0, -1]]
-        return solids_page({"lower layer": body(*ends, 0.0, between), "upper layer": body(*ends, between, top)})
-    if float(np.max(shape.bone_mm(np.zeros(1), np.zeros(1)))) > 0.0:
-        bone = body(x, y, 0.0, shape.bone_mm)
-        bone = bone[bone[:, :, 2].max(axis=1) > 0.0]
-        return solids_page({"rigid bone": bone, "pad": body(x, y[y >= 0.0], shape.bone_mm, top)})
-    return solids_page({"pad": body(x, y, 0.0, top)})
-
-
-def solids_page(parts: dict[str, np.ndarray]) -> str:
-    """A page with solids and the script that turns them."""
-    from dummydesign.mold.files.solid_view import stack, view_page
-
-    return view_page(stack(parts), "The pad", "Drag or use the arrow keys to turn, scroll or pinch to zoom.")
-
-
-def _faces(nodes: np.ndarray) -> np.ndarray:
-    """Triangles over a grid of points, seen from above; shape (n, 3, 3)."""
-    a, b, c, d = nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]
-    return np.concatenate([np.stack([a, b, c], -2).reshape(-1, 3, 3), np.stack([a, c, d], -2).reshape(-1, 3, 3)])
 
 
 KIND_COLUMNS: dict[str, str | Callable[[Any], object]] = {

@@ -10,6 +10,7 @@ import pytest
 from dummydesign.core.files import csv_text
 from dummydesign.design.pad_evaluator import PadEvaluator
 from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.mold.files.solid_view import pad_solids, pad_view
 from dummydesign.report.plot import COLUMNS, Plot, Series, plots_js
 from dummydesign.studio import figures
 from dummydesign.studio.slider_model import evaluator_of
@@ -122,9 +123,9 @@ def test_the_script_of_the_plots_is_an_element_of_the_head():
         ("boned:radius=7.7,height=3.6,foot=6.5", {"rigid bone", "pad"}),
     ],
 )
-def test_a_solid_shows_what_is_inside_a_pad(text, parts, monkeypatch):
-    monkeypatch.setattr(figures, "solids_page", lambda solids: solids)
-    solids = figures.pad_page(read_shape(text), 9.0)
+def test_a_solid_shows_what_is_inside_a_pad(text, parts):
+    solids = pad_solids(read_shape(text), 9.0)
+    assert all(f'"{name}"' in pad_view(read_shape(text), 9.0) for name in parts)
     assert set(solids) == parts
     assert all(len(faces) and np.isfinite(faces).all() for faces in solids.values())
     volume = sum(

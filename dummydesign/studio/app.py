@@ -28,8 +28,9 @@ from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.files import acquire_lock, writing
 from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.mold.files.solid_view import pad_view
 from dummydesign.report.plot import PLOTLY
-from dummydesign.studio import figures, file_transfer
+from dummydesign.studio import file_transfer
 from dummydesign.studio.access import FRAME_POLICY, VIEW, Guard, same_secret
 from dummydesign.studio.file_actions import undo_bar
 from dummydesign.studio.pages import campaign, cast, design, learn, measured, mould, overview, pucks, tissue
@@ -124,7 +125,7 @@ def make_app(root: Path) -> FastAPI:
             raise out_of_range("thickness in mm", thickness, *THICKNESS_MM, "pads that can be cast")
         made = read_shape(shape)
         made.check(thickness)
-        return HTMLResponse(figures.pad_page(made, thickness))
+        return HTMLResponse(pad_view(made, thickness))
 
     for path in PAGES:
         _add_page(root, path)

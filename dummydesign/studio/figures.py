@@ -17,7 +17,7 @@ from dummydesign.core.files import read_json
 from dummydesign.core.levels import level_name
 from dummydesign.design.plot_data import force_grids
 from dummydesign.design.request import ANSWER
-from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.geometry.dimensions import PAD_WIDTH_MM
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.report.page import STYLES, figure_values, log_start
 from dummydesign.report.plot import Plot, Series, keys_html, press_plot, steady_plot
@@ -142,14 +142,8 @@ def designs_plot(root: Path, folders: Sequence[str]) -> Plot | None:
     return replace(plot, name="designs")  # the page has a steady plot of its own
 
 
-def measured_over_fitted(root: Path, answer: Mapping[str, Any]) -> list[Plot]:
-    """Measured force over time with the model's curve, one plot a condition, from the values that the report wrote."""
-    path = answer.get("files", {}).get("report_values")
-    return measured_presses(root / path) if path else []
-
-
 def measured_presses(path: Path) -> list[Plot]:
-    """The presses among the values of a report; none without the file."""
+    """Measured force over time with the model's curve, one plot a condition, from the values that a report wrote."""
     figures = figure_values(path) if path.is_file() else {}
     return [_measured_press(name, rows) for name, rows in figures.items() if name.startswith("press-")]
 
@@ -251,64 +245,6 @@ def _outline(punch: Punch, foot_mm: float) -> tuple[np.ndarray, np.ndarray]:
     if height[-1] < TALL_MM:
         across, height = np.r_[across, across[-1]], np.r_[height, TALL_MM]
     return np.r_[-across[::-1], across], foot_mm + np.r_[height[::-1], height]
-
-
-def pad_page(shape: PadShape, thickness_mm: float) -> str:
-    """A page of its own with a pad as a solid to turn: layers apart, cut through the middle where a bone is inside."""
-    half = 0.5 * np.array([PAD_LENGTH_MM, PAD_WIDTH_MM])
-    fine = np.r_[np.linspace(-32.0, 32.0, 33), np.linspace(-16.0, 16.0, 65)]
-    x, y = (np.unique(np.r_[-h, fine[np.abs(fine) < h], h]) for h in half)
-
-    def body(x: np.ndarray, y: np.ndarray, low: Any, high: Any) -> np.ndarray:
-        """What lies between two height fields, closed; shape (n, 3, 3)."""
-        across, along = np.meshgrid(x, y, indexing="ij")
-        over, under = (
-            np.stack(
-                [across, along, np.broadcast_to(one(across, along) if callable(one) else one, across.shape)], axis=-1
-            )
-            for one in (high, low)
-        )
-        sides = (np.s_[::-1, 0], np.s_[:, -1], np.s_[0], np.s_[-1, ::-1])
-        walls = (_faces(np.stack([under[side], over[side]])) for side in sides)
-        faces = np.concatenate([_faces(over), _faces(under)[:, ::-1], *walls])
-        return faces[np.ptp(faces[:, :, 2], axis=1) + np.ptp(faces[:, :, 1], axis=1) > 0.0]
-
-    def top(across: np.ndarray, along: np.ndarray) -> np.ndarray:
-        return thickness_mm - np.asarray(shape.drop_mm(across, along), float)
-
-    if (layers := shape.layers()) is not None:
-        between = thickness_mm - layers[0]
-        ends = x[[0, -1]], y[[0, -1]]
-        return solids_page({"lower layer": body(*ends, 0.0, between), "upper layer": body(*ends, between, top)})
-    if float(np.max(shape.bone_mm(np.zeros(1), np.zeros(1)))) > 0.0:
-        bone = body(x, y, 0.0, shape.bone_mm)
-        bone = bone[bone[:, :, 2].max(axis=1) > 0.0]
-        return solids_page({"rigid bone": bone, "pad": body(x, y[y >= 0.0], shape.bone_mm, top)})
-    return solids_page({"pad": body(x, y, 0.0, top)})
-
-
-def solids_page(parts: dict[str, np.ndarray]) -> str:
-    """A page with solids and the script that turns them."""
-    from dummydesign.mold.files.solid_view import view_script
-    from dummydesign.report.page import page, solid_section
-
-    section = solid_section(parts, "Drag or use the arrow keys to turn, scroll to zoom.")
-    # the view takes what the lines around it leave of the frame; its own style comes later, so "main" outranks it
-    alone = "" if len(parts) > 1 else "main .viewer .controls{display:none}"
-    small = (
-        "<style>main h1,main h2,.lead,footer,.terms{display:none}html,body,main,section{height:100%;margin:0}"
-        "main{padding:0 .5rem;box-sizing:border-box}main section p{margin:.2rem 0;font-size:.9rem}"
-        "main section,main .viewer{display:flex;flex-direction:column;min-height:0;padding:0;border:0}"
-        "main .viewer,main .viewer .stage{flex:1 1 0;min-height:0}main .viewer .stage{min-height:140px}"
-        f"main .viewer .stage canvas{{height:100%}}{alone}</style>"
-    )
-    return page("Solids", "", [section], scripts=[view_script()], values=False).replace("</head>", f"{small}</head>")
-
-
-def _faces(nodes: np.ndarray) -> np.ndarray:
-    """Triangles over a grid of points, seen from above; shape (n, 3, 3)."""
-    a, b, c, d = nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]
-    return np.concatenate([np.stack([a, b, c], -2).reshape(-1, 3, 3), np.stack([a, c, d], -2).reshape(-1, 3, 3)])
 
 
 KIND_COLUMNS: dict[str, str | Callable[[Any], object]] = {

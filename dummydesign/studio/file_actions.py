@@ -46,7 +46,7 @@ def manage(root: Path, path: str, kind: str, then: Then = ui.navigate.reload) ->
             bar.run(then)
 
     made = widgets.button("Delete", remove, "delete", f"Delete the {kind} {name}").props("dense")
-    made.props["data-name"] = name
+    widgets.having(made, data_name=name)
     refused = ui.element("div")
 
 
@@ -153,19 +153,18 @@ class UndoBar:
             widgets.button("Close", self._area.clear, label="Close this message").props("dense")
         return line
 
-    def offer(self, gone: bin.Deleted, then: Then = ui.navigate.reload, focus: bool = True) -> None:
-        """Show what was deleted, with its button; the button that deleted it is gone, so this one gets the focus."""
-        name = gone.path.rpartition("/")[2]
-
-        def undo() -> None:
-            try:
-                bin.restore(self._root, gone)
-            except InputError as problem:
-                self.say(f"{problem}.")
-                return
-            self.say(f"{gone.path} is back.")
+    def take_back(self, gone: bin.Deleted, then: Then) -> None:
+        """Bring something back from the bin, and say so."""
+        try:
+            self.say(f"{bin.restore(self._root, gone)} is back.")
+        except InputError as problem:
+            self.say(f"{problem}.")
+        else:
             self.run(then)
 
+    def offer(self, gone: bin.Deleted, then: Then = ui.navigate.reload, focus: bool = True) -> None:
+        """Show what was deleted, with its button; the button that deleted it is gone, so this one gets the focus."""
+        name, undo = gone.path.rpartition("/")[2], partial(self.take_back, gone, then)
         with self.say(f"The earlier {name} was replaced." if gone.why == "replaced" else f"{name} was deleted."):
             back = widgets.button("Undo", undo, "undo-last", f"Undo: bring back {name}", main=True).props("dense")
             if focus:
@@ -181,28 +180,22 @@ def undo_bar(root: Path) -> UndoBar:
     return bar
 
 
+BACK = '<p class="note">What you restore is listed when you <a href="">load the page again</a>.</p>'
+
+
 def deleted_files(root: Path) -> None:
     """The list of what was deleted, each with a button that restores it."""
-    section = ui.element("section").props('data-test="deleted"').style("width:100%")
-    message = widgets.area(live=True)
-
-    def restore(one: bin.Deleted) -> None:
-        with widgets.problems_in(message):
-            back = bin.restore(root, one)
-            # the bar may still offer to undo the same deletion
-            undo_bar(root).say(f"{back} is back.")
-            with message:
-                html('<p class="note">{} is back. <a href="">Load the page again</a> to see it.</p>', back)
-        renew()
+    section, bar = widgets.area("deleted"), undo_bar(root)
 
     def renew() -> None:
         entries = bin.deleted(root)
         with widgets.fresh(section):
-            html("" if entries else "<p>Nothing was deleted.</p>")
+            html(BACK if entries else "<p>Nothing was deleted.</p>")
             for one in entries:
                 when = time.strftime("%d %b %H:%M", time.localtime(one.time))
                 with ui.element("div").classes("thing"):
                     html("<span>{}, {} {}</span>", one.path, one.why, when)
-                    widgets.button("Restore", partial(restore, one), "restore", f"Restore {one.path}").props("dense")
+                    restore = partial(bar.take_back, one, renew)
+                    widgets.button("Restore", restore, "restore", f"Restore {one.path}").props("dense")
 
     renew()

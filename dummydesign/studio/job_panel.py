@@ -10,6 +10,7 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.studio import jobs, widgets
+from dummydesign.studio.markup import verbatim
 from dummydesign.studio.widgets import html
 
 ENDED = {"failed": "no result", "stopped": "stopped", "lost": "ended"}
@@ -59,7 +60,6 @@ class JobPanel:
         self._seen: object = None
         self.shown: jobs.Job | None = None
         self._watched = ""
-        self._usual: tuple[Path | None, float | None] = None, None
         self._pressed = self.running = False
         with ui.element("section").classes("work"):
             with ui.element("div").classes("state"):
@@ -80,7 +80,7 @@ class JobPanel:
                 for words in self._commands():
                     widgets.command_line(words)
             except InputError as refused:
-                html('<p class="note">{}</p>', widgets.without_options(str(refused)))
+                html('<p class="note">{}</p>', str(refused))
         self.update()
 
     def end(self) -> None:
@@ -112,8 +112,7 @@ class JobPanel:
             return [list(one) for one in job.commands] == commands
 
         def belongs(job: jobs.Job) -> bool:
-            asked = self._belongs or same
-            return asked(job, commands[-1]) and jobs.is_there(self.root, job, self._made)
+            return (self._belongs or same)(job, commands[-1]) and jobs.is_there(self.root, job, self._made)
 
         newest = every[-1] if every else None
         mine = newest is not None and belongs(newest)
@@ -130,9 +129,7 @@ class JobPanel:
         self.shown = answer if answer is not None and self._needs in ("", *answer.answer) else None
         if newest is not None and self.running:
             self._watched = newest.folder.name
-            if newest.folder != self._usual[0]:
-                self._usual = newest.folder, jobs.usual_s(self.name)
-            line = jobs.progress_line(newest, self._usual[1])
+            line = jobs.progress_line(newest, jobs.usual_s(self.name))
             self._status.set_text(line if mine else f"At work for another choice: {line}")
         as_chosen = answer is not None and same(answer, commands[-1])
         # what was asked is there: the button that comes next is the main one
@@ -148,7 +145,7 @@ class JobPanel:
             if answer is not None:
                 if answer is not newest or not as_chosen:
                     when = time.strftime("%d %b %H:%M", time.localtime(answer.started))
-                    html('<p class="source">Result of {}: <code>{}</code></p>', when, answer.begun)
+                    html('<p class="source">Result of {}: <code>{}</code></p>', when, verbatim(answer.begun))
                 if self.shown is not None:
                     self._show(answer)
                     widgets.warnings(answer.answer if self._warn else {})
@@ -162,14 +159,13 @@ class JobPanel:
         self._problem.clear()
         if job is None or job.state == "running":
             return
-        self._status.set_text(ENDED.get(job.state, f"done in {job.seconds:.0f} s") if mine else "")
-        if mine and job.error and job.state != "done":
-            # an answer with a verdict says by itself what is wrong
-            if not (self.shown is not None and {"verdict", "accepted"} & job.answer.keys()):
-                with self._problem:
-                    widgets.tell_problem(widgets.without_options(job.error))
-            if job.state == "failed" and job.answer:
-                self._status.set_text(f"done in {job.seconds:.0f} s")
+        state = "done" if job.has_answer else job.state
+        self._status.set_text(ENDED.get(state, f"done in {job.seconds:.0f} s") if mine else "")
+        # an answer with a verdict says by itself what is wrong
+        tells = self.shown is not None and {"verdict", "accepted"} & job.answer.keys()
+        if mine and job.error and job.state != "done" and not tells:
+            with self._problem:
+                widgets.tell_problem(job.error)
 
 
 def _move_focus(gone: ui.button, stays: ui.button) -> None:

@@ -20,7 +20,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import acquire_lock, read_json, write_text
+from dummydesign.core.files import acquire_lock, is_locked, read_json, write_text
 from dummydesign.core.progress import VARIABLE
 from dummydesign.core.user_library import user_folder
 
@@ -32,6 +32,9 @@ PATIENCE_S = 5.0
 GRACE_S = 120.0
 """How long a command that was stopped may take to clear up. [s]"""
 POLL_S = 0.25
+MOST_AT_ONCE = 2
+"""Commands of a project that may run at once, each may fill a processor; later ones wait for their turn."""
+WAITING = "waits for its turn"
 
 
 def answer_name(number: int, of: int) -> str:
@@ -49,11 +52,17 @@ def main(folder: Path, handed_on: int | None = None) -> int:
     _note(folder / PID, os.getpid())
     signals: list[int] = []
     signal.signal(signal.SIGTERM, lambda number, frame: signals.append(number))
-    start = time.time()
+
+    def asked_to_stop() -> bool:
+        return bool(signals) or (folder / STOP).exists()
+
+    while not (stopped := asked_to_stop()) and not is_turn(folder):
+        _note(folder / PROGRESS, WAITING)
+        time.sleep(POLL_S)
+    start, status = time.time(), 0
     environment = {**os.environ, VARIABLE: str(folder / PROGRESS)}
     commands = [*asked.get("first", []), asked["words"]]
-    status, stopped = 0, False
-    for number, words in enumerate(commands, 1):
+    for number, words in enumerate([] if stopped else commands, 1):
         # The command that ends the job is the last that writes its errors.
         with open(folder / answer_name(number, len(commands)), "wb") as answer, open(folder / ERRORS, "wb") as errors:
             child = subprocess.Popen(
@@ -65,7 +74,7 @@ def main(folder: Path, handed_on: int | None = None) -> int:
                 pass_fds=() if os.name == "nt" else (lock.fileno(),),
             )
         _note(folder / CHILD, child.pid)
-        status, stopped = _wait(child, lambda: bool(signals) or (folder / STOP).exists())
+        status, stopped = _wait(child, asked_to_stop)
         if status or stopped:
             break
     ended = {"status": status, "stopped": stopped, "start": start, "end": time.time()}
@@ -78,10 +87,21 @@ def main(folder: Path, handed_on: int | None = None) -> int:
     return status
 
 
-def _note(path: Path, number: int) -> None:
-    """Keep the number of a process; a disk that is full just now must not leave a command without its runner."""
+def is_turn(folder: Path) -> bool:
+    """Whether fewer than ``MOST_AT_ONCE`` jobs that were started before this one are not done yet."""
+    earlier = (one for one in folder.parent.glob("[0-9]*-*") if place_in_queue(one) < place_in_queue(folder))
+    return sum(not (one / STATUS).exists() and is_locked(one / LOCK) for one in earlier) < MOST_AT_ONCE
+
+
+def place_in_queue(folder: Path) -> tuple[int, str]:
+    """Return what the folders of jobs are ordered by: their numbers, of which the ten-thousandth has a digit more."""
+    return folder.name.index("-"), folder.name
+
+
+def _note(path: Path, text: object) -> None:
+    """Write a number or a word; a disk that is full just now must not leave a command without its runner."""
     with suppress(InputError):
-        write_text(path, str(number))
+        write_text(path, str(text))
 
 
 def times_file() -> Path:

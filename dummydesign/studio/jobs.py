@@ -36,21 +36,19 @@ def shown(words: Sequence[str]) -> str:
     return shlex.join(["dummydesign", *words])
 
 
-def options(given: Mapping[str, object]) -> list[str]:
-    """Options that are not empty: numbers short, True as a bare flag."""
-    words: list[str] = []
-    for name, value in given.items():
-        text = f"{value:g}" if isinstance(value, int | float) else str(value or "").strip()
+def command(*words: str, **options: object) -> list[str]:
+    """A command with those of its options that are not empty: numbers short, True as a bare flag."""
+    typed = list(words)
+    for name, value in options.items():
+        option, text = (
+            f"--{name.replace('_', '-')}",
+            f"{value:g}" if isinstance(value, int | float) else str(value or ""),
+        )
         if value is True:
-            words.append(f"--{name}")
-        elif value is not False and text:
-            words += [f"--{name}", text]
-    return words
-
-
-def suggest(given: Mapping[str, object], out: str) -> list[str]:
-    """Design a pad, without its mould."""
-    return ["suggest", *options(given), "--no-cad", "--out", f"designs/{out}"]
+            typed.append(option)
+        elif value is not False and text.strip():
+            typed += [option, text.strip()]
+    return typed
 
 
 KINDS = {
@@ -103,8 +101,6 @@ def changed_since(paths: list[Path], started: float) -> bool:
 
 
 HOME = ".studio"
-MOST_AT_ONCE = 2
-"""Commands that may run at once: each may fill a processor."""
 STARTING_S = 120.0
 """On systems where a lock cannot be handed on: a command that did not begin within this time never will. [s]"""
 MOST_KEPT = 100
@@ -156,16 +152,21 @@ class Job:
         return read_json(self.folder / runner.answer_name(number, len(self.commands)))
 
     @property
+    def log(self) -> str:
+        """What the command wrote beside its answer."""
+        try:
+            return (self.folder / runner.ERRORS).read_text(encoding="utf-8", errors="replace").strip()
+        except OSError:
+            return ""
+
+    @property
     def error(self) -> str:
         """What went wrong by the command's own words, without ``error:``; empty when nothing did."""
         if self.state == "stopped":
             return "stopped before it was done; nothing half-written is left"
         if self.state == "lost":
             return UNEXPECTED
-        try:
-            lines = (self.folder / runner.ERRORS).read_text(encoding="utf-8", errors="replace").strip().splitlines()
-        except OSError:
-            return ""
+        lines = self.log.splitlines()
         errors = [line.removeprefix("error: ") for line in lines if line.startswith("error: ")]
         if errors or self.state != "failed":
             return errors[-1] if errors else ""
@@ -177,15 +178,11 @@ def start(root: Path, name: str, *commands: Sequence[str]) -> Job:
     for word in chain(*commands):
         if word.startswith(PROFILE):
             inside(root, word.removeprefix(PROFILE))
-    running = [one for one in all_jobs(root) if one.state == "running"]
-    if any(one.name == name for one in running):
+    own = [one for one in all_jobs(root, name) if one.name == name]
+    if any(one.state == "running" for one in own):
         raise InputError("this step is still at work: wait for it, or stop it", "busy", "step", name)
-    if len(running) >= MOST_AT_ONCE:
-        message = f"{len(running)} commands are at work: wait for one, or stop one"
-        raise InputError(message, "busy", "commands", len(running), MOST_AT_ONCE)
     home = root / HOME / "jobs"
-    ended = [one for one in all_jobs(root, name) if one.name == name and one.state != "running"]
-    for one in ended[:-MOST_KEPT]:
+    for one in own[:-MOST_KEPT]:
         shutil.rmtree(one.folder, ignore_errors=True)
     try:
         home.mkdir(parents=True, exist_ok=True)
@@ -218,7 +215,7 @@ def progress_line(job: Job, usual: float | None) -> str:
     # how many steps a search has is known at its end alone
     text = re.sub(r"step \d+ of about \d+: |, about \d+ (s|min) left$", "", job.progress) or "at work"
     left = (usual or 0.0) - job.seconds
-    if left < 1.0:
+    if left < 1.0 or text.endswith(runner.WAITING):
         return f"{text} – {job.seconds:.0f} s"
     rest = f"{left:.0f} s" if left < 90.0 else f"{left / 60.0:.0f} min"
     return f"{text} – {job.seconds:.0f} s, about {rest} left"
@@ -286,8 +283,7 @@ def all_jobs(root: Path, name: str = "*") -> list[Job]:
     check_there(root)
     jobs = []
     folders = (root / HOME / "jobs").glob(f"[0-9]*-{name}")
-    # by their numbers: the ten-thousandth has a digit more
-    for folder in sorted(folders, key=lambda folder: (folder.name.index("-"), folder.name)):
+    for folder in sorted(folders, key=runner.place_in_queue):
         with suppress(OSError, ValueError, KeyError, TypeError, OverflowError):
             status = folder / runner.STATUS
             jobs.append(_ended_job(folder, status.stat().st_mtime_ns) if status.exists() else read_job(folder))
@@ -306,8 +302,7 @@ def latest(root: Path, name: str) -> Job | None:
 
 def is_last(root: Path, job: Job, made: Callable[[Job], str]) -> bool:
     """Whether no later command of the step made the same file or folder, which took the place of this one's."""
-    same = (one for one in reversed(all_jobs(root, job.name)) if made(one) == made(job))
-    return next(same, job).folder == job.folder
+    return next((one for one in reversed(all_jobs(root, job.name)) if made(one) == made(job)), job).folder == job.folder
 
 
 def is_there(root: Path, job: Job, made: Callable[[Job], str]) -> bool:

@@ -104,8 +104,7 @@ def doubts_of_design(root: Path, folder: str, state: State) -> list[str]:
 
 def wants_puck(root: Path, state: State) -> bool:
     """Whether the design of this pad is settled by a puck of its resin, which was not measured yet."""
-    unsettled = summary_of_pad(root, state).get("verdict") == "not_settled"
-    return unsettled and not measured(absolute(root, state.resin))
+    return summary_of_pad(root, state).get("verdict") == "not_settled" and not measured(absolute(root, state.resin))
 
 
 def summary_of_pad(root: Path, state: State) -> dict[str, Any]:
@@ -134,14 +133,14 @@ class CalibrationEntry:
         return any(sha256_of(root / self.campaign / name) != sha for name, sha in self.sums)
 
 
-_UNITS = "kPa|MPa|N|mm|s|deg|kg|g|K|C|um"
+_UNITS = "kPa|MPa|Pa_s|N|mm|cm3|s|min|h|days|deg|kg|g|K|C|um|percent"
 
 
 def name_and_unit(parameter: str) -> tuple[str, str]:
     """A parameter's name in words, and its unit: ``compliance`` and ``mm/N`` of ``compliance_mm_per_N``."""
-    match = re.fullmatch(rf"(.+?)(?:_({_UNITS}))?(?:_per_({_UNITS}))?", parameter)
+    match = re.fullmatch(rf"(.+_at_.+|.+?)(?:_({_UNITS}))?(?:_per_({_UNITS}))?", parameter)
     name, over, under = match.groups() if match else (parameter, None, None)
-    return name.replace("_", " "), f"{over or 1}/{under}" if under else over or ""
+    return name.replace("_", " "), (f"{over or 1}/{under}" if under else over or "").replace("_", " ")
 
 
 def shape_key(text: str) -> str:

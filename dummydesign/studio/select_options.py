@@ -50,8 +50,7 @@ def traces(root: Path) -> dict[str, str]:
 
 def folders(root: Path, room: str, holding: str) -> list[str]:
     """Folders of a room that hold a file of this name, from the project folder on, the newest last."""
-    paths = [path for path in (root / room).glob(f"*/{holding}") if not path.parent.name.startswith(".")]
-    paths.sort(key=lambda path: path.stat().st_mtime)
+    paths = sorted((root / room).glob(f"[!.]*/{holding}"), key=lambda path: path.stat().st_mtime)
     return [path.parent.relative_to(root).as_posix() for path in paths]
 
 

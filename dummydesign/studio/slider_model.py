@@ -75,8 +75,7 @@ def first_shape(
 
 def evaluator_of(root: Path, state: State) -> PadEvaluator:
     """Return what presses the pads of a state; its files are read once as long as they stay the same."""
-    question = State(state.tissue, state.aim, state.resin, state.punch, state.calibration)
-    return _evaluator(root, question, stamp_of(root, state))
+    return _evaluator(root, State(**state.question), stamp_of(root, state))
 
 
 @lru_cache(maxsize=8)

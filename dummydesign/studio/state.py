@@ -17,7 +17,7 @@ from dummydesign.geometry.punch import PROFILE, Punch, read_punch
 from dummydesign.project.folder import Project
 from dummydesign.project.status import STANDARD_RESIN, ProjectFile, ProjectStatus, finished_manifest, things_in
 from dummydesign.studio import file_transfer, select_options
-from dummydesign.studio.markup import Markup, filled
+from dummydesign.studio.markup import Markup, filled, page_path
 
 PAD_FIELDS = ("shape", "thickness_mm", "ratio")
 NO_TISSUE = "No tissue is chosen yet. Choose the one that the pad imitates."
@@ -43,12 +43,11 @@ class State:
 
     def query(self) -> str:
         """Return the state as the query of an address."""
-        given = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "missing"}
         return urlencode(
             {
                 name: f"{value:g}" if isinstance(value, float) else value
-                for name, value in given.items()
-                if value != "" or name == "calibration"
+                for name, value in vars(self).items()
+                if name != "missing" and (value != "" or name == "calibration")
             }
         )
 
@@ -64,7 +63,7 @@ class State:
         return self.shape.partition(":")[0].lower()
 
     @property
-    def question(self) -> dict[str, str]:
+    def question(self) -> dict[str, Any]:
         """What a search is asked, without the pad."""
         return {name: getattr(self, name) for name in QUESTION_FIELDS}
 
@@ -91,13 +90,13 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
         if (text.strip() or name == "calibration") and _in_project(project.root, name, text)
     }
     designs = [one.folder for one in things_in(project.root, "designs") if is_design(one)]
-    own, tissue = _of_project(project), given.get("tissue") or project.tissue or ""
+    own, tissue = of_project(project), given.get("tissue") or project.tissue or ""
     # what was edited by hand since wins over an older design
     chosen = {name: text for name, text in own.items() if name in QUESTION_FIELDS} | {"tissue": tissue or None}
     newest = [folder for folder in designs if chosen.items() <= design_state(project.root, folder).items()]
     # nothing was chosen at all: the newest design says what one worked on
     newest = newest or ([] if tissue else designs)
-    base: dict[str, Any] = {"tissue": tissue, **own}
+    base: dict[str, Any] = {**own, "tissue": tissue}
     if given.get("design") in designs:
         base |= design_state(project.root, given["design"])
     elif newest and "shape" not in given:
@@ -171,10 +170,10 @@ def _inside(root: Path, path: object) -> str:
     return Path(text).relative_to(root).as_posix() if Path(text).is_relative_to(root) else text
 
 
-def _of_project(project: Project) -> dict[str, Any]:
+def of_project(project: Project) -> dict[str, Any]:
     """What ``project.toml`` says of a state; a shape only with its lengths, for a kind alone is to be searched."""
     own = {name: value for name, value in project.given().items() if name in ("shape", *QUESTION_FIELDS[1:])}
-    return {name: value for name, value in own.items() if name != "shape" or ":" in value}
+    return {"tissue": project.tissue or ""} | {k: v for k, v in own.items() if k != "shape" or ":" in v}
 
 
 def _number(text: str, before: Any, is_number: bool) -> Any:
@@ -227,8 +226,8 @@ def address(path: str, **query: object) -> str:
 
     The address is relative. The studio lies under a path that changes at each start, and every page is one step below.
     """
-    filled = {name: value for name, value in query.items() if value is not None}
-    given = urlencode(filled, quote_via=quote, errors="surrogateescape")
+    asked = ((name, value) for name, value in query.items() if value is not None)
+    given = urlencode(dict(asked), quote_via=quote, errors="surrogateescape")
     return "./" + quote(path.lstrip("/"), safe="/", errors="surrogateescape") + (f"?{given}" if given else "")
 
 
@@ -251,25 +250,12 @@ def page_link(
     return filled('<a data-test="{}" class="{}"{} href="{}">{}</a>', test, kind, marks, to, words)
 
 
-PAGES = {
-    "tissues": "/tissue",
-    "import": "/measured",
-    "fit": "/tissue",
-    "suggest": "/design",
-    "mold": "/mould",
-    "campaign": "/campaign",
-    "loop": "/learn",
-    "status": "/design",
-    "resins": "/resin",
-}
-"""Page that a command belongs to."""
 _NUMBERS = {"thickness": "thickness_mm", "ratio": "ratio"}
 
 
 def next_page(status: ProjectStatus) -> str:
     """The page on which the next step is done."""
-    words = shlex.split(status.next_command)
-    return "/resin" if "--puck" in words else PAGES.get(words[1], "/design")
+    return page_path(shlex.split(status.next_command)[1:]) or "/design"
 
 
 def next_state(status: ProjectStatus, state: State) -> State:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, TypeVar, cast
 from urllib.parse import urlencode
 
 from nicegui import ui
@@ -24,21 +24,9 @@ from dummydesign.report.plot import plots_js
 from dummydesign.studio.file_transfer import check_there
 from dummydesign.studio.jobs import changed_inputs
 from dummydesign.studio.jobs import shown as as_typed
-from dummydesign.studio.markup import Markup, filled, joined
+from dummydesign.studio.markup import STEPS, Markup, filled, in_page_words, joined, verbatim
 from dummydesign.studio.select_options import offered
 from dummydesign.studio.state import State, address, page_link, read_state
-
-STEPS = (
-    ("/", "Overview"),
-    ("/measured", "1 Measured"),
-    ("/tissue", "2 Tissue"),
-    ("/design", "3 Design"),
-    ("/resin", "4 Puck"),
-    ("/mould", "5 Mould"),
-    ("/cast", "6 Cast pad"),
-    ("/campaign", "7 Campaign"),
-    ("/learn", "8 Learn"),
-)
 
 
 @cache
@@ -81,7 +69,7 @@ def lay_out(
         problem = problem_text(refused)
     if empty and not (project or problem):
         title = "New project"
-    links = Markup().join(page_link(path, words, current=path == here) for path, words in STEPS)
+    links = Markup().join(page_link(path, words, current=path == here) for path, words in STEPS.items())
     html(
         '<a class="skip" href="#body">to the content</a><div class="top"><div class="bar"><span '
         'class="name">{}</span><nav aria-label="steps">{}</nav></div></div>',
@@ -160,8 +148,17 @@ def _tell_failures() -> None:
     ui.on_exception(tell)
 
 
-for kind in (ui.expansion, ui.select):
+for kind in (ui.expansion, ui.input, ui.select):
     kind.default_style("width:100%")
+
+
+Made = TypeVar("Made", bound=ui.element)
+
+
+def having(element: Made, **props: str) -> Made:
+    """Give an element properties of any letters, those that are empty left out; as text a backslash would end them."""
+    element.props.update({name.replace("_", "-"): value for name, value in props.items() if value})
+    return element
 
 
 def html(template: str, *values: object) -> ui.html:
@@ -171,10 +168,8 @@ def html(template: str, *values: object) -> ui.html:
 
 def area(test: str = "", live: bool = False) -> ui.element:
     """Add an empty place as wide as the page; screen readers speak what appears in a ``live`` one."""
-    element = ui.element("div").style("width:100%")
-    if test:
-        element.props(f'data-test="{test}"')
-    return element.props('role="status" aria-live="polite"') if live else element
+    place = ui.element("div").style("width:100%").props('role="status" aria-live="polite"' if live else "")
+    return having(place, data_test=test)
 
 
 def fresh(element: ui.element) -> ui.element:
@@ -192,9 +187,7 @@ def on_change(then: Callable[..., object], *fields: ui.element) -> None:
 def button(words: str, action: Callable[..., object], test: str = "", label: str = "", main: bool = False) -> ui.button:
     """Add a button, outlined unless it is a main one; ``label`` is what screen readers speak for its words."""
     added = ui.button(words, on_click=action, color="primary" if main else None).props("" if main else "outline")
-    # not in a text of properties: a name with a backslash in it would break off there
-    added.props.update({name: text for name, text in (("data-test", test), ("aria-label", label)) if text})
-    return added
+    return having(added, data_test=test, aria_label=label)
 
 
 def number_of(text: str, name: str, key: str = "") -> float | None:
@@ -225,8 +218,7 @@ class NumberField(ui.input):
     ) -> None:
         self._name, self._low, self._high = label, low, high
         super().__init__(label, value="" if value is None else f"{value:.10g}", validation=self._refusal)
-        given = {"inputmode": "decimal", "data-test": test, "hint": hint}
-        self.props("hide-bottom-space").props.update({name: text for name, text in given.items() if text})
+        having(self.props("hide-bottom-space"), inputmode="decimal", data_test=test, hint=hint)
 
     @property
     def number(self) -> float | None:
@@ -244,6 +236,16 @@ class NumberField(ui.input):
         return None
 
 
+def way_back(field: ui.element, usual: object, back: Callable[[], object] | None = None) -> None:
+    """Mark a field whose value is not its usual one, by a button that takes it back to that."""
+    own = cast(ValueElement, field)
+    with field.add_slot("append"):
+        mark = ui.button(icon="undo", on_click=back or (lambda: own.set_value(usual)), color=None)
+    words = f"{field.props.get('label', '')} was changed: back to the default"
+    having(mark.props("flat dense round size=sm"), aria_label=words, title=words, data_test="back")
+    mark.bind_visibility_from(own, "value", lambda value: value not in (usual, None))
+
+
 class Form:
     """Fields by name, beside each other where there is room, each with a name for tests."""
 
@@ -259,6 +261,8 @@ class Form:
             self.fields: dict[str, Any] = dict(make())
         for name, field in self.fields.items():
             field.props.setdefault("data-test", f"{self._test}-{name}")
+            if usual := cast(ValueElement, field).value:
+                way_back(field, usual)
             if name in self._kept:
                 cast(ValueElement, field).set_value(self._kept[name])
 
@@ -290,8 +294,7 @@ def fields() -> ui.element:
 
 def fold(words: str, test: str = "", fill: Callable[[], object] | None = None, opened: bool = False) -> ui.expansion:
     """Add a part that is folded; ``fill`` fills it each time it is opened."""
-    panel = ui.expansion(words, value=opened)
-    panel.props.update({"data-test": test} if test else {})
+    panel = having(ui.expansion(words, value=opened), data_test=test)
 
     def turned() -> None:
         with fresh(panel):
@@ -317,20 +320,23 @@ def tabs(names: Mapping[str, str], first: str, turned: Callable[[str], object]) 
 
 def select(label: str, known: Mapping[str, str], value: str, test: str = "") -> ui.select:
     """Add a field to choose from value to words; what is chosen now is offered too when it is not there any more."""
-    added = ui.select(offered(known, value), value=value, label=label)
-    added.props.update({"data-test": test} if test else {})
-    return added
+    return having(ui.select(offered(known, value), value=value, label=label), data_test=test)
+
+
+def offer(field: ui.select, known: Mapping[str, str], value: str) -> None:
+    """Offer what there is; what is chosen and not there is offered as missing, and nothing takes its place."""
+    field.set_options(offered(known, value, f"{value} (missing)" if value else "choose one"), value=value)
 
 
 def select_several(label: str, known: Mapping[str, str], value: Sequence[str], test: str) -> ui.select:
     """Add a field to choose several of value to words."""
     added = ui.select(dict(known), multiple=True, value=list(value), label=label)
-    return added.props(f'use-chips data-test="{test}"').style("grid-column:1/-1")
+    return having(added.props("use-chips").style("grid-column:1/-1"), data_test=test)
 
 
 def marked(text: str) -> Markup:
     """Return a text as HTML in which the first use of each term opens its definition under the pointer and by touch."""
-    shown, at = Markup(), 0
+    text, shown, at = in_page_words(text), Markup(), 0
     for start, end, term in report_page.marked_terms(text):
         shown += text[at:start] + filled('<abbr class="term" data-term="{}">{}</abbr>', term.text, text[start:end])
         at = end
@@ -361,11 +367,6 @@ def problem_text(problem: Exception) -> str:
         file = f"'{Path(str(problem.filename)).name}': " if problem.filename else ""
         return f"{file}{problem.strerror or problem}. Mend this, then try again"
     return f"This failed unexpectedly ({type(problem).__name__}: {problem}). Load this page again"
-
-
-def without_options(text: str) -> str:
-    """Return a sentence of a command as a page has it: options are named as its fields are."""
-    return re.sub(r"--([a-z][a-z-]+)", lambda found: found[1].replace("-", " "), text)
 
 
 def tell_changes(root: Path, manifest: str, advice: str) -> None:
@@ -399,9 +400,9 @@ def command_line(words: Sequence[str]) -> None:
     """Show the command that does the same as the page, to copy."""
     text = as_typed(words)
     with ui.element("div").classes("command"):
-        html('<code tabindex="0" title="{}">{}</code>', text, text)
+        html('<code tabindex="0" title="{}">{}</code>', verbatim(text), verbatim(text))
         copy = ui.button(icon="content_copy", on_click=lambda: ui.clipboard.write(text), color=None)
-        copy.props('flat dense size=sm aria-label="copy the command"')
+        having(copy.props("flat dense size=sm"), aria_label="copy the command")
 
 
 def facts(rows: Sequence[tuple[str, str]]) -> None:
@@ -416,14 +417,18 @@ MOST_WARNINGS = 4
 
 def warnings(answer: Mapping[str, Any]) -> None:
     """Show what a command warned of."""
-    lines = [[marked(str(one["message"]))] for one in answer.get("warnings", [])]
-    first, rest = (joined("<li>{}</li>", some) for some in (lines[:MOST_WARNINGS], lines[MOST_WARNINGS:]))
-    if first:
-        html('<ul class="warnings">{}</ul>', first)
-    if rest:
-        left = len(lines) - MOST_WARNINGS
-        words = f"{left} more warning{'s' * (left > 1)}"
-        html('<details><summary>{}</summary><ul class="warnings">{}</ul></details>', words, rest)
+    lines = [marked(str(one["message"])) for one in answer.get("warnings", [])]
+    if lines:
+        html("{}", listed(lines, MOST_WARNINGS, "warning"))
+
+
+def listed(lines: Sequence[Markup], most: int, what: str) -> Markup:
+    """A list as HTML: its first lines in sight, further ones folded."""
+    kind, left = f"{what}s", len(lines) - most
+    first, rest = (joined("<li>{}</li>", ([one] for one in some)) for some in (lines[:most], lines[most:]))
+    head = f"{left} more {kind if left > 1 else what}"
+    folded = filled('<details><summary>{}</summary><ul class="{}">{}</ul></details>', head, kind, rest)
+    return filled('<ul class="{}">{}</ul>{}', kind, first, folded if rest else "")
 
 
 def table(
@@ -437,7 +442,8 @@ def table(
 
     ``symbols`` are what the first cells of the rows say under the pointer.
     """
-    text = str(Table(head, rows).html())
+    worded = [[in_page_words(cell) if isinstance(cell, str) else cell for cell in row] for row in rows]
+    text = str(Table(head, worded).html())
     for row, symbol in zip(rows, symbols):
         named = filled('<td><abbr class="term" tabindex="0" data-term="{}">{}</abbr></td>', symbol, row[0])
         text = text.replace(str(filled("<td>{}</td>", row[0])), str(named), 1)

@@ -14,7 +14,7 @@ from dummydesign.loop.run import close_loop, replay
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.report.loop import write_loop_report
 from dummydesign.report.page import figure_values
-from dummydesign.studio.figures import measured_over_fitted
+from dummydesign.studio.figures import measured_presses
 from tests.support.browser import visit
 from tests.support.drawn_plots import figures_of
 from tests.support.refusal import raises_code
@@ -107,7 +107,7 @@ def test_the_report_is_one_page_with_a_figure_a_condition_and_loads_nothing(resu
         and page.count("<script") == 2
         and page.count("href=") == page.count('href="#') > 5
     )
-    drawn = measured_over_fitted(tmp_path, {"files": files})
+    drawn = measured_presses(tmp_path / files["report_values"])
     assert len(drawn) == len(presses) and all(" mm pad, " in plot.title for plot in drawn)
     assert all({"base", "corrected"} <= {one.label.partition(", ")[0] for one in plot.series} for plot in drawn)
     effect = result_dict(result)["effects"][0]

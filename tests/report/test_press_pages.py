@@ -10,7 +10,7 @@ import pytest
 from dummydesign.cli.entry import run
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.report.page import figure_values
-from dummydesign.studio.figures import measured_over_fitted
+from dummydesign.studio.figures import measured_presses
 from dummydesign.tissue.model.tissue_file import load_tissue
 from tests.support.browser import visit
 from tests.support.drawn_plots import figures_of
@@ -115,7 +115,7 @@ def test_measured_and_fitted_differ_in_the_report_by_the_residual_of_the_fit(mad
 @pytest.mark.slow
 def test_the_studio_draws_the_presses_that_the_fit_report_wrote(made):
     path, answer = made["fit"]
-    plots = measured_over_fitted(path.parent, answer)
+    plots = measured_presses(path.parent / answer["files"]["report_values"])
     names = [name for name in figure_values(answer["files"]["report_values"]) if name.startswith("press-")]
     assert [plot.name for plot in plots] == names and len(names) == 4
     text = path.read_text(encoding="utf-8")

@@ -8,6 +8,8 @@ import pytest
 
 pytest.importorskip("nicegui", reason="no NiceGUI here: pip install nicegui")
 
+from nicegui import ui
+
 from dummydesign.core.manifest import sha256_of
 from dummydesign.project.folder import make_project
 from dummydesign.project.status import ProjectFile
@@ -16,7 +18,7 @@ from dummydesign.studio.pages import cast, learn
 from dummydesign.studio.pages.design import Bar
 from dummydesign.studio.pages.pucks import PuckPage, pucks
 from dummydesign.studio.state import State
-from dummydesign.studio.widgets import Kept
+from dummydesign.studio.widgets import Form, Kept, NumberField, select
 from tests.support import lab_project as lab
 from tests.support.refusal import raises_code
 
@@ -104,6 +106,26 @@ def test_moulds_without_gauge_points_are_named_and_none_at_all_is_said_only_with
     lab.gauged(tmp_path / "moulds" / "whole", 6.0)
     words = said()
     assert "moulds/bare (spec.json)" in words and "moulds/whole (spec.json)" not in words and "gauge-map" in words
+
+
+def test_a_field_whose_default_was_changed_is_marked_and_goes_back_to_it(client):
+    made = {
+        "name": ui.input("Name", value="first"),
+        "note": ui.input("Note"),
+        "repeats": NumberField("Repeats", 2.0),
+        "resin": select("Resin", {"a": "A", "b": "B"}, "a"),
+    }
+    form = Form("plan", lambda: made, {"repeats": "7"})
+    marks = {name: one.slots["append"].children[0] for name, one in made.items() if "append" in one.slots}
+    assert {name: mark.visible for name, mark in marks.items()} == {"name": False, "repeats": True, "resin": False}
+    for name, text in (("name", "second"), ("note", "so"), ("resin", "b")):
+        made[name].set_value(text)
+    assert all(mark.visible and "default" in mark.props["aria-label"] for mark in marks.values())
+    for mark in marks.values():
+        (listener,) = [one for one in mark._event_listeners.values() if one.type == "click"]
+        mark._handle_event({"listener_id": listener.id, "args": None})
+    assert form.kept() == {"name": "first", "note": "so", "repeats": "2", "resin": "a"}
+    assert not any(mark.visible for mark in marks.values())
 
 
 def test_a_slider_is_not_answered_by_the_server():

@@ -122,6 +122,26 @@ def test_another_tissue_hides_the_search_for_this_one_and_a_reload_keeps_what_is
     assert label(page) == chosen
 
 
+def test_values_that_are_not_the_projects_are_marked_and_go_back_by_a_click(page, studio):
+    opened(page, studio, "?shape=slab&thickness_mm=9&ratio=15&aim=safe-side&punch=round:16")
+    question = page.locator(f"{by('question')} .q-item").first
+    assert "changed: aim, punch" in question.inner_text()
+    unfold(page, "question")
+    marks = page.locator(f"{by('question')} {by('back')}:visible")
+    page.wait_for_function("document.querySelectorAll('[data-test=question] [data-test=punch]').length")
+    assert marks.count() == 2
+    for left in (1, 0):
+        marks.first.click()
+        page.wait_for_function(
+            "(left) => [...document.querySelectorAll('[data-test=question] [data-test=back]')]"
+            ".filter((one) => one.offsetParent).length === left",
+            arg=left,
+        )
+    page.wait_for_function("document.querySelector('small.label').textContent.endsWith('forefinger, square:14')")
+    assert "changed" not in question.inner_text()
+    page.wait_for_function("location.search.includes('aim=average') && location.search.includes('punch=square')")
+
+
 def test_a_tissue_that_is_missing_is_said_and_not_replaced(page, studio):
     page.goto(f"{studio[0].home}design?tissue=tissue/gone.toml")
     page.wait_for_selector(REFUSED)

@@ -10,6 +10,7 @@ import pytest
 from dummydesign.core.files import csv_text
 from dummydesign.design.pad_evaluator import PadEvaluator
 from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.mold.files.solid_view import pad_solids, pad_view
 from dummydesign.report.plot import COLUMNS, Plot, Series, plots_js
 from dummydesign.studio import figures
 from dummydesign.studio.slider_model import evaluator_of
@@ -86,9 +87,8 @@ def test_measured_presses_are_read_from_the_files_of_a_report(tmp_path, name, ti
     made = Plot(name, "t", "a", "time since contact [s]", "force [N]", "time_s", "force_N", curves, log_x=True)
     other = Plot("residual", "t", "a", "x", "y", "time_s", "force_N", curves)
     (tmp_path / "mine.csv").write_text(csv_text(COLUMNS, [*other.rows(), *made.rows()]), encoding="utf-8")
-    answer = {"files": {"report": "x.html", "report_values": "mine.csv"}}
-    assert figures.measured_over_fitted(tmp_path, {"files": {"report_values": "gone.csv"}}) == []
-    (plot,) = figures.measured_over_fitted(tmp_path, answer)
+    assert figures.measured_presses(tmp_path / "gone.csv") == []
+    (plot,) = figures.measured_presses(tmp_path / "mine.csv")
     assert plot.title == title and plot.x_range == (0.01, 10.0)
     for k, (drawn, one) in enumerate(zip(plot.series, series)):
         assert drawn.label == one.partition(", ")[0] and (drawn.kind == "dots") == one.startswith("measured")
@@ -123,9 +123,9 @@ def test_the_script_of_the_plots_is_an_element_of_the_head():
         ("boned:radius=7.7,height=3.6,foot=6.5", {"rigid bone", "pad"}),
     ],
 )
-def test_a_solid_shows_what_is_inside_a_pad(text, parts, monkeypatch):
-    monkeypatch.setattr(figures, "solids_page", lambda solids: solids)
-    solids = figures.pad_page(read_shape(text), 9.0)
+def test_a_solid_shows_what_is_inside_a_pad(text, parts):
+    solids = pad_solids(read_shape(text), 9.0)
+    assert all(f'"{name}"' in pad_view(read_shape(text), 9.0) for name in parts)
     assert set(solids) == parts
     assert all(len(faces) and np.isfinite(faces).all() for faces in solids.values())
     volume = sum(

@@ -158,6 +158,40 @@ def test_a_command_whose_runner_alone_was_killed_goes_on_is_known_and_can_be_sto
             time.sleep(0.1)
 
 
+def test_a_job_waits_until_less_than_two_that_were_begun_before_it_are_at_work(tmp_path):
+    folders = [tmp_path / f"{number:04d}-a" for number in (3, 40, 9999, 10000)]
+    for folder in folders:
+        folder.mkdir()
+    held = [acquire_lock(folder / runner.LOCK) for folder in folders]
+    assert [runner.is_turn(folder) for folder in folders] == [True, True, False, False]
+    held[1].close()
+    assert [runner.is_turn(folder) for folder in folders[2:]] == [True, False]
+    (folders[0] / runner.STATUS).write_text("{}", encoding="utf-8")
+    assert runner.is_turn(folders[3])
+    for one in held:
+        one.close()
+
+
+@pytest.mark.slow
+def test_a_third_command_waits_for_its_turn_and_one_that_waits_can_be_stopped(tmp_path):
+    long = [
+        jobs.start(tmp_path, name, ["suggest", "--tissue", "forefinger", "--no-cad", "--out", f"designs/{name}"])
+        for name in ("a", "b")
+    ]
+    third, fourth = (jobs.start(tmp_path, name, ["tissues", "list"]) for name in ("c", "d"))
+    assert until(lambda: jobs.read_job(fourth.folder).progress == runner.WAITING)
+    assert runner.WAITING in jobs.progress_line(jobs.read_job(third.folder), 20.0)
+    assert not (third.folder / runner.CHILD).exists()
+    jobs.stop(fourth)
+    wait_for(fourth.folder, "stopped")
+    assert not (fourth.folder / runner.CHILD).exists() and jobs.read_job(third.folder).state == "running"
+    jobs.stop(long[0])
+    assert wait_for(third.folder, "done").answer["schema"] == "dummydesign.tissues/1"
+    assert jobs.read_job(long[1].folder).state == "running"
+    jobs.stop(long[1])
+    wait_for(long[1].folder, "stopped", "done")
+
+
 def test_one_who_looks_at_a_lock_never_keeps_it_from_one_who_waits_a_little(tmp_path):
     path = tmp_path / "lock"
     acquire_lock(path).close()

@@ -206,6 +206,14 @@ def test_the_next_step_after_learning_chooses_the_calibration(project):
     assert after.calibration == "calibrations/of may/calibration.json" and after.tissue == "my tissue"
     assert next_page(told) == "/design"
     ready = replace(status, next_command="dummydesign loop campaigns/first")
+    pages = {
+        "resins list": "/design",
+        "mold --puck 50x30": "/resin",
+        "mold --thickness 5": "/mould",
+        "history": "/design",
+    }
+    for command, path in pages.items():
+        assert next_page(replace(status, next_command=f"dummydesign {command}")) == path
     assert next_page(ready) == "/learn" and next_state(ready, read_state(project, {})).campaign == "campaigns/first"
 
 
@@ -236,6 +244,9 @@ def test_a_campaign_that_was_renamed_keeps_its_calibration(project):
         ("beta", "", "beta"),
         ("growth_per_doubling", "", "growth per doubling"),
         ("offset_mm", "mm", "offset"),
+        ("viscosity_Pa_s", "Pa s", "viscosity"),
+        ("density_g_per_cm3", "g/cm3", "density"),
+        ("beta_at_0.03_s", "", "beta at 0.03 s"),
     ],
 )
 def test_units_are_read_from_the_names_of_parameters(name, unit, words):

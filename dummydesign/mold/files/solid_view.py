@@ -9,10 +9,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
+
+if TYPE_CHECKING:
+    from dummydesign.geometry.pad_shape import PadShape
 
 COLOURS = {"pad": (0.93, 0.71, 0.60), "layer top": (0.93, 0.71, 0.60), "mould": (0.62, 0.72, 0.80)}
 STEPS = 65535
@@ -120,6 +125,51 @@ def view_page(parts: Sequence[Shown], title: str, text: str) -> str:
         f"<title>{escape(title)}</title><style>{_PAGE}</style></head><body><h1>{escape(title)}</h1><p>{escape(text)}</p>"
         f"{view_html(parts)}<script>{view_script()}</script></body></html>\n"
     )
+
+
+def pad_solids(shape: PadShape, thickness_mm: float) -> dict[str, NDArray]:
+    """Triangles of a pad, seen from outside, shape (n, 3, 3): layers, or a bone and the pad cut through its middle."""
+    half = 0.5 * np.array([PAD_LENGTH_MM, PAD_WIDTH_MM])
+    fine = np.r_[np.linspace(-32.0, 32.0, 33), np.linspace(-16.0, 16.0, 65)]
+    x, y = (np.unique(np.r_[-h, fine[np.abs(fine) < h], h]) for h in half)
+
+    def top(across: NDArray, along: NDArray) -> NDArray:
+        return thickness_mm - np.asarray(shape.drop_mm(across, along), float)
+
+    if (layers := shape.layers()) is not None:
+        between = thickness_mm - layers[0]
+        ends = x[[0, -1]], y[[0, -1]]
+        return {"lower layer": _body(*ends, 0.0, between), "upper layer": _body(*ends, between, top)}
+    if float(np.max(shape.bone_mm(np.zeros(1), np.zeros(1)))) > 0.0:
+        bone = _body(x, y, 0.0, shape.bone_mm)
+        bone = bone[bone[:, :, 2].max(axis=1) > 0.0]
+        return {"rigid bone": bone, "pad": _body(x, y[y >= 0.0], shape.bone_mm, top)}
+    return {"pad": _body(x, y, 0.0, top)}
+
+
+def _body(x: NDArray, y: NDArray, low: Any, high: Any) -> NDArray:
+    """What lies between two height fields, closed; shape (n, 3, 3)."""
+    across, along = np.meshgrid(x, y, indexing="ij")
+    over, under = (
+        np.stack([across, along, np.broadcast_to(one(across, along) if callable(one) else one, across.shape)], axis=-1)
+        for one in (high, low)
+    )
+    sides = (np.s_[::-1, 0], np.s_[:, -1], np.s_[0], np.s_[-1, ::-1])
+    walls = (_faces(np.stack([under[side], over[side]])) for side in sides)
+    faces = np.concatenate([_faces(over), _faces(under)[:, ::-1], *walls])
+    return faces[np.ptp(faces[:, :, 2], axis=1) + np.ptp(faces[:, :, 1], axis=1) > 0.0]
+
+
+def _faces(nodes: NDArray) -> NDArray:
+    """Triangles over a grid of points, seen from above; shape (n, 3, 3)."""
+    a, b, c, d = nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]
+    return np.concatenate([np.stack([a, b, c], -2).reshape(-1, 3, 3), np.stack([a, c, d], -2).reshape(-1, 3, 3)])
+
+
+def pad_view(shape: PadShape, thickness_mm: float) -> str:
+    """A page of its own with a pad as a solid."""
+    text = "Drag or use the arrow keys to turn, scroll or pinch to zoom."
+    return view_page(stack(pad_solids(shape, thickness_mm)), "The pad", text)
 
 
 _HERE = Path(__file__).parent

@@ -416,12 +416,7 @@ class PlanForm:
             raise InputError(f"repeats = {given['repeats']:g}: type a whole number", "malformed", "repeats")
         given["punch"] = self.punch
         folder = self.replaced or f"campaigns/{file_transfer.plain_name((given['name'] or '').strip())}"
-        return [
-            "campaign",
-            "new",
-            folder,
-            *jobs.options(plan_options(given) | {"replace": bool(self.replaced)}),
-        ]
+        return jobs.command("campaign", "new", folder, **plan_options(given), replace=bool(self.replaced))
 
     def show(self, job: jobs.Job) -> None:
         """Show what was planned."""

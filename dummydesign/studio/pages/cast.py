@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +20,7 @@ from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, file_transfer, project_index, select_options, widgets
 from dummydesign.studio.file_actions import DropList
 from dummydesign.studio.job_panel import JobPanel
-from dummydesign.studio.jobs import Job, changed_since, options
+from dummydesign.studio.jobs import Job, changed_since, command
 from dummydesign.studio.markup import Markup, filled
 from dummydesign.studio.project_index import PadWithPresses
 from dummydesign.studio.state import State, page_link
@@ -158,22 +157,23 @@ class PressComparison:
         """The comparison as a command."""
         pad, presses = self.presses()
         stem = self.tissue.value.rpartition("/")[2].removesuffix(".toml")
-        given = {
-            "tissue": self.tissue.value,
-            "lowpass": pad.lowpass,
-            "record": self.record.value,
-            "punch": pad.punch,
-            "out": f"designs/compare-{stem}",
-        }
-        return ["compare", *presses, *options(given)]
+        return command(
+            "compare",
+            *presses,
+            tissue=self.tissue.value,
+            lowpass=pad.lowpass,
+            record=self.record.value,
+            punch=pad.punch,
+            out=f"designs/compare-{stem}",
+        )
 
     def replay_words(self) -> list[str]:
         """The prediction as a command; offered for a pad of a campaign alone."""
         if not self.calibration.value:
             message = "choose a calibration: the model is then compared with the presses too"
             raise InputError(message, "missing", "calibration")
-        pad, given = self.chosen(), {"calibration": self.calibration.value, "tissue": self.tissue.value}
-        return ["replay", pad.campaign if pad else "", *options(given)]
+        campaign = pad.campaign if (pad := self.chosen()) else ""
+        return command("replay", campaign, calibration=self.calibration.value, tissue=self.tissue.value)
 
     def replay_belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a job predicted this campaign with this calibration."""
@@ -202,16 +202,15 @@ class PressComparison:
 
     def show(self, job: Job) -> None:
         """Verdict, what to do with the pad, each press, and the report of a comparison."""
-        from dummydesign.report.compare import next_steps
+        from dummydesign.report.compare import next_steps, pad_text
 
         answer, files = job.answer, job.answer.get("files") or {}
         widgets.tell_changes(self.root, str(files.get("manifest") or ""), "Compare again.")
         if verdict := answer["verdict"]:
             widgets.tell_verdict(verdict["light"], verdict["text"], test="verdict")
             html('<p data-test="correction">{}</p>', full_sentence(next_steps(answer)[0]))
-        if pad := answer.get("pad"):
-            size = f"{pad['thickness_mm']:.2f} mm (standard error {pad['thickness_sd_mm']:.2f} mm)"
-            html("<p>Cast: {}, {}.</p>", size, "accepted" if pad["accepted"] else "not accepted")
+        if cast := pad_text(answer):
+            html("<p>The pad: {}.</p>", cast)
         if path := files.get("report_values"):
             plots = figures.compared_plots(self.root / path)
             html('<div data-test="compared-plots">{}</div>', Markup(plots_html(plots)))
@@ -266,8 +265,8 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
     def words() -> list[str]:
         gauges = gauged.filled(**{name: f"thickness at {name}" for name in gauged.fields})
         thickness = ",".join(f"{name}={value:g}" for name, value in gauges.items())
-        given = {"thickness": thickness, **others.filled(mass="the mass of the trimmed pad")}
-        return ["mold", "record", chosen.value, *options(given)]
+        more = others.filled(mass="the mass of the trimmed pad")
+        return command("mold", "record", chosen.value, thickness=thickness, **more)
 
     def list_records() -> None:
         """List what was recorded, here and among the choices of the comparison."""
@@ -389,10 +388,10 @@ class PeopleOfPad:
             self.numbers: dict[QuantitySpec, NumberField] = {}
             for purpose, usual in _numbers().items():
                 name = purpose.quantity.partition(" in ")[0]
-                label = f"{name[0].upper()}{name[1:]}" + (f" [{purpose.unit}]" if purpose.unit else "")
-                self.numbers[purpose] = NumberField(label, usual, test=f"drive-{name}").bind_visibility_from(
-                    self.drive, "value", partial(_is_wanted, purpose)
-                )
+                label = f"{name[0].upper()}{name[1:]}" + f" [{purpose.unit}]" * bool(purpose.unit)
+                wanting = {drive for drive, one in DRIVES.items() if purpose in dict(one.numbers)}
+                field = NumberField(label, usual, test=f"drive-{name}")
+                self.numbers[purpose] = field.bind_visibility_from(self.drive, "value", wanting.__contains__)
             self.limits = widgets.select("Your limits", self._known_limits(), "", "limits")
         self.work = JobPanel(
             self.root,
@@ -421,22 +420,22 @@ class PeopleOfPad:
                 raise InputError(f"type {purpose.quantity}", "missing", "drive")
         numbers = ",".join(f"{value:g}" for value in values.values())
         drive = read_drive(f"{self.drive.value}:{numbers}" if numbers else self.drive.value)
-        given = {
-            "tissue": tissue,
-            "drive": drive.text,
-            "limits": self.limits.value,
-            "lowpass": pad.lowpass,
-            "punch": pad.punch,
-            "out": f"designs/on-person-{Path(tissue).stem}",
-        }
-        return ["on-person", *presses, *options(given)]
+        return command(
+            "on-person",
+            *presses,
+            tissue=tissue,
+            drive=drive.text,
+            limits=self.limits.value,
+            lowpass=pad.lowpass,
+            punch=pad.punch,
+            out=f"designs/on-person-{Path(tissue).stem}",
+        )
 
     def _known_limits(self) -> dict[str, str]:
         return {"": "none"} | {f"{LIMITS}/{one.name}": one.stem for one in sorted((self.root / LIMITS).glob("*.toml"))}
 
     def _find_limits(self) -> None:
-        known = self._known_limits()
-        self.limits.set_options(known, value=self.limits.value if self.limits.value in known else "")
+        widgets.offer(self.limits, self._known_limits(), self.limits.value)
 
     def _keep_limits(self, name: str, content: bytes) -> Taken:
         """Keep a file of limits that can be read, and choose it."""
@@ -448,11 +447,6 @@ class PeopleOfPad:
         kept = keep_file(self.root, self.root / LIMITS, name, content)
         self.limits.set_options(self._known_limits(), value=f"{LIMITS}/{kept.name}")
         return kept
-
-
-def _is_wanted(purpose: QuantitySpec, drive: str) -> bool:
-    """Whether a drive needs to know a number."""
-    return purpose in dict(DRIVES[drive].numbers)
 
 
 def _numbers() -> dict[QuantitySpec, float | None]:

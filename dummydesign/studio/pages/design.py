@@ -7,6 +7,7 @@ import json
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -23,9 +24,10 @@ from dummydesign.project.folder import Project
 from dummydesign.report.plot import Plot
 from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio import slider_model as sliders
+from dummydesign.studio.markup import in_page_words
 from dummydesign.studio.pages import search
-from dummydesign.studio.state import PAD_FIELDS, State, absolute, page_link, punch_of
-from dummydesign.studio.widgets import html, keep_state, open_page
+from dummydesign.studio.state import PAD_FIELDS, State, absolute, of_project, page_link, punch_of
+from dummydesign.studio.widgets import having, html, keep_state, open_page
 
 SETTLE_S = 0.35
 """After this time without a move the verdict counts what castings may turn out as. [s]"""
@@ -59,11 +61,11 @@ class Slider:
             with ui.element("div").classes("line"):
                 ui.label(name)
                 self.beside = ui.label("").classes("beside")
-                self._field = ui.input().props("dense outlined")
+                self._field = ui.input().props("dense outlined inputmode=decimal")
             self._bar = Bar(min=low, max=high, step=step, value=value)
             self._unit, self._note = ui.label("").classes("source"), ui.label("").props("role=status")
-        self._bar.props.update({"aria-label": f"{name}, slider", "data-test": f"slide-{name.lower()}"})
-        self._field.props.update({"data-test": f"number-{name.lower()}", "inputmode": "decimal"})
+        having(self._bar, aria_label=f"{name}, slider", data_test=f"slide-{name.lower()}")
+        having(self._field, data_test=f"number-{name.lower()}")
         self._bar.on_value_change(lambda: self._take(float(self._bar.value)))
         # past the framework, which would lay out the whole page anew; :meth:`set` follows once the sliders rest
         self._bar.on("update:model-value", js_handler=NUMBER.replace("NAME", name.lower()))
@@ -137,6 +139,8 @@ class DesignPage:
 
     def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
         self.root, self.state = project.root, state
+        usual = State(**of_project(project)).question
+        self.usual = {name: value for name, value in usual.items() if value or name != "tissue"}
         self.wanted = self.shown = self.written = 0
         self.busy = self.setting = False
         self.unchosen = all(getattr(state, name) == getattr(State, name) for name in (*PAD_FIELDS, "design"))
@@ -180,13 +184,13 @@ class DesignPage:
             }
             self.punch = ui.input("Punch").props('data-test="punch"')
             self.shape = ui.input("Shape with its lengths").props('data-test="shape"')
-        for typed in (self.punch, self.shape):
-            typed.style("width:100%")
         for name, field in self.fields.items():
             field.on_value_change(lambda event, name=name: self.choose(**{name: event.value}))
+        for name, usual in self.usual.items():
+            widgets.way_back(self.fields.get(name, self.punch), usual, partial(self.choose, **{name: usual}))
         self.punch.on("change", lambda: self.choose(punch=self.punch.value.strip() or PUNCH))
         self.shape.on("change", lambda: self.choose(shape=self.shape.value.strip() or "slab"))
-        self.kind.on_value_change(self.begin_kind)
+        self.kind.on_value_change(lambda: self.choose_kind(self.kind.value))
 
     # The state and its controls.
 
@@ -220,17 +224,14 @@ class DesignPage:
         self.shape.set_value(self.state.shape)
         self.evaluate()
 
-    def begin_kind(self) -> None:
-        """Begin a kind of shape with lengths that can be pressed at this thickness."""
-        if not self.setting and self.kind.value != self.state.kind:
-            self.choose_kind(self.kind.value)
-
     def choose_kind(self, kind: str) -> None:
-        """Choose a shape of a kind that can be pressed at this thickness."""
+        """Choose a shape of a kind, with lengths that can be pressed at this thickness."""
+        if self.setting:
+            return
         try:
             shape = str(sliders.first_pad(self.root, self.state, kind))
         except InputError as problem:
-            ui.notify(str(problem), type="warning", multi_line=True)
+            ui.notify(in_page_words(str(problem)), type="warning", multi_line=True)
         else:
             self.choose(shape=shape)
 
@@ -247,13 +248,12 @@ class DesignPage:
         self.evaluate()
 
     def _aims(self, tissue: str) -> dict[str, str]:
-        try:
+        with suppress(InputError):
             return select_options.aims(absolute(self.root, tissue))
-        except InputError:
-            return {}
+        return {}
 
     def _set_choices(self, state: State) -> None:
-        """Offer what there is; what is chosen and not there is offered as missing, and nothing takes its place."""
+        """Offer what there is, and show what is chosen."""
         resins = select_options.resins()
         known = {
             "tissue": select_options.tissues(self.root),
@@ -262,11 +262,11 @@ class DesignPage:
             "calibration": select_options.calibrations(self.root),
         }
         for name, offered in known.items():
-            value = getattr(state, name)
-            shown = f"{value} (missing)" if value else "choose one"
-            self.fields[name].set_options(select_options.offered(offered, value, shown), value=value)
+            widgets.offer(self.fields[name], offered, getattr(state, name))
         asked = (state.tissue, state.aim, state.resin, Path(state.calibration).parent.name, state.punch)
-        self.question.set_text(f"Judged against {', '.join(name for name in asked if name)}")
+        changed = [name for name, usual in self.usual.items() if getattr(state, name) != usual]
+        marks = f" (changed: {', '.join(changed)})" if changed else ""
+        self.question.set_text(f"Judged against {', '.join(filter(None, asked))}{marks}")
         self.kind.set_value(state.kind)
         self.punch.set_value(state.punch)
         self.shape.set_value(state.shape)

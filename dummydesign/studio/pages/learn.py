@@ -15,7 +15,7 @@ from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
-from dummydesign.studio.jobs import Job, options
+from dummydesign.studio.jobs import Job, command
 from dummydesign.studio.markup import Markup, filled, joined
 from dummydesign.studio.state import State, design_summary, page_link
 from dummydesign.studio.widgets import html, keep_state
@@ -70,11 +70,8 @@ class LearnPage:
         """The loop as a command."""
         if not self.campaign.value:
             raise InputError("choose a campaign", "missing", "campaign")
-        return [
-            "loop",
-            self.campaign.value,
-            *options({"prior": self.prior.value, "out": f"calibrations/loop-{self.campaign.value.partition('/')[2]}"}),
-        ]
+        out = f"calibrations/loop-{self.campaign.value.partition('/')[2]}"
+        return command("loop", self.campaign.value, prior=self.prior.value, out=out)
 
     def next_words(self) -> list[str]:
         """The loop with a plan of what to press next, as a command."""
@@ -85,7 +82,7 @@ class LearnPage:
             one.folder == words[-1] and one.prior == self.prior.value and not one.outdated(self.root)
             for one in project_index.calibrations(self.root, self.campaign.value)
         )
-        return [*words, *options({"plan": f"campaigns/{name}", "replace": same})]
+        return command(*words, plan=f"campaigns/{name}", replace=same)
 
     def belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a job was of the campaign that is chosen."""
@@ -98,8 +95,8 @@ class LearnPage:
 
     def show_campaign(self) -> None:
         """Whether the campaign is pressed, both commands, and what was learned from it."""
-        plans = {one.folder: one.summary or {} for one in things_in(self.root, "campaigns")}
-        left = plans.get(self.campaign.value, {}).get("missing", 0)
+        plans = (one for one in things_in(self.root, "campaigns") if one.folder == self.campaign.value)
+        left = sum((one.summary or {}).get("missing", 0) for one in plans)
         self.work.main = not left
         with widgets.fresh(self.lacking):
             if left:

@@ -25,13 +25,17 @@ from dummydesign.studio.widgets import html, keep_state
 OPEN = {
     "columns": "columns, as time=NAME,displacement=NAME,force=NAME",
     "units": "units, as time=s,displacement=mm,force=N",
+    "rate": "rate in Hz: samples a second, where the file has no time",
+    "delay": "delay in s: by how much the force is later than the displacement",
     "separator": "separator: tab, semicolon, comma, bar, spaces",
     "decimal": "decimal sign: . or ,",
-    "skip": "lines to leave out at the start",
-    "flip": "turn round: displacement, force, both, or none",
-    "tare": "reading at no force: auto, none or a number",
-    "contact": "reading at contact: auto, none or a number",
-    "split": "parts: auto, or none for one press",
+    "encoding": "encoding, such as utf-8 or cp932",
+    "skip": "skip: lines to leave out at the start",
+    "flip": "flip: displacement, force, both, or none",
+    "tare": "tare, the reading at no force: auto, none, first, drift, slope or a number",
+    "contact": "contact, the reading there: auto, none or a number",
+    "split": "split: auto, or none for one press",
+    "sheets": "sheets of a workbook, or not:NAME for all others",
 }
 COLUMNS = {
     "press": "file",
@@ -61,7 +65,6 @@ class MeasuredPage:
         DropList(self._root, self._take, self._list_files, test="measured")
         self._chosen = widgets.select_several("Files to read", {}, [], "files")
         self._all = widgets.button("Choose all files", lambda: self._choose(self._names()), "all-files")
-        self._all.style("margin-top:.4rem")
         self._work = JobPanel(
             self._root,
             "import",
@@ -98,8 +101,8 @@ class MeasuredPage:
         return taken
 
     def _names(self) -> list[str]:
-        paths = (path for path in self._folder.glob("*.*") if path.suffix.lower() in TEXTS and path.is_file())
-        return sorted(path.name for path in paths if not path.name.startswith("."))
+        paths = self._folder.glob("[!.]*.*")
+        return sorted(path.name for path in paths if path.suffix.lower() in TEXTS and path.is_file())
 
     def _choose(self, names: list[str]) -> None:
         there = self._names()
@@ -121,13 +124,10 @@ class MeasuredPage:
     def _words(self) -> list[str]:
         if not self._chosen.value:
             raise InputError("Choose a file to read.", "missing", "file")
-        names = list(self._chosen.value)
+        names = self._chosen.value
         stem = names[0].rpartition(".")[0] if len(names) == 1 else "all"
-        return [
-            "import",
-            *(f"measured/{name}" for name in names),
-            *jobs.options(self._open.values() | {"out": f"measured/import-{stem}"}),
-        ]
+        files = [f"measured/{name}" for name in names]
+        return jobs.command("import", *files, **self._open.values(), out=f"measured/import-{stem}")
 
     def _belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job read the chosen files."""

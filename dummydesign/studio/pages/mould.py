@@ -16,7 +16,7 @@ from dummydesign.project.folder import Project
 from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
-from dummydesign.studio.jobs import Job, options
+from dummydesign.studio.jobs import Job, command
 from dummydesign.studio.markup import Markup, filled, joined
 from dummydesign.studio.state import State, design_state, page_link
 from dummydesign.studio.widgets import NumberField, html, keep_state
@@ -70,8 +70,7 @@ class MouldPage:
         usual = {"length": OUTLINE_MM[0], "width": OUTLINE_MM[1], "shape": "slab"}
         kind = (given["shape"] or "slab").partition(":")[0]
         folder = f"moulds/mould_{'' if kind == 'slab' else f'{kind}_'}t{given['thickness']:g}"
-        typed = {name: value for name, value in given.items() if value != usual.get(name)}
-        return ["mold", *options(typed | {"out": folder})]
+        return command("mold", **{name: one for name, one in given.items() if one != usual.get(name)}, out=folder)
 
     def chosen(self) -> State:
         """The state with the pad of the fields."""
@@ -93,7 +92,7 @@ class MouldPage:
         with widgets.fresh(self.source):
             _source(self.root, now)
         self.section.set_content(figures.section_html(self.root, now))
-        self.work.main = not verdict_of(self.root, now)
+        self.work.main = not (verdict_of(self.root, now) or project_index.wants_puck(self.root, now))
         self.work.renew()
         self.list_moulds()
 
@@ -112,8 +111,7 @@ class MouldPage:
 
     def _files(self, folder: str, label: str = "", test: str = "") -> None:
         """Buttons, solids, files and checks of a mould; of a pad that must not be cast, folded away."""
-        words = filled('<h2 data-test="{}">{}</h2><p>{}</p>', test, folder, label)
-        thing(words, self.root, folder, "mould")
+        thing(filled('<h2 data-test="{}">{}</h2><p>{}</p>', test, folder, label), self.root, folder, "mould")
         widgets.tell_changes(self.root, f"{folder}/manifest.json", "Make the mould again before you weigh.")
         if red := verdict_of(self.root, self.chosen()):
             html('<p class="problem" data-test="do-not-cast">Do not cast. {}</p>', red)
@@ -195,14 +193,15 @@ def _source(root: Path, state: State) -> None:
         )
     if red := verdict_of(root, state):
         html('<p class="problem" role="alert" data-test="red">Do not cast this pad. {}</p>', red)
+    elif project_index.wants_puck(root, state):
+        widgets.go("/resin", "Measure one puck first", test="puck-first")
 
 
 def _links(root: Path, folder: str) -> None:
     """Two buttons, the solid, a table of parts by format; what is read seldom is folded."""
-    names = [path.name for path in (root / folder).iterdir() if path.is_file() and not path.name.startswith(".")]
-    groups = dict(project_index.grouped_files(names))
-    start = [f"{folder}/{name}" for words, name in groups.get("Pour", []) if "start here" in words]
-    widgets.zip_link(folder, start)
+    files = (root / folder).glob("[!.]*")
+    groups = dict(project_index.grouped_files(path.name for path in files if path.is_file()))
+    widgets.zip_link(folder, [f"{folder}/{name}" for words, name in groups.get("Pour", []) if "start here" in words])
     with ui.element("div").classes("pair"):
         for view in sorted((root / folder).glob("assembly_*.html"))[:1]:
             widgets.shown_file(f"/files/{folder}/{view.name}", "the parts as solids", "shown solid")
@@ -229,13 +228,10 @@ def _part_rows(rows: Sequence[tuple[str, str]], folder: str) -> Markup:
 
 def _checks(folder: Path) -> None:
     """How many checks of the solids passed, and what the others say."""
-    try:
+    with suppress(OSError, ValueError, KeyError, TypeError):
         checks = json.loads((folder / "checks.json").read_text(encoding="utf-8"))
-        passed = sum(one["status"] == "pass" for one in checks)
         rest = [[one["id"], one["status"], str(one.get("note", ""))] for one in checks if one["status"] != "pass"]
-    except (OSError, ValueError, KeyError, TypeError):
-        return
-    said = f"{passed} of {len(checks)} checks passed"
-    if rest and all(row[1] == "skipped" for row in rest):
-        said += ", the others could not be run"
-    widgets.table(["check", "", "because"], rest, words=True, under=said) if rest else html("<p>{}</p>", said)
+        said = f"{len(checks) - len(rest)} of {len(checks)} checks passed"
+        if rest and all(row[1] == "skipped" for row in rest):
+            said += ", the others could not be run"
+        widgets.table(["check", "", "because"], rest, words=True, under=said) if rest else html("<p>{}</p>", said)

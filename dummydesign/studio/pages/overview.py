@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shlex
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -14,7 +13,7 @@ from dummydesign.project.folder import Project, make_example, make_project
 from dummydesign.project.status import STANDARD_RESIN, ProjectFile, ProjectStatus, measured, pads_of, status_of
 from dummydesign.studio import figures, jobs, project_index, select_options, widgets
 from dummydesign.studio.file_actions import deleted_files
-from dummydesign.studio.markup import Markup, filled, joined
+from dummydesign.studio.markup import STEPS, Markup, in_page_words, joined, verbatim
 from dummydesign.studio.state import State, absolute, address, design_state, is_design, next_page, next_state, page_link
 from dummydesign.studio.widgets import html
 
@@ -51,7 +50,7 @@ def make_new(root: Path) -> None:
 
     def renew() -> None:
         with widgets.fresh(line):
-            widgets.command_line(["init", ".", *jobs.options(given())])
+            widgets.command_line(jobs.command("init", ".", **given()))
 
     problem = ui.element("div")
 
@@ -77,7 +76,7 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
     with ui.element("div").classes("pair"):
         with ui.element("div"):
             # what must not be done, and why, is no name of a button
-            before, _, words = re.sub(r" \([^)]*project\.toml\)", "", status.next_text).rpartition("; then ")
+            before, _, words = in_page_words(status.next_text).rpartition("; then ")
             html("<p>Next step: {}</p>", before)
             html("{}", page_link(page, f"{words[:1].upper()}{words[1:]}", following, "next", kind="go"))
             widgets.command_line(shlex.split(status.next_command)[1:])
@@ -88,13 +87,9 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
         widgets.tell_problem(problem)
     links, cards = links_of(project.root, status, state), []
     for room, (path, words) in ROOMS.items():
-        lines = [[links.get(one.folder) or line_of(one)] for one in reversed(status.files[room])]
-        first, rest = (joined("<li>{}</li>", some) for some in (lines[:8], lines[8:]))
-        folded = (
-            filled("<details><summary>{} more</summary><ul>{}</ul></details>", len(lines) - 8, rest) if rest else ""
-        )
-        cards.append((page_link(path, words), first or Markup("<li>none yet</li>"), folded))
-    html('<div class="cards">{}</div>', joined("<div><h2>{}</h2><ul>{}</ul>{}</div>", cards))
+        lines = [links.get(one.folder) or verbatim(line_of(one)) for one in reversed(status.files[room])]
+        cards.append((page_link(path, words), widgets.listed(lines or [Markup("none yet")], 8, "thing")))
+    html('<div class="cards">{}</div>', joined("<div><h2>{}</h2>{}</div>", cards))
     reports = [
         (f"{one.folder.partition('/')[2]}: report", f"{one.folder}/report.html")
         for one in (*status.files["designs"], *status.files["calibrations"])
@@ -105,12 +100,23 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
         widgets.file_links(reports)
     with widgets.fold("Deleted", "bin"):
         deleted_files(project.root)
-    with widgets.fold("What was run"):
-        rows = (
-            ("red" if job.state == "failed" and job.answer else job.state, job.seconds, job.begun)
-            for job in reversed(jobs.all_jobs(project.root)[-12:])
-        )
-        html("<ul>{}</ul>", joined("<li>{}, {:.0f} s: <code>{}</code></li>", rows))
+    widgets.fold("What was run, and what is at work", "jobs", lambda: _show_jobs(project.root))
+
+
+def _show_jobs(root: Path) -> None:
+    """The last commands, those that wait for their turn too; each opens what it wrote beside its answer."""
+    rows = []
+    for job in reversed(jobs.all_jobs(root)[-12:]):
+        state = "red" if job.state == "failed" and job.answer else job.progress or job.state
+        notes = (str(one["message"]) for one in job.answer.get("warnings", []))
+        log = "\n".join(filter(None, [job.log, *notes])) or "It wrote nothing beside its answer."
+        rows.append((state, job.seconds, verbatim(job.begun), verbatim(log)))
+    html(
+        "{}",
+        joined(
+            '<details data-test="log"><summary>{}, {:.0f} s: <code>{}</code></summary><pre>{}</pre></details>', rows
+        ),
+    )
 
 
 def _strip(status: ProjectStatus, next_path: str, following: State) -> Markup:
@@ -145,7 +151,7 @@ def _strip(status: ProjectStatus, next_path: str, following: State) -> Markup:
         "/learn": (bool(learned), learned),
     }
     items = []
-    for path, name in widgets.STEPS[1:]:
+    for path, name in list(STEPS.items())[1:]:
         done, what = words[path]
         mark = "next" if path == next_path else "done" if done else ""
         spoken = Markup('<span class="hide">done: </span>' if done else "")

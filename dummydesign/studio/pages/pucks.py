@@ -12,15 +12,16 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.user_library import entries
 from dummydesign.project.folder import Project, project_of
 from dummydesign.project.status import witness_size
-from dummydesign.studio import jobs, select_options, widgets
+from dummydesign.studio import jobs, project_index, select_options, widgets
 from dummydesign.studio.job_panel import JobPanel
-from dummydesign.studio.state import State, page_link
+from dummydesign.studio.state import State, absolute, page_link
 from dummydesign.studio.trash import choose_for_project
 from dummydesign.studio.widgets import NumberField, html, keep_state, open_page
 
 TYPED = "puck_"
 """Beginning of the names under which the address keeps the choices of this page, which are named as the options are."""
 SIZES_MM = (1.0, 500.0)
+NUMBER = ("value", "low", "high", "kind")
 
 
 class PuckPage:
@@ -32,7 +33,10 @@ class PuckPage:
         typed = {name.removeprefix(TYPED): text for name, text in query.items() if name.startswith(TYPED)}
         start = typed or _last(project.root)
         with widgets.fold("Print the ring of a puck", "ring", opened=not known):
-            JobPanel(project.root, "ring", "Make the ring", self._ring_words, _show_ring, needs="files")
+            size = witness_size()
+            words = jobs.command("mold", puck=size, resin=state.resin, ratio=state.ratio, out=f"moulds/puck_{size}")
+            JobPanel(project.root, "ring", "Make the ring", lambda: words, _show_ring, needs="files")
+        widgets.fold(f"Numbers of {state.resin}, with their sources", "numbers", self._numbers)
         if not known:
             html('<p class="note">No presses yet: {} first.</p>', page_link("/measured", "bring in the file of a puck"))
             return
@@ -69,14 +73,19 @@ class PuckPage:
         self._own = widgets.area()
         self._list()
 
+    def _numbers(self) -> None:
+        from dummydesign.resin import load_resin
+        from dummydesign.resin.describe import explain
+
+        numbers = explain(load_resin(absolute(self._root, self._state.resin)))["numbers"].items()
+        head = ("number", "unit", "value", "95 % low", "95 % high", "kind")
+        rows = [[*project_index.name_and_unit(name), *(one[key] for key in NUMBER)] for name, one in numbers]
+        widgets.table(head, rows, symbols=[one["source"] for _, one in numbers])
+        widgets.command_line(["resins", "show", self._state.resin])
+
     def _renew(self) -> None:
         keep_state(self._state, **{f"{TYPED}{name}": text for name, text in self._form.kept().items()})
         self._work.renew()
-
-    def _ring_words(self) -> list[str]:
-        size = witness_size()
-        given = {"puck": size, "resin": self._state.resin, "ratio": self._state.ratio, "out": f"moulds/puck_{size}"}
-        return ["mold", *jobs.options(given)]
 
     def _words(self) -> list[str]:
         given = self._form.filled(
@@ -87,7 +96,7 @@ class PuckPage:
             name="the name of the batch",
         )
         select_options.check_name("resin", given["name"])
-        return ["resins", "add-compression", given.pop("press"), *jobs.options(given)]
+        return jobs.command("resins", "add-compression", given.pop("press"), **given)
 
     def _show(self, job: jobs.Job) -> None:
         answer, name = job.answer, job.answer["name"]
@@ -101,16 +110,14 @@ class PuckPage:
                 (f"{low} to {high}", "plate friction that fits, in the interval"),
             ]
         )
-        rows, problem = _moduli(self._root / job.words[2], answer)
-        if problem:
-            html('<p class="problem" role="alert">{}</p>', problem)
-        widgets.table(["", "modulus kPa", "95 % low", "95 % high"], rows)
         if answer["action"] == "unchanged":
             html('<p class="note">{} has this puck already. Nothing was changed.</p>', name)
         if answer.get("before"):
             html('<p class="note">The puck was known at {}. It was replaced.</p>', answer["before"])
         html("<p>The resin is in your own library, for all projects. Add further pucks under its name.</p>")
-        if not problem:
+        with widgets.problems_in(widgets.area()):
+            rows = _moduli(self._root / job.words[2], answer)
+            widgets.table(["", "modulus kPa", "95 % low", "95 % high"], rows)
             widgets.button(f"Use {name} for this project", lambda: self._use(name), "use-resin", main=True)
 
     def _use(self, name: str) -> None:
@@ -133,7 +140,7 @@ def _show_ring(job: jobs.Job) -> None:
 
 def pucks(root: Path) -> dict[str, str]:
     """Files that may be pucks: imported presses, and measured files that are traces as they are."""
-    own = [path for path in sorted((root / "measured").glob("*.csv")) if _is_trace(path)]
+    own = sorted(filter(_is_trace, (root / "measured").glob("*.csv")))
     return select_options.traces(root) | {f"measured/{path.name}": path.name for path in own}
 
 
@@ -146,24 +153,22 @@ def _is_trace(path: Path) -> bool:
     return {"time_s", "displacement_mm", "force_N"} <= words
 
 
-def _moduli(puck: Path, answer: Mapping[str, Any]) -> tuple[list[list[object]], str]:
-    """Rows of the resin's modulus at the puck's ratio without and with this puck; or what is wrong."""
+def _moduli(puck: Path, answer: Mapping[str, Any]) -> list[list[object]]:
+    """Rows of the resin's modulus at the puck's ratio without and with this puck."""
     from dummydesign.measurement.trace import read_trace
     from dummydesign.resin.model.resin_file import load_resin, recording_sha256
     from dummydesign.resin.update import known_puck, without_puck
 
-    rows: list[list[object]] = [["this puck alone", *(answer["young_kPa"][key] for key in ("value", "low", "high"))]]
-    try:
-        resin, sha256 = load_resin(answer["name"]), recording_sha256(read_trace(puck))
-    except InputError as refused:
-        return rows, f"{refused}."
+    name, ratio = answer["name"], float(answer["ratio"])
+    resin, sha256 = load_resin(name), recording_sha256(read_trace(puck))
     if known_puck(resin, sha256) is None:
-        return rows, f"The resin '{answer['name']}' does not hold this puck (any more). Run the command again."
-    ratio = float(answer["ratio"])
-    for words, resin_then in (("before", without_puck(resin, sha256)), (answer["name"], resin)):
+        message = f"The resin '{name}' does not hold this puck (any more). Run the command again."
+        raise InputError(message, "file_not_found", "puck")
+    rows: list[list[object]] = [["this puck alone", *(answer["young_kPa"][key] for key in ("value", "low", "high"))]]
+    for words, resin_then in (("before", without_puck(resin, sha256)), (name, resin)):
         one = resin_then.modulus_kPa(ratio)
         rows.append([f"{words}, at ratio {ratio:g}", one.value, one.low, one.high])
-    return rows, ""
+    return rows
 
 
 def _last(root: Path) -> dict[str, str]:

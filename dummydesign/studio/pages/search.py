@@ -105,9 +105,8 @@ class Search:
         if not state.tissue:
             raise InputError(NO_TISSUE, "missing", "tissue")
         stem = state.tissue.rpartition("/")[2].removesuffix(".toml")
-        return jobs.suggest(
-            {**state.question, "shape": self.kinds.value}, f"suggest-{stem}{'-calibrated' if state.calibration else ''}"
-        )
+        out = f"designs/suggest-{stem}{'-calibrated' if state.calibration else ''}"
+        return jobs.command("suggest", **state.question, shape=self.kinds.value, no_cad=True, out=out)
 
     def ended(self, job: jobs.Job, mine: bool) -> None:
         """Put the sliders at the pad that was found, when it is for what is chosen."""
@@ -227,10 +226,17 @@ class SolvedPad:
         t, r = f"{state.thickness_mm:g}", f"{state.ratio:g}"
         # predict solves a shape that no table holds, under a flat punch on a glued base
         if self.untabulated and state.kind != "slab" and punch_of(self.root, state.punch).profile_mm is None:
-            pad = {"shape": state.shape, "thickness": t, "ratio": r, "fidelity": read_shape(state.shape).fidelity}
-            return ["predict", *jobs.options({**state.question, **pad})]
-        given = {**state.question, "shape": state.shape, "thickness": f"{t}:{t}", "ratio": f"{r}:{r}"}
-        return jobs.suggest(given, f"pad-{state.kind}-{t}mm-{r}")
+            fidelity = read_shape(state.shape).fidelity
+            return jobs.command("predict", **state.question, shape=state.shape, thickness=t, ratio=r, fidelity=fidelity)
+        return jobs.command(
+            "suggest",
+            **state.question,
+            shape=state.shape,
+            thickness=f"{t}:{t}",
+            ratio=f"{r}:{r}",
+            no_cad=True,
+            out=f"designs/pad-{state.kind}-{t}mm-{r}",
+        )
 
     def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job solved the pad that is chosen."""

@@ -24,7 +24,6 @@ from dummydesign.studio.trash import choose_for_project
 from dummydesign.studio.widgets import html, open_page
 from dummydesign.tissue.model.maxwell_law import arm_names, parameter_words
 
-CHOOSE = "choose one"
 OWN = ("presses", "name", "touched", "people", "group")
 """Choices of this page in the address."""
 
@@ -93,9 +92,7 @@ class TissuePage:
         widgets.button(f"Use {tissue} for this project", lambda: self.use(tissue), "use-fitted")
 
     def _renew(self) -> None:
-        shown = f"{self.tissue} (missing)" if self.tissue else CHOOSE
-        known = select_options.offered(select_options.tissues(self.root), self.tissue, shown)
-        self._chosen.set_options(known, value=self.tissue)
+        widgets.offer(self._chosen, select_options.tissues(self.root), self.tissue)
         with widgets.fresh(self._shown):
             if self.tissue.startswith("tissue/") and (self.root / self.tissue).is_file():
                 manage(self.root, self.tissue, "tissue")
@@ -162,7 +159,7 @@ def fit_panel(page: TissuePage) -> None:
             raise InputError("Choose the presses to fit.", "missing", "trace")
         given = form.values()
         kept = file_transfer.plain_name(f"{(given.pop('name') or '').strip() or 'mine'}.toml")
-        return ["fit", *picked.value, *jobs.options({**given, "out": f"tissue/{kept}"})]
+        return jobs.command("fit", *picked.value, **given, out=f"tissue/{kept}")
 
     def belongs(job: jobs.Job, chosen: list[str]) -> bool:
         """Whether a fit is of the chosen presses and name."""
@@ -249,7 +246,7 @@ def show_curves(root: Path, answer: Mapping[str, Any]) -> None:
 
     # several fits on a page have presses of the same name
     own = Path(answer["files"]["tissue"]).with_suffix("").as_posix().replace("/", "-")
-    plots = figures.measured_over_fitted(root, answer)
+    plots = figures.measured_presses(root / answer["files"].get("report_values", ""))
     html("{}", Markup(plots_html(replace(one, name=f"{own}-{one.name}") for one in plots)))
     report = answer["files"].get("report", "")
     if report and (root / report).is_file():
@@ -292,12 +289,14 @@ class _People:
         for path in start.keys() - traces.keys():
             widgets.tell_problem(f"The press '{path}' is not there (any more). It is left out until you bring it back.")
         widgets.button("Take the names from the file names", self._guess, "guess-people")
-        self._fields: dict[str, ui.input] = {}
-        with ui.element("div").classes("people"):
-            for path, words in traces.items():
-                name = ui.input(f"Person of {words}", value=start.get(path, "")).style("width:100%")
-                self._fields[path] = name.props('dense data-test="person"')
-                name.props["data-press"] = words
+        self._persons = widgets.Form(
+            "person",
+            lambda: {
+                path: widgets.having(ui.input(f"Person of {words}"), data_test="person", data_press=words)
+                for path, words in traces.items()
+            },
+            start,
+        )
         self._form = widgets.Form(
             "people",
             lambda: {
@@ -319,7 +318,7 @@ class _People:
             check=self._check,
             main=False,
         )
-        widgets.on_change(self._renew, *self._fields.values(), *self._form.fields.values())
+        widgets.on_change(self._renew, *self._persons.fields.values(), *self._form.fields.values())
 
     def _renew(self) -> None:
         people = "\n".join(f"{path}\t{name}" for path, name in self._assigned().items())
@@ -328,11 +327,11 @@ class _People:
 
     def _guess(self) -> None:
         """Fill in what stands before the first underscore, as ``tissues add`` reads single traces."""
-        for path, field in self._fields.items():
+        for path, field in self._persons.fields.items():
             field.value = Path(path).stem.split("_")[0]
 
     def _assigned(self) -> dict[str, str]:
-        return {path: name for path, field in self._fields.items() if (name := (field.value or "").strip())}
+        return {path: name.strip() for path, name in self._persons.kept().items() if name.strip()}
 
     def _people(self) -> dict[str, list[str]]:
         """Presses of each person."""
@@ -359,13 +358,13 @@ class _People:
         typed = self._form.values()
         law = {"elements": typed["elements"], "mode": "per-speed", "lowpass": typed["lowpass"]}
         return [
-            ["fit", *presses, *jobs.options(law | {"out": f"tissue/{name}/{person}.toml", "replace": True})]
+            jobs.command("fit", *presses, **law, out=f"tissue/{name}/{person}.toml", replace=True)
             for person, presses in people.items()
         ]
 
     def _words(self) -> list[str]:
-        name, replaced = self._tissue(), jobs.options({"replace": self._form.values()["replace"]})
-        return ["tissues", "add", name, *(f"tissue/{name}/{person}.toml" for person in self._people()), *replaced]
+        name, fits = self._tissue(), [f"tissue/{self._tissue()}/{person}.toml" for person in self._people()]
+        return jobs.command("tissues", "add", name, *fits, replace=self._form.values()["replace"])
 
     def _check(self) -> None:
         """Refuse a name that is taken before anything is fitted."""

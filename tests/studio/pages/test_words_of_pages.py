@@ -160,7 +160,7 @@ def test_one_warning_more_is_no_warnings(monkeypatch):
     monkeypatch.setattr(widgets, "html", lambda template, *values: said.append(template.format(*values)))
     for count in (5, 6):
         widgets.warnings({"warnings": [{"message": str(number)} for number in range(count)]})
-    assert "1 more warning<" in said[1] and "2 more warnings<" in said[3]
+    assert "1 more warning<" in said[0] and "2 more warnings<" in said[1]
 
 
 def test_choices_are_what_lies_in_the_project_and_then_the_library(lab):

@@ -17,7 +17,7 @@ from dummydesign.measurement.clipping import find_clip, longest_run
 from dummydesign.measurement.importing.baseline import LEAST_LEAD_IN
 from dummydesign.measurement.importing.contact import ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
-from dummydesign.measurement.importing.judge import DELAYED, Judgement, judge_press
+from dummydesign.measurement.importing.judge import DELAYED, Judgement, contact_of, judge_press
 from dummydesign.measurement.importing.sign_convention import find_presses, find_signs, middle_of_three
 from dummydesign.measurement.plateau import noise_of
 from dummydesign.measurement.plausible import ranges, units_that_fit
@@ -63,7 +63,7 @@ def check_press(
 ) -> Judgement:
     """Warn of what looks wrong in one press; and whether it is explained as a whole."""
     before = contact.baseline
-    judged = judge_press(time, x, force, summary, before.step_N)
+    judged = judge_press(time, x, force, summary, before.step_N, contact.delay_s)
     press = _Press(time, x, force, max(before.noise_N, noise_of(force)), before.step_N, summary)
     checks = _computed, _approach, _coarse, _hold, _several_holds, _clipped, _gaps, _frozen, _spikes, _units
     found = [*_swapped(press)] or [doubt for check in checks for doubt in check(press)]
@@ -286,7 +286,7 @@ def doubts_of(trace: Trace, resolution_N: float = 0.0) -> list[dict[str, str]]:
     try:
         rest = find_signs(x, force, None, log).rest_force_N
         span = find_presses(trace.name, x, force - rest, False)[0]
-        contact = find_contact(time, x, force - rest, span)
+        contact = contact_of(time, x, force - rest, span)
         summary = summarise(trace.name, time, x, force)
     except InputError:
         return []  # whoever uses the trace names what it lacks

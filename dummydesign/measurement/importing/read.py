@@ -24,7 +24,7 @@ from dummydesign.measurement.importing import contact as contact_zero
 from dummydesign.measurement.importing.baseline import Baseline
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, QuestionError, Settings
 from dummydesign.measurement.importing.decoding import LEFT_OUT
-from dummydesign.measurement.importing.judge import DELAY_ERROR_S, Judgement
+from dummydesign.measurement.importing.judge import Judgement, contact_of
 from dummydesign.measurement.importing.position_steps import read_between_changes
 from dummydesign.measurement.importing.press_checks import Warn, check_press, copies_among
 from dummydesign.measurement.importing.sign_convention import HIGH, Span, find_presses, find_signs, joined_cycles
@@ -128,10 +128,7 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog, shared: Shar
             raise log.question(f"press {number}: {fault.message}", option)
         warn = partial(log.warn, name=name)
         judged = check_press(t, way, force, contact, summary, warn)
-        # a late force shows the contact too late
-        late, reach = (summary.velocity_mm_s * lag for lag in (judged.delay_s, DELAY_ERROR_S * bool(judged.delay_s)))
-        reach += step_mm
-        ends = contact.low_mm - at - late - reach, contact.high_mm - at - late + reach, signs.displacement * at
+        ends = contact.low_mm - at - step_mm, contact.high_mm - at + step_mm, signs.displacement * at
         error = _steady_error(summary, contact.baseline, warn)
         presses.append(ImportedPress(number, t, way, force, summary, *ends, float(time[span.start]), error, judged))
     return Imported(path, tuple(presses), tuple(log.decisions), tuple(log.warnings), columns, sheet)
@@ -249,9 +246,12 @@ def _find_contact(
             float(x[span.onset]),
         )
     # where there is a lead-in it tells the level, also beside a tare that is given
-    contact = contact_zero.find_contact(time, x, load, span)
+    contact = contact_of(time, x, load, span)
     if contact.lead_in < contact_zero.LEAST_LEAD_IN:
-        return contact_zero.find_contact(time, x, load, span, -rest if log.settings.tare == "none" else 0.0)
+        contact = contact_of(time, x, load, span, -rest if log.settings.tare == "none" else 0.0)
+    if contact.delay_s:
+        late = f"{1e3 * contact.delay_s:+.0f} ms"
+        log.decide("delay of the force", late, "contact is found as if the force were not so late; the columns stay")
     return contact
 
 

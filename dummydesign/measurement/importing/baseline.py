@@ -19,8 +19,6 @@ MOSTLY = 0.3
 """Share of the variance from which on the noise mostly wanders: then samples that follow quickly share its error."""
 CLEAR = 2.5
 """Errors that a drift or a slope must exceed to be one; off a line is what exceeds twice as many."""
-SHOWN = 1.0 / 3.0
-"""Share of what drift and slope may do before they are looked at to which the lead-in must narrow it to show them."""
 MATTERS = 0.002
 """Share of the largest force by which drift and slope must change it within the press to be subtracted."""
 
@@ -77,7 +75,7 @@ class Baseline:
     error) that from contact to the end of the hold.
     ``drift_alone_N_s`` and ``slope_alone_N_mm`` are set where a change is clear, but not of which kind.
     ``held_error_N`` is how far (95 %) level, drift and slope that are not seen may move the force by the end of the
-    hold; infinite where the samples before contact show too little of them. ``left_N`` is what the force reads at most
+    hold; infinite where there are hardly any samples before contact. ``left_N`` is what the force reads at most
     after the punch came back, where that is no straight drift.
     """
 
@@ -185,11 +183,10 @@ def _with_changes(
         left = float(np.abs(load[parts[leading]].mean() - own.at(time, x)[parts[leading]].mean()))
         return replace(own, left_N=left, held_error_N=2.0 * left)
     end = np.array([1.0, lasts, depth])
-    before_it = np.array([0.0, DRIFT_N_S, SLOPE_N_MM]) * end
-    unseen = np.minimum(floors * end, before_it)
-    spread = float(np.sqrt(end @ covariance @ end + unseen @ unseen))
-    if spread < SHOWN * float(np.linalg.norm(before_it)):
-        plain = replace(plain, held_error_N=2.0 * spread)
+    unseen = np.minimum(floors, [0.0, DRIFT_N_S, SLOPE_N_MM]) * end
+    # the force of the hold is rounded as that before contact is
+    spread = float(np.sqrt(end @ covariance @ end + unseen @ unseen + noise.rounding_N**2))
+    plain = replace(plain, held_error_N=2.0 * spread)
     if returns:
         lead, _, known = fit(0, 1, 2, of=leading)
         ahead = np.sqrt(np.einsum("ip,ij,jp->p", columns, known, columns) + variance)

@@ -46,7 +46,7 @@ class ImportedPress:
     ``contact_low_mm`` and ``contact_high_mm`` are the 95 % interval of the contact by the force alone, about the zero
     that was taken; ``begins_s`` is the time of the file at the first sample. ``steady_error_N`` is how far (95 %) a
     level, drift or slope of the force that is not seen before contact may move the steady force; None without a hold,
-    or where the samples there show too little of them.
+    or with hardly any samples there.
     """
 
     number: int
@@ -100,9 +100,9 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog, shared: Shar
     first = float(columns.force_N[0])
     tare = first if log.settings.tare == "first" else _read_option("tare", log.settings.tare, "force")
     given, by = shared or (_read_option("contact", log.settings.contact, "length"), "given by --contact")
-    signs = find_signs(columns.displacement_mm, columns.force_N, tare, log)
     time = columns.time_s
     way, step_mm = read_between_changes(time, columns.displacement_mm, log)
+    signs = find_signs(way, columns.force_N, tare, log)
     x = signs.displacement * way
     rest, load = signs.force * signs.rest_force_N, signs.force * (columns.force_N - signs.rest_force_N)
     spans = _find_spans(time, x, load, columns.recordings, log)

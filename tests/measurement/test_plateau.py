@@ -113,3 +113,13 @@ def test_crossings_are_those_of_swings_beyond_the_least():
     assert len(crossings(TIME, np.sin(2 * np.pi * TIME), 1.1)) == 0
     # a ripple about zero within a swing is no crossing
     assert len(crossings(TIME, np.sin(2 * np.pi * TIME) + 0.05 * np.sin(200 * TIME), 0.2)) == len(at)
+
+
+@pytest.mark.parametrize("seed", [31, 32, 33])
+def test_leaving_is_no_ringing(seed):
+    """A plateau with an overshoot that has long settled when the punch goes back, read with noise."""
+    since = np.clip(TIME - 0.3, 0.0, None)
+    ringing = 0.3 * np.exp(-20.0 * since) * np.sin(40.0 * since) * (TIME < 4.0)
+    x = press(back=5.0) + ringing + 0.001 * np.random.default_rng(seed).normal(size=len(TIME))
+    found = find_plateau(TIME, x, START, noise_of(x))
+    assert found.overshoot_mm > 0.05 and found.settled_s < 1.0 and found.period_s < 0.3

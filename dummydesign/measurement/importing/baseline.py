@@ -185,8 +185,9 @@ def _with_changes(
     end = np.array([1.0, lasts, depth])
     unseen = np.minimum(floors, [0.0, DRIFT_N_S, SLOPE_N_MM]) * end
     # the force of the hold is rounded as that before contact is
-    spread = float(np.sqrt(end @ covariance @ end + unseen @ unseen + noise.rounding_N**2))
-    plain = replace(plain, held_error_N=2.0 * spread)
+    plain = replace(
+        plain, held_error_N=2.0 * float(np.sqrt(end @ covariance @ end + unseen @ unseen + noise.rounding_N**2))
+    )
     if returns:
         lead, _, known = fit(0, 1, 2, of=leading)
         ahead = np.sqrt(np.einsum("ip,ij,jp->p", columns, known, columns) + variance)

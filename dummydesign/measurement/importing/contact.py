@@ -49,11 +49,6 @@ class ContactEstimate:
     peak_N: float
     delay_s: float = 0.0
 
-    @property
-    def lead_in(self) -> int:
-        """Samples before contact."""
-        return self.baseline.samples
-
 
 def find_contact(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: float | None = None) -> ContactEstimate:
     """Find contact and tare of one press.

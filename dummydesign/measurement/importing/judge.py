@@ -55,7 +55,7 @@ SETTLES_S = 0.3
 DELAYS_S, STRIDES_S = np.linspace(-0.08, 0.08, 33), (2e-3, 1e-3, 1e-3)
 """Delays that are looked at, and steps by which the best one is approached. [s]"""
 DELAY_ERROR_S, NAMED_S = 2e-3, FILTER_DELAY_S + 10e-3
-"""How far a delay that is found may be off at least, of drawn presses of tissue, balls and flat punches; and the longest
+"""How far a delay that is found may be off at least, of drawn presses of tissue, balls and flat punches; the longest
 one that a filter may make, which has no warning. [s]"""
 FEWEST = 5  # samples of a part that is judged
 SEEN, BETTER, SURE = 25.0, 0.4, 16.0
@@ -91,9 +91,9 @@ class Judgement:
             return f"{text}; plot both over time: a position in steps, a slower source, a drift, a loose contact?"
         late = "later" if self.delay_s > 0 else "earlier"
         return (
-            f"the force is about {1e3 * abs(self.delay_s):.0f} ms {late} than the displacement: no force belongs to the "
-            f"depth beside it; import with {self.by}, or declare the load cell's filter with --lowpass where the trace "
-            "is used"
+            f"the force is about {1e3 * abs(self.delay_s):.0f} ms {late} than the displacement: contact is found "
+            f"without that, but each force stands beside another depth; import with {self.by}, or declare the load "
+            "cell's filter with --lowpass where the trace is used"
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -117,7 +117,7 @@ def judge_press(
     delay_s : float, optional
         Delay of the force, where it was sought already. [s]
     """
-    delay = find_delay(time, x, force, summary, step_N).value_s if delay_s is None else delay_s
+    delay = find_delay(time, x, force, summary, step_N)[0] if delay_s is None else delay_s
     kept, size = _errors(time, x, force, summary, step_N)
     t, stop = time[kept], summary.stop_time_s
     part = np.where(t > stop + SETTLES_S, 3, np.where(t > stop, 2, np.where(x[kept] > 0.0, 1, 0)))
@@ -130,9 +130,7 @@ def judge_press(
     return Judgement(False, PARTS[judged[worst]], float(misfits[worst]), delay)
 
 
-def _errors(
-    time: NDArray, x: NDArray, force: NDArray, summary: Summary, step_N: float
-) -> tuple[NDArray, NDArray]:
+def _errors(time: NDArray, x: NDArray, force: NDArray, summary: Summary, step_N: float) -> tuple[NDArray, NDArray]:
     """Samples that are looked at, and the error of the force there. [N]"""
     kept = _thinned(time, x, force, max(summary.hold_end_s, summary.stop_time_s))
     noise = np.hypot(noise_of(force), step_N / np.sqrt(12.0))
@@ -140,17 +138,10 @@ def _errors(
     return kept, size * np.where(time[kept] >= time[last_ramp(x)], 1.0, UNJUDGED)
 
 
-@dataclass(frozen=True)
-class Delay:
-    """Time by which a force is late, 0 where that is not seen, and the interval (95 %) in which it lies. [s]"""
-
-    value_s: float
-    low_s: float
-    high_s: float
-
-
-def find_delay(time: NDArray, x: NDArray, force: NDArray, summary: Summary, step_N: float = 0.0) -> Delay:
-    """The delay of the force that explains a press best, if that is much better than none.
+def find_delay(
+    time: NDArray, x: NDArray, force: NDArray, summary: Summary, step_N: float = 0.0
+) -> tuple[float, float, float]:
+    """The delay of the force that explains a press best, 0 if not much better than none, and its interval. [s]
 
     The contact that the force shows is carried along with it. Arguments are those of :func:`judge_press`.
     """
@@ -173,7 +164,7 @@ def find_delay(time: NDArray, x: NDArray, force: NDArray, summary: Summary, step
     better = missed(0.0) - missed(best) > max(SEEN, BETTER * missed(best))
     seen = better and abs(best) < DELAYS_S[-1]  # an average is no delay
     reach = DELAY_ERROR_S * seen
-    return Delay(best if seen else 0.0, min(likely) - reach, max(likely) + reach)
+    return best if seen else 0.0, min(likely) - reach, max(likely) + reach
 
 
 def contact_of(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: float | None = None) -> ContactEstimate:
@@ -181,14 +172,14 @@ def contact_of(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: flo
     contact, part = find_contact(time, x, load, span, tare_N), slice(span.start, span.stop)
     press = time[part] - time[span.start], x[part] - contact.position_mm, load[part] - contact.baseline.level_N
     try:
-        delay = find_delay(*press, summarise("", *press), contact.baseline.step_N)
+        delay, early, late = find_delay(*press, summarise("", *press), contact.baseline.step_N)
     except InputError:
         return contact  # no ramp from there; whoever uses the press says what it lacks
-    if delay.value_s:
-        contact = find_contact(time, np.interp(time - delay.value_s, time, x), load, span, tare_N)
-    early, late = (max(contact.velocity_mm_s, 0.0) * (end - delay.value_s) for end in (delay.low_s, delay.high_s))
-    low, high = contact.low_mm - max(late, 0.0), contact.high_mm - min(early, 0.0)
-    return replace(contact, low_mm=low, high_mm=high, delay_s=delay.value_s)
+    if delay:
+        contact = find_contact(time, np.interp(time - delay, time, x), load, span, tare_N)
+    speed = max(contact.velocity_mm_s, 0.0)
+    low, high = contact.low_mm - speed * max(late - delay, 0.0), contact.high_mm - speed * min(early - delay, 0.0)
+    return replace(contact, low_mm=low, high_mm=high, delay_s=delay)
 
 
 def _thinned(time: NDArray, x: NDArray, force: NDArray, end_s: float) -> NDArray:

@@ -133,8 +133,8 @@ def judge_press(
 def _errors(time: NDArray, x: NDArray, force: NDArray, summary: Summary, step_N: float) -> tuple[NDArray, NDArray]:
     """Samples that are looked at, and the error of the force there. [N]"""
     kept = _thinned(time, x, force, max(summary.hold_end_s, summary.stop_time_s))
-    noise = np.hypot(noise_of(force), step_N / np.sqrt(12.0))
-    size = np.hypot(LAW_ERROR * np.maximum(np.abs(force[kept]), LEAST * float(force.max())), noise)
+    law = LAW_ERROR * np.maximum(np.abs(force[kept]), LEAST * float(force.max()))
+    size = np.hypot(law, np.hypot(noise_of(force), step_N / np.sqrt(12.0)))
     return kept, size * np.where(time[kept] >= time[last_ramp(x)], 1.0, UNJUDGED)
 
 
@@ -161,10 +161,9 @@ def find_delay(
     best = min(tried, key=lambda one: (missed(one), abs(one)))
     scale = max(missed(best) / len(kept), 1.0)
     likely = [one for one in tried if missed(one) - missed(best) < SURE * scale]
-    better = missed(0.0) - missed(best) > max(SEEN, BETTER * missed(best))
-    seen = better and abs(best) < DELAYS_S[-1]  # an average is no delay
-    reach = DELAY_ERROR_S * seen
-    return best if seen else 0.0, min(likely) - reach, max(likely) + reach
+    # an average is no delay
+    seen = abs(best) < DELAYS_S[-1] and missed(0.0) - missed(best) > max(SEEN, BETTER * missed(best))
+    return best if seen else 0.0, min(likely) - DELAY_ERROR_S * seen, max(likely) + DELAY_ERROR_S * seen
 
 
 def contact_of(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: float | None = None) -> ContactEstimate:
@@ -178,8 +177,12 @@ def contact_of(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: flo
     if delay:
         contact = find_contact(time, np.interp(time - delay, time, x), load, span, tare_N)
     speed = max(contact.velocity_mm_s, 0.0)
-    low, high = contact.low_mm - speed * max(late - delay, 0.0), contact.high_mm - speed * min(early - delay, 0.0)
-    return replace(contact, low_mm=low, high_mm=high, delay_s=delay)
+    return replace(
+        contact,
+        low_mm=contact.low_mm - speed * max(late - delay, 0.0),
+        high_mm=contact.high_mm - speed * min(early - delay, 0.0),
+        delay_s=delay,
+    )
 
 
 def _thinned(time: NDArray, x: NDArray, force: NDArray, end_s: float) -> NDArray:

@@ -54,7 +54,7 @@ class ImportedPress:
     ``contact_low_mm`` and ``contact_high_mm`` are the 95 % interval of the contact by the force alone, about the zero
     that was taken; ``begins_s`` is the time of the file at the first sample. ``steady_error_N`` is how far (95 %) a
     level, drift or slope of the force that is not seen before contact may move the steady force; None without a hold,
-    or with hardly any samples there.
+    or where the samples there show too little of them.
     """
 
     number: int
@@ -165,7 +165,7 @@ def _steady_error(summary: Summary, baseline: Baseline, warn: Warn) -> float | N
             f"a drift or a slope that is not seen before contact may move the steady force of {steady:.3g} "
             f"N by {error_N:.2g} N (95 %): record longer and farther before contact, or until the punch is back",
         )
-    return error_N
+    return error_N if baseline.shown else None
 
 
 def _read_option(option: str, word: str, kind: str) -> float | None:

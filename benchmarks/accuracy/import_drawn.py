@@ -29,6 +29,7 @@ from benchmarks.accuracy.overshoot import law_force, path
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.decisions import Settings
 from dummydesign.measurement.importing.read import Imported, import_files
+from dummydesign.measurement.sensor import Lowpass
 
 DEPTH, STEADY, HOLD = 0.01, 0.01, (0.3, 0.03)
 """What depth and steady force may be off (shares), and the hold (the larger of s and share)."""
@@ -38,8 +39,18 @@ SPOILS = {
     "late": "force_delayed",
     "packets": "",
     "tail": "force_not_back",
+    "short": "",
+    "long": "",
+    "slow": "",
+    "jitter": "",
+    "lost": "",
+    "lowpass": "",
+    "thermal": "",
+    "stopping": "",
+    "stages": "several_holds",
+    "touch": "no_free_travel",
 }
-"""What another rig does to a recording, and the warning that names it."""
+"""What another rig, robot or protocol does to a recording, and the warning that names it."""
 ZERO = {"contact_uncertain", "contact_may_be_late", "contact_not_checked", "contact_of_slower_presses"}
 NO_WORD = {
     "contact": {"force_drifts", "steady_uncertain", "force_not_back", "coarse_digits", *ZERO},
@@ -62,8 +73,21 @@ class Drawn:
     kinds: dict[str, float]
 
 
-def draw(rng: np.random.Generator, released: bool = False) -> Drawn:
-    """Draw one press, evenly sampled but for its dropped rows; with its way back where that is asked for."""
+def warped(time: NDArray, kinds: dict[str, float], kind: str) -> NDArray:
+    """Time along the usual path: it eases to the stop (``stopping``) or rests on the way (``stages``). [s]"""
+    stop = kinds["depth_mm"] / kinds["speed_mm_s"]
+    if kind == "stages":
+        return np.where(time < kinds["rests_s"], time, np.maximum(time - kinds["paused_s"], kinds["rests_s"]))
+    if kind != "stopping":
+        return time
+    share, end = kinds["eased"] * stop, stop + kinds["hold_s"]
+    eased = stop - share * np.exp(-np.maximum(time - stop + share, 0.0) / share)
+    return np.where(time > end, time, np.where(time > stop - share, eased, time))
+
+
+def draw(rng: np.random.Generator, kind: str = "") -> Drawn:
+    """Draw one press, evenly sampled but for its dropped rows, of a kind of robot or protocol."""
+    released = kind == "tail"
 
     def spread(low: float, high: float) -> float:
         return float(np.exp(rng.uniform(np.log(low), np.log(high))))
@@ -90,15 +114,28 @@ def draw(rng: np.random.Generator, released: bool = False) -> Drawn:
     kinds["release_mm_s"] = kinds["speed_mm_s"]
     rate = float(rng.choice([200.0, 500.0, 1000.0]))
     stop = kinds["depth_mm"] / kinds["speed_mm_s"]
-    end = stop + kinds["hold_s"]
+    longer = 0.0
+    if kind in ("short", "long"):
+        kinds["hold_s"] = float(rng.uniform(0.5, 2.0) if kind == "short" else rng.uniform(20.0, 40.0))
+    elif kind == "slow":
+        kinds["speed_mm_s"] = kinds["release_mm_s"] = spread(1.0, 10.0)
+        stop, rate = kinds["depth_mm"] / kinds["speed_mm_s"], spread(20.0, 50.0)
+    elif kind == "stopping":
+        kinds |= {"overshoot": 0.0, "eased": float(rng.uniform(0.05, 0.3))}
+    elif kind == "stages":
+        longer = float(rng.uniform(0.3, 2.0))
+        kinds |= {"rests_s": float(rng.uniform(0.2, 0.7)) * stop, "paused_s": longer}
+    end = stop + kinds["hold_s"] + longer
     last = end + (kinds["released"] * ((kinds["depth_mm"] + 1.0) / kinds["release_mm_s"] + rng.uniform(0.5, 2.0)))
     time = np.arange(-kinds["gap_mm"] / kinds["speed_mm_s"] - kinds["dwell_s"], last, 1.0 / rate)
     fine = np.arange(0.0, last + 2e-4, max(min(2e-3 * stop, 0.02 / kinds["ringing_Hz"]), 1e-4))
     law = str(rng.choice(["tissue", "ball", "flat"]))
-    force, plain = (forces(law, fine, path(fine, kinds, ringing)) for ringing in (True, False))
+    way = warped(fine, kinds, kind)
+    force, plain = (forces(law, fine, path(way, kinds, ringing)) for ringing in (True, False))
     scale = kinds["peak_N"] / force.max()
     late = (fine > end - 0.05 * kinds["hold_s"]) & (fine <= end)
-    x = np.where(time < 0.0, np.maximum(kinds["speed_mm_s"] * time, -kinds["gap_mm"]), path(time, kinds))
+    moved = path(warped(time, kinds, kind), kinds)
+    x = np.where(time < 0.0, np.maximum(kinds["speed_mm_s"] * time, -kinds["gap_mm"]), moved)
     keep = np.exp(-1.0 / rate / 0.5)
     wander, level = np.zeros(len(time)), rng.normal()
     for at, kick in enumerate(rng.normal(0.0, np.sqrt(1.0 - keep**2), len(time))):
@@ -109,7 +146,9 @@ def draw(rng: np.random.Generator, released: bool = False) -> Drawn:
     measured += kinds["slope_N_mm"] * (x - x[0]) + kinds["noise_N"] * noise
     measured = np.round(measured / kinds["digit_N"]) * kinds["digit_N"]
     x = np.round(x + rng.normal(0.0, 0.001, len(x)), 4)
-    held = kinds["hold_s"] if kinds["released"] else float(time[-1]) - stop
+    if kind == "stopping":  # it has stopped where a tenth of its speed is left
+        stop += kinds["eased"] * stop * (np.log(10.0) - 1.0)
+    held = (end if kinds["released"] else float(time[-1])) - stop - longer
     return Drawn(
         time - time[0],
         x + kinds["zero_mm"],
@@ -140,7 +179,8 @@ def spoiled(press: Drawn, kind: str, rng: np.random.Generator) -> Drawn:
     """The same press as another rig records it.
 
     A position in steps or held, a force that is late (half of them begin on the way in, with fewer samples of the
-    hold), packets of rows, a force that comes back slowly: by the creep of the load cell, or as an average is shown.
+    hold), packets of rows, a force that comes back slowly: by the creep of the load cell, or as an average is shown;
+    stamps that jitter, rows lost in bursts, a low-pass of the force, a sensor that warms up, a zero set at a touch.
     """
     time, x, force = press.time_s, press.displacement_mm, press.force_N
     if kind == "steps":
@@ -151,7 +191,7 @@ def spoiled(press: Drawn, kind: str, rng: np.random.Generator) -> Drawn:
         return replace(press, displacement_mm=np.interp(np.floor(time * rate) / rate, time, x))
     if kind == "late":
         late = float(rng.choice([-1.0, 1.0]) * np.exp(rng.uniform(np.log(0.005), np.log(0.05))))
-        force = np.interp(time - late, time, force)
+        force = np.round(np.interp(time - late, time, force) / press.kinds["digit_N"]) * press.kinds["digit_N"]
         if rng.random() < 0.5:
             return replace(press, force_N=force)
         drawn = press.kinds
@@ -172,6 +212,29 @@ def spoiled(press: Drawn, kind: str, rng: np.random.Generator) -> Drawn:
             kept = np.exp(-step / lasts)
             force = force + share * lfilter([1.0 - kept], [1.0, -kept], force - rest)
         return replace(press, force_N=np.round(force / digit) * digit)
+    if kind == "jitter":
+        step = float(time[1] - time[0])
+        return replace(press, time_s=np.round(time + rng.uniform(-0.35, 0.35, len(time)) * step, 6))
+    if kind == "lost":
+        kept = np.ones(len(time), bool)
+        for first in rng.integers(0, len(time), int(rng.integers(2, 8))):
+            kept[first : first + int(rng.integers(2, 12))] = False
+        return replace(press, time_s=time[kept], displacement_mm=x[kept], force_N=force[kept])
+    if kind == "lowpass":
+        filtered = Lowpass(float(np.exp(rng.uniform(np.log(20.0), np.log(100.0)))), 2, 1).apply(time, force)
+        return replace(press, force_N=filtered)
+    if kind == "thermal":
+        size, lasts = float(rng.choice([-1.0, 1.0]) * rng.uniform(0.05, 0.3)), float(rng.uniform(5.0, 60.0))
+        return replace(press, force_N=force + size * (1.0 - np.exp(-time / lasts)))
+    if kind == "touch":
+        drawn = press.kinds
+        touch = drawn["dwell_s"] + drawn["gap_mm"] / drawn["speed_mm_s"]
+        kept = time > touch + rng.uniform(0.01, 0.1) * drawn["depth_mm"] / drawn["speed_mm_s"]
+        begin = float(x[kept][0])
+        columns = {"time_s": time[kept] - time[kept][0], "displacement_mm": x[kept] - begin, "force_N": force[kept]}
+        return replace(press, zero_mm=press.zero_mm - begin, **columns)
+    if kind != "packets":
+        return press
     rows = int(rng.integers(5, 60))
     last = np.minimum((np.arange(len(time)) // rows + 1) * rows - 1, len(time) - 1)
     return replace(press, time_s=time[last] + 1e-5 * (np.arange(len(time)) % rows))
@@ -225,7 +288,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for number in range(options.draws):
             rng = np.random.default_rng([options.seed, number])
-            press, file = draw(rng, options.spoil == "tail"), Path(folder, f"press_{number}.csv")
+            press, file = draw(rng, options.spoil or ""), Path(folder, f"press_{number}.csv")
             press = spoiled(press, options.spoil, rng) if options.spoil else press
             columns = (press.time_s, press.displacement_mm, press.force_N)
             truth = write_plain(file, press, rng) if options.plain else write_file(file, rng, *columns)

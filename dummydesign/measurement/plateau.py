@@ -86,6 +86,7 @@ def find_plateau(time: NDArray, x: NDArray, start: int, noise: float) -> Plateau
     rings = swing > max(NEAR_MM, NEAR_SHARE * top)
     depth = level if rings or not close.any() else _median(time[inside], x[inside], close)
     end = _end(time, x, depth, (first, last), swing if rings else 0.0, back if released else None)
+    last = max(int(np.searchsorted(time, end, side="right")) - 1, first)  # leaving is no ringing
     return _with_ringing(time, x, depth, (first, last), end, noise)
 
 

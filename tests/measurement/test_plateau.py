@@ -113,3 +113,16 @@ def test_crossings_are_those_of_swings_beyond_the_least():
     assert len(crossings(TIME, np.sin(2 * np.pi * TIME), 1.1)) == 0
     # a ripple about zero within a swing is no crossing
     assert len(crossings(TIME, np.sin(2 * np.pi * TIME) + 0.05 * np.sin(200 * TIME), 0.2)) == len(at)
+
+
+def test_leaving_is_no_ringing():
+    """An overshoot that has long settled when the punch goes back, read with noise: one of the first samples of the
+    way back may lie beyond the noise."""
+    time = np.arange(-1.0, 10.5, STEP)
+    since = np.clip(time - 0.265, 0.0, 8.635)
+    held = np.clip(5.0 * time, -1.0, 1.315) + 0.2 * np.exp(-13.3 * since) * np.sin(32.4 * since)
+    path = np.where(time > 8.9, np.maximum(1.315 - 5.0 * (time - 8.9), -1.0), held)
+    for seed in range(31, 43):
+        x = np.round(path + 0.001 * np.random.default_rng(seed).normal(size=len(time)), 4)
+        found = find_plateau(time, x, 1000, noise_of(x))
+        assert found.overshoot_mm > 0.05 and found.settled_s < 1.0 and found.period_s < 0.3

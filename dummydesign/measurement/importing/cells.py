@@ -158,11 +158,7 @@ def decimal_evidence(cells: Iterable[str]) -> dict[str, int]:
 
 def is_stamp(cell: str) -> bool:
     """Whether a cell is a time of day, with or without a date, minutes and seconds, or a duration."""
-    if _duration(cell) is not None:
-        return True
-    if ":" not in cell[:-3]:
-        return "T" in cell and _COMPACT.fullmatch(cell) is not None
-    return _STAMP.fullmatch(cell) is not None or _MINUTES.fullmatch(cell) is not None
+    return seconds_of_stamp(cell) is not None
 
 
 def _duration(cell: str) -> float | None:
@@ -181,19 +177,17 @@ def _duration(cell: str) -> float | None:
 _PARTS = ("day", "hour", "minute", "second")
 
 
-def seconds_of_stamp(cell: str) -> tuple[float, str]:
-    """Seconds since midnight (or the start) and the date as written (empty without one)."""
+def seconds_of_stamp(cell: str) -> tuple[float, str] | None:
+    """Seconds since midnight (or the start) and the date as written (empty without one); None of no such cell."""
     if (duration := _duration(cell)) is not None:
         return duration, ""
     short = _MINUTES.fullmatch(cell)
     if short is not None:
         return int(short[1]) * 60.0 + float(f"{int(short[2])}.{short[3]}"), ""
     parts = _STAMP.fullmatch(cell if ":" in cell[:-3] else _COMPACT.sub(r"\1-\2-\3T\4:\5:\6\7", cell))
-    if parts is None:
-        raise ValueError(cell)
+    if parts is None or int(parts[2]) > 23 or int(parts[3]) > 59 or int(parts[4]) > 60:
+        return None
     hour, minute, second = int(parts[2]), int(parts[3]), int(parts[4])
-    if hour > 23 or minute > 59 or second > 60:
-        raise ValueError(cell)
     if parts[6]:
         hour = hour % 12 + (12 if parts[6] in "pP" else 0)
     return 3600.0 * hour + 60.0 * minute + float(f"{second}.{parts[5] or 0}"), parts[1] or ""

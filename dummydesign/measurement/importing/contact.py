@@ -38,7 +38,8 @@ _WAYS, _CELLS, _PARTS = 60, 80, 20
 
 @dataclass(frozen=True)
 class ContactEstimate:
-    """Where the punch touches (95 % interval), what the force reads before, and the speed."""
+    """Where the punch touches (95 % interval), what the force reads before, the speed, and a delay that was taken off
+    the force."""
 
     position_mm: float
     low_mm: float
@@ -46,11 +47,7 @@ class ContactEstimate:
     baseline: Baseline
     velocity_mm_s: float
     peak_N: float
-
-    @property
-    def lead_in(self) -> int:
-        """Samples before contact."""
-        return self.baseline.samples
+    delay_s: float = 0.0
 
 
 def find_contact(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: float | None = None) -> ContactEstimate:
@@ -181,8 +178,9 @@ OTHER_SITE = 0.5
 
 
 def interval(contact: ContactEstimate) -> tuple[float, float]:
-    """Interval of the contact when the force may be late by a filter that is not declared. [mm]"""
-    return contact.low_mm - max(contact.velocity_mm_s, 0.0) * FILTER_DELAY_S, contact.high_mm
+    """Interval of the contact when the force may be late by a filter that is not declared, and is not seen. [mm]"""
+    unseen = 0.0 if contact.delay_s else FILTER_DELAY_S
+    return contact.low_mm - max(contact.velocity_mm_s, 0.0) * unseen, contact.high_mm
 
 
 def find_contacts(

@@ -19,17 +19,19 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.errors import InputError
 from dummydesign.core.recurrence import linear_recurrence
-from dummydesign.measurement.importing.contact import FILTER_DELAY_S
+from dummydesign.measurement.importing.contact import FILTER_DELAY_S, ContactEstimate, find_contact
+from dummydesign.measurement.importing.sign_convention import Span
 from dummydesign.measurement.plateau import noise_of
-from dummydesign.measurement.ramp_detection import Summary, last_ramp
+from dummydesign.measurement.ramp_detection import Summary, last_ramp, summarise
 
 POWERS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.5, 9.0, 13.0])
 TOUCHES = np.linspace(0.2, 0.9, 8)
@@ -50,13 +52,15 @@ LIMIT = 6.0
 DELAYED = "force_delayed"
 PARTS = ("before contact", "in the rise", "after the stop", "in the hold")
 SETTLES_S = 0.3
-STRIDES_S, LONGEST_S = (10e-3, 2.5e-3), 0.1
-"""Steps by which the delay that explains most is approached, and the largest one. [s]"""
-DELAY_ERROR_S = 5e-3
-"""How far (95 %) a delay that is found may be off, of drawn presses of tissue, balls and flat punches. [s]"""
+DELAYS_S, STRIDES_S = np.linspace(-0.08, 0.08, 33), (2e-3, 1e-3, 1e-3)
+"""Delays that are looked at, and steps by which the best one is approached. [s]"""
+DELAY_ERROR_S, NAMED_S = 2e-3, FILTER_DELAY_S + 10e-3
+"""How far a delay that is found may be off at least, of drawn presses of tissue, balls and flat punches; the longest
+one that a filter may make, which has no warning. [s]"""
 FEWEST = 5  # samples of a part that is judged
-BETTER, MATTERS = 0.85, 0.01
-"""Share of the misfit that a delay must leave at most to be named, and share of the depth that it must move."""
+SEEN, BETTER, SURE = 25.0, 0.4, 16.0
+"""Sum of squares by which a delay must explain more than none to be one, also as a share of what it misses, and by
+which those outside its interval explain less, over that of a sample: what these functions miss is no noise."""
 
 
 @dataclass(frozen=True)
@@ -87,8 +91,9 @@ class Judgement:
             return f"{text}; plot both over time: a position in steps, a slower source, a drift, a loose contact?"
         late = "later" if self.delay_s > 0 else "earlier"
         return (
-            f"the force is about {1e3 * abs(self.delay_s):.0f} ms {late} than the displacement: contact and depth are "
-            f"wrong; import with {self.by}, or declare the load cell's filter with --lowpass where the trace is used"
+            f"the force is about {1e3 * abs(self.delay_s):.0f} ms {late} than the displacement: contact is found "
+            f"without that, but each force stands beside another depth; import with {self.by}, or declare the load "
+            "cell's filter with --lowpass where the trace is used"
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -96,7 +101,9 @@ class Judgement:
         return {"explains": self.explains, "where": self.where, "by": self.by}
 
 
-def judge_press(time: NDArray, x: NDArray, force: NDArray, summary: Summary, step_N: float = 0.0) -> Judgement:
+def judge_press(
+    time: NDArray, x: NDArray, force: NDArray, summary: Summary, step_N: float = 0.0, delay_s: float | None = None
+) -> Judgement:
     """Judge one press.
 
     Parameters
@@ -107,42 +114,75 @@ def judge_press(time: NDArray, x: NDArray, force: NDArray, summary: Summary, ste
         Its ramp and hold.
     step_N : float
         Step of the digits of the force. [N]
+    delay_s : float, optional
+        Delay of the force, where it was sought already. [s]
     """
-    stop, end = summary.stop_time_s, max(summary.hold_end_s, summary.stop_time_s)
-    kept = _thinned(time, x, force, end)
-    noise = np.hypot(noise_of(force), step_N / np.sqrt(12.0))
-    size = np.hypot(LAW_ERROR * np.maximum(np.abs(force[kept]), LEAST * float(force.max())), noise)
-    t = time[kept]
+    delay = find_delay(time, x, force, summary, step_N)[0] if delay_s is None else delay_s
+    kept, size = _errors(time, x, force, summary, step_N)
+    t, stop = time[kept], summary.stop_time_s
     part = np.where(t > stop + SETTLES_S, 3, np.where(t > stop, 2, np.where(x[kept] > 0.0, 1, 0)))
     judged = [k for k in range(len(PARTS)) if summary.depth_mm >= SLOW_S * summary.velocity_mm_s or k == 3]
-    size *= np.where(t >= time[last_ramp(x)], 1.0, UNJUDGED)
     left = _left(time, x, force, kept, size * np.where(np.isin(part, judged), 1.0, UNJUDGED))
     misfits = [np.sqrt(np.mean(left[part == k] ** 2)) if np.sum(part == k) >= FEWEST else 0.0 for k in judged]
     worst = int(np.argmax(misfits))
+    if misfits[worst] <= LIMIT and abs(delay) <= NAMED_S:
+        return Judgement(True, delay_s=delay)
+    return Judgement(False, PARTS[judged[worst]], float(misfits[worst]), delay)
 
+
+def _errors(time: NDArray, x: NDArray, force: NDArray, summary: Summary, step_N: float) -> tuple[NDArray, NDArray]:
+    """Samples that are looked at, and the error of the force there. [N]"""
+    kept = _thinned(time, x, force, max(summary.hold_end_s, summary.stop_time_s))
+    law = LAW_ERROR * np.maximum(np.abs(force[kept]), LEAST * float(force.max()))
+    size = np.hypot(law, np.hypot(noise_of(force), step_N / np.sqrt(12.0)))
+    return kept, size * np.where(time[kept] >= time[last_ramp(x)], 1.0, UNJUDGED)
+
+
+def find_delay(
+    time: NDArray, x: NDArray, force: NDArray, summary: Summary, step_N: float = 0.0
+) -> tuple[float, float, float]:
+    """The delay of the force that explains a press best, 0 if not much better than none, and its interval. [s]
+
+    The contact that the force shows is carried along with it. Arguments are those of :func:`judge_press`.
+    """
+    kept, size = _errors(time, x, force, summary, step_N)
+
+    @cache
     def missed(delay_s: float) -> float:
-        """Sum of squares that is missed with a delay, the contact carried along."""
+        """Sum of squares that is missed with a delay."""
         depth = np.interp(time - delay_s, time, x) + summary.velocity_mm_s * delay_s
         return float(np.sum(_left(time, depth, force, kept, size) ** 2)) if depth[kept].max() > 0.0 else np.inf
 
-    own = float(np.sum(left**2)) if len(judged) == len(PARTS) else missed(0.0)
-    delay, least = _nearest_delay(missed, own)
-    better = least < BETTER**2 * own
-    moved = better and abs(delay) * summary.velocity_mm_s > MATTERS * summary.depth_mm
-    named = delay if better and abs(delay) < LONGEST_S - STRIDES_S[0] else 0.0  # an average is no delay
-    if misfits[worst] <= LIMIT and (not moved or abs(delay) <= FILTER_DELAY_S + 2.0 * DELAY_ERROR_S):
-        return Judgement(True, delay_s=named)
-    return Judgement(False, PARTS[judged[worst]], float(misfits[worst]), named * moved)
-
-
-def _nearest_delay(missed: Callable[[float], float], none: float) -> tuple[float, float]:
-    """The delay that explains most, downhill from none, and what it misses. [s]"""
-    delay, least = 0.0, none
+    # where a punch rings there are nearest ones, each a period from the next
+    tried = dict.fromkeys(DELAYS_S.tolist())
     for stride in STRIDES_S:
-        for step in (-stride, stride):
-            while abs(delay + step) <= LONGEST_S and (other := missed(delay + step)) < least:
-                delay, least = delay + step, other
-    return delay, least
+        best = min(tried, key=lambda one: (missed(one), abs(one)))
+        tried |= dict.fromkeys((best - stride, best + stride))
+    best = min(tried, key=lambda one: (missed(one), abs(one)))
+    scale = max(missed(best) / len(kept), 1.0)
+    likely = [one for one in tried if missed(one) - missed(best) < SURE * scale]
+    # an average is no delay
+    seen = abs(best) < DELAYS_S[-1] and missed(0.0) - missed(best) > max(SEEN, BETTER * missed(best))
+    return best if seen else 0.0, min(likely) - DELAY_ERROR_S * seen, max(likely) + DELAY_ERROR_S * seen
+
+
+def contact_of(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: float | None = None) -> ContactEstimate:
+    """Contact of one press, as :func:`find_contact` finds it from the displacement by which the force was caused."""
+    contact, part = find_contact(time, x, load, span, tare_N), slice(span.start, span.stop)
+    press = time[part] - time[span.start], x[part] - contact.position_mm, load[part] - contact.baseline.level_N
+    try:
+        delay, early, late = find_delay(*press, summarise("", *press), contact.baseline.step_N)
+    except InputError:
+        return contact  # no ramp from there; whoever uses the press says what it lacks
+    if delay:
+        contact = find_contact(time, np.interp(time - delay, time, x), load, span, tare_N)
+    speed = max(contact.velocity_mm_s, 0.0)
+    return replace(
+        contact,
+        low_mm=contact.low_mm - speed * max(late - delay, 0.0),
+        high_mm=contact.high_mm - speed * min(early - delay, 0.0),
+        delay_s=delay,
+    )
 
 
 def _thinned(time: NDArray, x: NDArray, force: NDArray, end_s: float) -> NDArray:

@@ -58,11 +58,6 @@ class TableLayout:
     sparse: bool = False
     """Whether quantities are written in rows of their own, the other cells empty."""
 
-    @property
-    def plain_names(self) -> list[str]:
-        """Names of the columns without their units."""
-        return [vocabulary.split_name(name)[0] for name in self.names]
-
     def line(self, index: int) -> int:
         """Line number in the file, from 1, of ``lines[index]``."""
         return index + self.skipped + 1

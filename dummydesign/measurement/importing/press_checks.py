@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -17,7 +16,7 @@ from dummydesign.measurement.clipping import find_clip, longest_run
 from dummydesign.measurement.importing.baseline import LEAST_LEAD_IN
 from dummydesign.measurement.importing.contact import ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
-from dummydesign.measurement.importing.judge import DELAYED, Judgement, judge_press
+from dummydesign.measurement.importing.judge import DELAYED, Judgement, contact_of, judge_press
 from dummydesign.measurement.importing.sign_convention import find_presses, find_signs, middle_of_three
 from dummydesign.measurement.plateau import noise_of
 from dummydesign.measurement.plausible import ranges, units_that_fit
@@ -63,7 +62,7 @@ def check_press(
 ) -> Judgement:
     """Warn of what looks wrong in one press; and whether it is explained as a whole."""
     before = contact.baseline
-    judged = judge_press(time, x, force, summary, before.step_N)
+    judged = judge_press(time, x, force, summary, before.step_N, contact.delay_s)
     press = _Press(time, x, force, max(before.noise_N, noise_of(force)), before.step_N, summary)
     checks = _computed, _approach, _coarse, _hold, _several_holds, _clipped, _gaps, _frozen, _spikes, _units
     found = [*_swapped(press)] or [doubt for check in checks for doubt in check(press)]
@@ -286,14 +285,14 @@ def doubts_of(trace: Trace, resolution_N: float = 0.0) -> list[dict[str, str]]:
     try:
         rest = find_signs(x, force, None, log).rest_force_N
         span = find_presses(trace.name, x, force - rest, False)[0]
-        contact = find_contact(time, x, force - rest, span)
+        contact = contact_of(time, x, force - rest, span)
         summary = summarise(trace.name, time, x, force)
     except InputError:
         return []  # whoever uses the trace names what it lacks
     before = contact.baseline
     tare, noise = rest + before.mean_N, max(before.noise_N, noise_of(force))
     allowed = allowed_offset(summary.peak_force_N, noise, before.error_N, resolution_N)
-    if contact.lead_in >= LEAST_LEAD_IN and abs(tare) > allowed:
+    if before.samples >= LEAST_LEAD_IN and abs(tare) > allowed:
         warn(
             "force_before_contact",
             f"the force is {tare:.3g} N before contact and counts as pressing; up to "
@@ -305,7 +304,7 @@ def doubts_of(trace: Trace, resolution_N: float = 0.0) -> list[dict[str, str]]:
             f"the force changes by {before.before_N:+.3g} N before contact, which makes "
             f"{before.effect_N:.2g} N by the end of the hold",
         )
-    elif contact.lead_in >= LEAST_LEAD_IN and contact_off(contact, summary.depth_mm):
+    elif before.samples >= LEAST_LEAD_IN and contact_off(contact, summary.depth_mm):
         tares = (before.mean_N + side * READING * noise for side in (-1.0, -0.5, 0.5, 1.0))
         others = (find_contact(time, x, force - rest, span, other) for other in tares)
         if all(contact_off(other, summary.depth_mm) for other in others):
@@ -323,17 +322,13 @@ def allowed_offset(peak_force_N: float, noise_N: float, tare_error_N: float, res
     return max(READING * noise_N + tare_error_N, OFFSET_SHARE * peak_force_N, resolution_N)
 
 
-def fingerprint(displacement_mm: NDArray, force_N: NDArray) -> str:
-    """Hash of a press to a tenth of a micrometre and of a millinewton; a copy under another name has the same."""
-    return hashlib.sha256((np.round([displacement_mm, force_N], 4) + 0.0).tobytes()).hexdigest()
-
-
 def copies_among(traces: Sequence[Trace]) -> list[dict[str, str]]:
     """Return warnings about traces that hold the same recording: one subject under two names, or a copy."""
-    names: dict[str, str] = {}
+    names: dict[bytes, str] = {}
     copies = []
     for trace in traces:
-        key = fingerprint(trace.displacement_mm, trace.force_N)
+        # to a tenth of a micrometre and of a millinewton
+        key = (np.round([trace.displacement_mm, trace.force_N], 4) + 0.0).tobytes()
         if key in names:
             message = f"{trace.name} is the same recording as {names[key]}: one subject twice, or a copy? use it once"
             copies.append({"code": "same_press", "message": message})

@@ -24,12 +24,20 @@ from dummydesign.measurement.importing import contact as contact_zero
 from dummydesign.measurement.importing.baseline import Baseline
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, QuestionError, Settings
 from dummydesign.measurement.importing.decoding import LEFT_OUT
-from dummydesign.measurement.importing.judge import DELAY_ERROR_S, Judgement
+from dummydesign.measurement.importing.judge import Judgement, contact_of
 from dummydesign.measurement.importing.position_steps import read_between_changes
 from dummydesign.measurement.importing.press_checks import Warn, check_press, copies_among
 from dummydesign.measurement.importing.sign_convention import HIGH, Span, find_presses, find_signs, joined_cycles
 from dummydesign.measurement.importing.table import Columns, Ranges, columns_of, read_texts
-from dummydesign.measurement.importing.vocabulary import BASE, KIND_OF_ROLE, ROLES, USUAL_UNITS, find_unit, scaled_unit
+from dummydesign.measurement.importing.vocabulary import (
+    BASE,
+    KIND_OF_ROLE,
+    ROLES,
+    USUAL_UNITS,
+    find_unit,
+    scaled_unit,
+    split_name,
+)
 from dummydesign.measurement.plausible import ROLE, impossible, press_quantities, ranges, units_that_fit
 from dummydesign.measurement.ramp_detection import SHALLOWEST_MM, Summary, summarise
 from dummydesign.measurement.trace import COLUMNS, SECONDS, Trace, magnitude_fault
@@ -100,9 +108,9 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog, shared: Shar
     first = float(columns.force_N[0])
     tare = first if log.settings.tare == "first" else _read_option("tare", log.settings.tare, "force")
     given, by = shared or (_read_option("contact", log.settings.contact, "length"), "given by --contact")
-    signs = find_signs(columns.displacement_mm, columns.force_N, tare, log)
     time = columns.time_s
     way, step_mm = read_between_changes(time, columns.displacement_mm, log)
+    signs = find_signs(way, columns.force_N, tare, log)
     x = signs.displacement * way
     rest, load = signs.force * signs.rest_force_N, signs.force * (columns.force_N - signs.rest_force_N)
     spans = _find_spans(time, x, load, columns.recordings, log)
@@ -128,10 +136,7 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog, shared: Shar
             raise log.question(f"press {number}: {fault.message}", option)
         warn = partial(log.warn, name=name)
         judged = check_press(t, way, force, contact, summary, warn)
-        # a late force shows the contact too late
-        late, reach = (summary.velocity_mm_s * lag for lag in (judged.delay_s, DELAY_ERROR_S * bool(judged.delay_s)))
-        reach += step_mm
-        ends = contact.low_mm - at - late - reach, contact.high_mm - at - late + reach, signs.displacement * at
+        ends = contact.low_mm - at - step_mm, contact.high_mm - at + step_mm, signs.displacement * at
         error = _steady_error(summary, contact.baseline, warn)
         presses.append(ImportedPress(number, t, way, force, summary, *ends, float(time[span.start]), error, judged))
     return Imported(path, tuple(presses), tuple(log.decisions), tuple(log.warnings), columns, sheet)
@@ -160,7 +165,7 @@ def _steady_error(summary: Summary, baseline: Baseline, warn: Warn) -> float | N
             f"a drift or a slope that is not seen before contact may move the steady force of {steady:.3g} "
             f"N by {error_N:.2g} N (95 %): record longer and farther before contact, or until the punch is back",
         )
-    return error_N
+    return error_N if baseline.shown else None
 
 
 def _read_option(option: str, word: str, kind: str) -> float | None:
@@ -249,9 +254,12 @@ def _find_contact(
             float(x[span.onset]),
         )
     # where there is a lead-in it tells the level, also beside a tare that is given
-    contact = contact_zero.find_contact(time, x, load, span)
-    if contact.lead_in < contact_zero.LEAST_LEAD_IN:
-        return contact_zero.find_contact(time, x, load, span, -rest if log.settings.tare == "none" else 0.0)
+    contact = contact_of(time, x, load, span)
+    if contact.baseline.samples < contact_zero.LEAST_LEAD_IN:
+        contact = contact_of(time, x, load, span, -rest if log.settings.tare == "none" else 0.0)
+    if contact.delay_s:
+        why = "contact is found as if the force were not so late; the columns stay"
+        log.decide("delay of the force", f"{1e3 * contact.delay_s:+.0f} ms", why)
     return contact
 
 
@@ -302,10 +310,10 @@ def import_files(paths: Sequence[str | Path], settings: Settings | None = None) 
             warnings.append({"code": "skipped", "message": message})
     asked = {at: one for at, one in read.items() if isinstance(one, QuestionError) and one.quantity == "contact"}
     zeros = {at: zero for at, one in asked.items() if (zero := _shared_zero(at[0], one, [*read.values()]))}
-    again = [(path, test) for path in {path for path, _ in zeros} for test in _tests_of(path, settings)]
     read |= {
         (path, test[0]): _read_test(path, *test, zeros[path, test[0]])
-        for path, test in again
+        for path in {path for path, _ in zeros}
+        for test in _tests_of(path, settings)
         if (path, test[0]) in zeros
     }
     if zeros:
@@ -324,8 +332,11 @@ def import_files(paths: Sequence[str | Path], settings: Settings | None = None) 
         raise type(first)(f"{first}{others}", first.code, first.quantity, first.value, first.allowed)
     if not imported:
         raise InputError(f"none of the {len(listed)} files holds a table of numbers", "nothing_found", "table")
-    presses = [(one, press) for one in imported for press in one.presses]
-    traces = [Trace(f"{one.name} press {p.number}", p.time_s, p.displacement_mm, p.force_N) for one, p in presses]
+    traces = [
+        Trace(f"{one.name} press {press.number}", press.time_s, press.displacement_mm, press.force_N)
+        for one in imported
+        for press in one.presses
+    ]
     return imported, [*warnings, *copies_among(traces)]
 
 
@@ -479,9 +490,6 @@ def list_profiles() -> list[Entry]:
     return [entry for _, entry in sorted(entries(PROFILES).items())]
 
 
-_NO_SETTINGS = Settings()
-
-
 def load_profile(name: str) -> Settings:
     """Read a profile by name, or from a file that ends in ``.toml``."""
     return _read_profile(find(PROFILES, "profile", name).path)
@@ -491,7 +499,7 @@ _TEXTS = ("separator", "decimal", "encoding", "tare", "contact", "split", "sheet
 
 
 def _read_profile(path: Path) -> Settings:
-    top = read_table(path, ("schema", *vars(_NO_SETTINGS)), None)
+    top = read_table(path, ("schema", *vars(Settings())), None)
     if top.data.get("schema", 1) != 1:
         raise InputError(f"{path.name}: schema is not 1, the one that this version reads", "unsupported", "schema")
     values = {
@@ -519,7 +527,7 @@ def learned(given: Settings, imported: Iterable[Imported]) -> Settings:
     for role in ROLES:
         # Units are not kept: a file states its own, and one that does not was read with those that were given.
         name = common([one.chosen[role].name for one in layouts])
-        names = [one.layout.plain_names for one in layouts]
+        names = [[split_name(name)[0] for name in one.layout.names] for one in layouts]
         if role not in columns and name and all(one.count(name) == 1 for one in names):
             columns[role] = name
     separator, decimal = (common([getattr(one.layout, name) for one in layouts]) for name in ("separator", "decimal"))
@@ -553,6 +561,6 @@ def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path
 
 
 def _profile_text(settings: Settings) -> str:
-    given = {key: value for key, value in vars(settings).items() if value != getattr(_NO_SETTINGS, key)}
+    given = {key: value for key, value in vars(settings).items() if value != getattr(Settings(), key)}
     plain = {key: sorted(value) if isinstance(value, frozenset) else value for key, value in given.items()}
     return toml_table({"schema": 1, **plain})

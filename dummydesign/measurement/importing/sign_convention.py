@@ -106,10 +106,11 @@ def _way(x: NDArray, load: NDArray, log: ImportLog, given: float | None = None) 
         message = "the displacement never moves; name its column by --columns displacement=NAME"
         raise log.fault(message, "nothing_found", "displacement_mm")
     overall = overall if abs(overall) > 0.05 * float(np.ptp(x)) else rise
-    if rise == 0 or rise * overall < 0 or abs(rise) < 1e-3 * float(np.ptp(x)):
+    # a position may stand while a late force rises, or one that is averaged
+    rise = rise if abs(rise) >= 1e-3 * float(np.ptp(x)) else overall
+    if rise * overall < 0 or abs(rise) < 1e-3 * float(np.ptp(x)):
         if given is not None:
-            # a position that stands while the force rises has shown its sign before
-            return given if rise or not overall else float(np.sign(overall))
+            return given
         doubt = f"while the force rises the position moves by {rise:+.3g} mm, over the whole press by {overall:+.3g} mm"
         raise log.question(doubt, "--flip displacement where it falls while pressing, --flip none where it rises")
     return 1.0 if rise > 0 else -1.0

@@ -321,10 +321,7 @@ def _read_cell(cell: str, column: int, layout: TableLayout) -> float | tuple[flo
         if number is None or parts is None or unit is None or parts[1].kind != unit.kind:
             return None
         return number * parts[1].factor / unit.factor
-    try:
-        return cell_text.seconds_of_stamp(cell)
-    except ValueError:
-        return None
+    return cell_text.seconds_of_stamp(cell)
 
 
 def _cell_fault(layout: TableLayout, index: int, column: int, cell: str, log: ImportLog) -> InputError:

@@ -76,6 +76,15 @@ FILES = {
     "pressed or offset": (table(HEAD, TIME, WAY, FORCE.max() * 1.02 - FORCE), {}),
     "force after the stop": (table(HEAD, TIME, WAY, delayed(0.9)), {}),
     "force after the stop, by flip": (table(HEAD, TIME, WAY, delayed(0.9)), GIVEN(flip=frozenset())),
+    "position back while the force rises": (
+        table(
+            HEAD,
+            TIME,
+            np.interp(TIME, [1.0, 1.6, 1.7, 1.8, 6.0, 6.8], [-2.0, 4.0, 3.0, 6.0, 6.0, -2.0]),
+            np.interp(TIME, [1.6, 1.7, 1.8, 6.0, 6.8], [0.0, 6.0, 10.0, 8.0, 0.0]),
+        ),
+        {},
+    ),
     "no lead-in": (table(HEAD, TIME, 0.5 * TIME, 0.8 + 30.0 * (1.0 - np.exp(-0.5 * TIME / 1.2))), {}),
     "drift or slope": (table(HEAD, *drifting(2, drift=0.15, dwell=0.0, gap=6.0, speed=3.0, release=False)[:3]), {}),
     "fast and far": (table(HEAD, FAST.time_s, FAST.displacement_mm + 200.0, FAST.force_N), {}),

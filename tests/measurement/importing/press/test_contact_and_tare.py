@@ -149,7 +149,7 @@ def test_the_lead_in_tares_and_a_tared_file_is_left_alone():
 def test_without_a_lead_in_a_force_at_the_start_is_asked_about():
     record = recording(7, velocity_mm_s=10.0, lead_in=False)
     signs, _, contacts = parts_of(record)
-    assert contacts[0].lead_in < 5
+    assert contacts[0].baseline.samples < 5
     assert levels(contacts, signs, ImportLog("a.csv")) == [0.0]
     signs, _, contacts = parts_of(record, tare=0.8)
     with raises_code("needs_decision", "tare"):

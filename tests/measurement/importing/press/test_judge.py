@@ -7,7 +7,7 @@ import pytest
 
 from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
-from dummydesign.measurement.importing.judge import judge_press
+from dummydesign.measurement.importing.judge import find_delay, judge_press
 from dummydesign.measurement.importing.position_steps import read_between_changes
 from dummydesign.measurement.importing.read import import_files
 from dummydesign.measurement.ramp_detection import summarise
@@ -185,6 +185,21 @@ def test_the_interval_of_the_contact_holds_it_although_the_force_is_late(seed, l
     time, x = record.time_s, record.displacement_mm
     press, _ = read(tmp_path, time, x + 50.0, np.interp(time - late_s, time, record.force_N))
     assert press.contact_low_mm <= 50.0 - press.zero_mm <= press.contact_high_mm
+    # a third of what the punch goes in the delay
+    assert abs(press.zero_mm - 50.0) < abs(10.0 * late_s) / 3.0
+
+
+def test_an_early_force_of_a_punch_that_rings_is_found_among_the_delays_that_look_like_it():
+    """Periods of 31 ms: what a delay explains has a nearest best one each period."""
+    time = np.arange(0.0, 8.0, 1e-3)
+    way = np.clip(time - 1.0, 0.0, None)
+    since = np.clip(time - 1.5, 0.0, None)
+    x = np.minimum(10.0 * way, 5.0) - 1.0 + 0.15 * np.exp(-30.0 * since) * np.sin(200.0 * since)
+    force = 2.0 * np.clip(x, 0.0, None) ** 1.5 + np.random.default_rng(411).normal(0.0, 0.01, len(time))
+    for late_s in (-0.04, 0.0, 0.026):
+        late = np.interp(time - late_s, time, force)
+        delay_s, low_s, high_s = find_delay(time, x, late, summarise("a.csv", time, x, late))
+        assert delay_s == pytest.approx(late_s, abs=0.002) and low_s <= late_s <= high_s
 
 
 @pytest.mark.parametrize("rate_Hz", [5.0, 8.0])

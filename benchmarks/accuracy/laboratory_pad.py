@@ -18,6 +18,9 @@ from scipy.sparse.linalg import splu
 BULK, PENALTY_PER_MM = 2000.0, 1500.0
 """Over the shear modulus."""
 ROUNDS, REACH_MM = 30, 45.0
+STEEPER, TORN, LEAST_STEP, SHALLOW = 1.5, 3.0, 0.004, 0.1
+"""Rise of the force over that of the step before from which a step is halved, and at which it is refused however small;
+the small step and the depth up to which rises are not compared, over the thickness."""
 
 
 class Curve(NamedTuple):
@@ -143,7 +146,7 @@ def press(
     pairs = 2 * mesh.face
     fr, fc = np.repeat(pairs, 3, 1).ravel(), np.tile(pairs, (1, 3)).ravel()
     reached, forces, before, last = [0.0], [0.0], (u, q), 1.0
-    wanted, depth, step = list(depths), 0.0, float("inf")
+    wanted, depth, step, stiffness, lifted = list(depths), 0.0, float("inf"), float("inf"), 0.0
     while wanted:
         go = min(wanted[0], depth + step)
         start, face, ahead = (u, q), h - go, (go - depth) / last if depth > 0 else 0.0
@@ -181,12 +184,17 @@ def press(
                 part, change = min(1.0, 0.2 * h / max(largest, 1e-12)), change.reshape(u.shape)
                 push = push + part * (gap + np.einsum("ean,en->ea", give, change[mesh.cells].reshape(-1, 18)))
                 now = now + part * change
-        if not good:
+        # on the way to another equilibrium the force jumps however small the step, at a kink of the law it does not
+        rise = (float(lift.sum()) - lifted) / (go - depth)
+        steep = good and depth > SHALLOW * h and rise > STEEPER * stiffness
+        jumps = steep and (rise > TORN * stiffness or go - depth > LEAST_STEP * h)
+        if not good or jumps:
             step = 0.5 * (go - depth)
-            if step < 1e-4 * h:
+            if step < (0.25 * LEAST_STEP if jumps else 1e-4) * h:
                 break
             continue
         before, last, depth, u, q = start, go - depth, go, now, push
+        stiffness, lifted = max(rise, 0.0), float(lift.sum())
         x = (mesh.place + u)[mesh.face]
         r, z = x[..., 0] @ mesh.on, x[..., 1] @ mesh.on
         new = ~tied & (z > face) & under

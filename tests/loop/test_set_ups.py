@@ -89,7 +89,7 @@ def test_a_campaign_of_the_set_up_is_planned_pressed_checked_calibrated_and_pred
         (["--shape", CROWN, "--pad", "cylinder:20"], "a puck has a diameter only"),
         (["--shape", "crowned"], "has no lengths"),
         (["--punch", "profile:"], "give the file"),
-        (["--punch", "profile:none.csv"], "cannot be read"),
+        (["--punch", "profile:none.csv"], "does not exist"),
     ],
 )
 def test_what_is_not_solved_is_refused_before_it_is_pressed(words, said, tmp_path, capsys):

@@ -73,7 +73,7 @@ def test_a_red_design_asks_for_no_mould_and_an_unsettled_one_for_a_puck_first(tm
     )
     text, command, page = then()
     assert text.startswith("do not cast this pad: why") and command == "dummydesign resins list"
-    assert page == "/resin"
+    assert page == "/design"
     wrote(tmp_path / "designs" / "open", "suggest", "2026-01-03", **pad, verdict="not_settled")
     text, command, page = then()
     assert "puck" in text and command.startswith("dummydesign mold --puck 50x30") and page == "/resin"

@@ -77,8 +77,8 @@ class Baseline:
     error) that from contact to the end of the hold.
     ``drift_alone_N_s`` and ``slope_alone_N_mm`` are set where a change is clear, but not of which kind.
     ``held_error_N`` is how far (95 %) level, drift and slope that are not seen may move the force by the end of the
-    hold, infinite with hardly any samples before contact; ``shown`` is whether these tell much of it. ``left_N`` is
-    what the force reads at most after the punch came back, where that is no straight drift.
+    hold; infinite where the samples before contact show too little of them. ``left_N`` is what the force reads at most
+    after the punch came back, where that is no straight drift.
     """
 
     level_N: float
@@ -98,7 +98,6 @@ class Baseline:
     slope_alone_N_mm: float = 0.0
     comes_back: bool = False
     held_error_N: float = float("inf")
-    shown: bool = False
     left_N: float = 0.0
 
     def at(self, time: NDArray, x: NDArray) -> NDArray:
@@ -184,22 +183,19 @@ def _with_changes(
     if returns and off.any():  # a load cell that creeps, or an average: no drift
         own = _with_changes(plain, parts[:leading], leading, time, x, load, press, noise)
         left = float(np.abs(load[parts[leading]].mean() - own.at(time, x)[parts[leading]].mean()))
-        return replace(own, left_N=left, held_error_N=2.0 * left, shown=True)
+        return replace(own, left_N=left, held_error_N=2.0 * left)
     end = np.array([1.0, lasts, depth])
     unseen = np.minimum(floors, [0.0, DRIFT_N_S, SLOPE_N_MM]) * end
     # the force of the hold is rounded as that before contact is
     spread = float(np.sqrt(end @ covariance @ end + unseen @ unseen + noise.rounding_N**2))
-    plain = replace(
-        plain,
-        held_error_N=2.0 * spread,
-        shown=spread < SHOWN * float(np.hypot(DRIFT_N_S * lasts, SLOPE_N_MM * depth)),
-    )
+    if spread < SHOWN * float(np.hypot(DRIFT_N_S * lasts, SLOPE_N_MM * depth)):
+        plain = replace(plain, held_error_N=2.0 * spread)
     if returns:
         lead, _, known = fit(0, 1, 2, of=leading)
         ahead = np.sqrt(np.einsum("ip,ij,jp->p", columns, known, columns) + variance)
         beyond = np.abs(mean - lead @ columns)
         if (beyond > 2.0 * CLEAR * np.hypot(ahead, slow)).any():  # it did not drift so before: creep
-            plain = replace(plain, left_N=float(beyond[leading]), held_error_N=float(beyond[leading]), shown=True)
+            plain = replace(plain, left_N=float(beyond[leading]), held_error_N=float(beyond[leading]))
     clear = [kind for kind in (1, 2) if abs(whole[kind]) > CLEAR * error[kind]]
     alone = [fit(0, kind) for kind in (1, 2)]
     steady = [abs(one[0][kind]) > CLEAR * one[1][kind] for kind, one in zip((1, 2), alone)]

@@ -92,7 +92,7 @@ class Judgement:
         late = "later" if self.delay_s > 0 else "earlier"
         return (
             f"the force is about {1e3 * abs(self.delay_s):.0f} ms {late} than the displacement: contact is found "
-            f"without that, but each force stands beside another depth; import with {self.by}, or declare the load "
+            f"without that, but each force belongs to another depth; import with {self.by}, or declare the load "
             "cell's filter with --lowpass where the trace is used"
         )
 
@@ -171,9 +171,12 @@ def contact_of(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: flo
     contact, part = find_contact(time, x, load, span, tare_N), slice(span.start, span.stop)
     press = time[part] - time[span.start], x[part] - contact.position_mm, load[part] - contact.baseline.level_N
     try:
-        delay, early, late = find_delay(*press, summarise("", *press), contact.baseline.step_N)
+        summary = summarise("", *press)
+        delay, early, late = find_delay(*press, summary, contact.baseline.step_N)
     except InputError:
         return contact  # no ramp from there; whoever uses the press says what it lacks
+    if abs(delay) <= NAMED_S and summary.depth_mm < SLOW_S * summary.velocity_mm_s:
+        return contact  # a quick rise does not tell a short delay from the force's own law
     if delay:
         contact = find_contact(time, np.interp(time - delay, time, x), load, span, tare_N)
     speed = max(contact.velocity_mm_s, 0.0)

@@ -165,7 +165,7 @@ def _steady_error(summary: Summary, baseline: Baseline, warn: Warn) -> float | N
             f"a drift or a slope that is not seen before contact may move the steady force of {steady:.3g} "
             f"N by {error_N:.2g} N (95 %): record longer and farther before contact, or until the punch is back",
         )
-    return error_N if baseline.shown else None
+    return error_N
 
 
 def _read_option(option: str, word: str, kind: str) -> float | None:

@@ -219,11 +219,9 @@ def test_a_force_that_rises_after_the_stop_asks_until_the_delay_is_given(tmp_pat
     one = drawn(3)
     delay = one.time[one.stops[0]]
     text = table(HEAD, one.time, one.x, np.interp(one.time - delay, one.time, one.force))
-    with raises_code("needs_decision", "flip"):
-        read(tmp_path, text)
     with raises_code("needs_decision", "delay"):
-        read(tmp_path, text, flip=frozenset())
-    (press,), _ = read(tmp_path, text, flip=frozenset(), delay=delay)
+        read(tmp_path, text)
+    (press,), _ = read(tmp_path, text, delay=delay)
     (plain,), _ = read(tmp_path, table(HEAD, one.time, one.x, one.force))
     assert press.summary.depth_mm == pytest.approx(plain.summary.depth_mm, rel=0.02)
 

@@ -137,7 +137,7 @@ def test_a_fit_written_by_fit_is_taken_as_a_subject_under_its_file_name(home, ca
         (["add", "ok", "x.csv"], "'x.csv' is neither"),
         (["add", "ok", "."], "holds no trace"),
         (["add", "ok", ".", "--elements", "4"], "--elements 4"),
-        (["add-points", "palm", "none.csv"], "cannot be read"),
+        (["add-points", "palm", "none.csv"], "does not exist"),
         ([], "needs an action"),
     ],
 )

@@ -330,12 +330,12 @@ def squares_without(campaign_fit: CampaignFit, parts: Sequence[NDArray]) -> tupl
 
 def predicted_without(campaign_fit: CampaignFit, out: NDArray) -> NDArray:
     """Bins (T, B) of all presses by a fit to those that are not ``out`` (T,), a learned shape learned anew. [N]"""
-    problem, presses = campaign_fit.problem, campaign_fit.problem.presses
+    problem, presses, start = campaign_fit.problem, campaign_fit.problem.presses, campaign_fit.vector
     rest = replace(problem, presses=replace(presses, bins=presses.bins.without(out)))
-    # no press knows of another's bins: what the fit knows of all holds for the rest
+    # no press knows of another's bins: what is known of all at the start is worked out once for every part
+    rest.sensed[start.tobytes()] = problem.jacobian(start, problem.predict(start))
     rest.seen.update(problem.seen)
-    rest.sensed[campaign_fit.vector.tobytes()] = campaign_fit.columns
-    vector = best_vector(rest, campaign_fit.vector, campaign_fit.sizes, 6)
+    vector = best_vector(rest, start, campaign_fit.sizes, 6)
     for _ in range(REFITS if any(isinstance(one, Learned) for one in rest.effects) else 0):
         rest, start = _learned_again(fit_at(rest, vector, campaign_fit.sizes))
         vector = best_vector(rest, start, campaign_fit.sizes, 4)

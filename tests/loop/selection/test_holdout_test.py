@@ -95,17 +95,17 @@ def test_a_fit_without_presses_begins_with_what_the_whole_fit_knows_and_ends_as_
     problem, presses = found.problem, found.problem.presses
 
     def counted(self, vector, forces):
-        made.append(vector)
+        made.append(self is problem or not np.array_equal(vector, found.vector))
         return jacobian(self, vector, forces)
 
     monkeypatch.setattr(CampaignProblem, "_jacobian", counted)
     for out in (presses.pad == 0, np.arange(len(presses.pad)) % 3 == 1):
         known = predicted_without(found, out)
-        assert not any(np.array_equal(vector, found.vector) for vector in made)
+        assert all(made)
         anew = replace(problem, presses=replace(presses, bins=presses.bins.without(out)))
         vector = best_vector(anew, found.vector, found.sizes, 6)
         assert not np.array_equal(vector, found.vector)
-        assert any(np.array_equal(vector, found.vector) for vector in made)
+        assert not all(made)
         np.testing.assert_array_equal(known, replace(problem).predict(vector))
         made.clear()
 

@@ -32,15 +32,15 @@ class CampaignProblem:
     """A campaign with a force law, what is known of its material, and the effects that are fitted beside the base.
 
     The vector is [logarithms of modulus and arms | coordinates of the effects' parameters | law level, slope, curvature
-    and waves per thickness].
+    and waves per thickness]. What it gave is kept: ``sensed`` at the last vector, ``seen`` at all vectors and offsets.
     """
 
     presses: Presses
     law: SetupLaw
     effects: tuple[Effect, ...] = ()
     prior: BasePrior = UNDECLARED
-    _last: dict[bytes, NDArray] = field(default_factory=dict, init=False, repr=False, compare=False)
-    _seen: dict[tuple[bytes, bytes], NDArray] = field(default_factory=dict, init=False, repr=False, compare=False)
+    sensed: dict[bytes, NDArray] = field(default_factory=dict, init=False, repr=False, compare=False)
+    seen: dict[tuple[bytes, bytes], NDArray] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def plus(self, *effects: Effect) -> CampaignProblem:
         """Return the problem with further effects."""
@@ -59,8 +59,7 @@ class CampaignProblem:
     @property
     def centre(self) -> NDArray:
         """Vector at which the priors have their middle: the declared material, no effects, an exact law."""
-        free = self.fixed - self.base_count + LAW_TERMS * len(self.presses.pads)
-        return np.r_[self.prior.mean, np.zeros(free)]
+        return np.r_[self.prior.mean, np.zeros(self.fixed - self.base_count + LAW_TERMS * len(self.presses.pads))]
 
     @property
     def fixed(self) -> int:
@@ -102,23 +101,21 @@ class CampaignProblem:
             for one in self.effects
         )
 
-    def law_error_of(self, vector: NDArray) -> LawError:
-        """The law error per trial in a vector."""
-        return LawError(vector[self.fixed :].reshape(LAW_TERMS, -1)[:, self.presses.pad])
-
     def nodes(self, vector: NDArray, offset_mm: NDArray | float = 0.0, near_mm: NDArray | None = None) -> NDArray:
         """Force at the nodes before the sensor filter (T, N). [N]"""
-        return simulate_yielding(self.presses, self.law, *self._model(vector), offset_mm, near_mm)[0]
+        return simulate_yielding(self.presses, self.law, *self.model(vector), offset_mm, near_mm)[0]
 
-    def _model(self, vector: NDArray) -> tuple[BaseParameters, tuple[Active, ...], LawError]:
-        return self.base_of(vector), self.active_of(vector), self.law_error_of(vector)
+    def model(self, vector: NDArray) -> tuple[BaseParameters, tuple[Active, ...], LawError]:
+        """Base parameters, effects with their values, and the law error per trial in a vector."""
+        error = LawError(vector[self.fixed :].reshape(LAW_TERMS, -1)[:, self.presses.pad])
+        return self.base_of(vector), self.active_of(vector), error
 
     def predict(self, vector: NDArray, offset_mm: NDArray | float = 0.0) -> NDArray:
         """Bin means (T, B), kept. [N]"""
-        if (key := (vector.tobytes(), np.asarray(offset_mm, float).tobytes())) not in self._seen:
+        if (key := (vector.tobytes(), np.asarray(offset_mm, float).tobytes())) not in self.seen:
             measured = self.presses.measure(self.nodes(vector, offset_mm))
-            self._seen[key] = readings(self.presses, measured, self.active_of(vector))
-        return self._seen[key]
+            self.seen[key] = readings(self.presses, measured, self.active_of(vector))
+        return self.seen[key]
 
     def at_samples(self, vector: NDArray, offset_mm: NDArray | float = 0.0) -> list[NDArray]:
         """Readings at the raw samples of each trial. [N]"""
@@ -133,17 +130,17 @@ class CampaignProblem:
     def jacobian(self, vector: NDArray, forces: NDArray) -> NDArray:
         """Sensitivities by forward differences, of the law's error those to each trial's own pad: (T, B, base, effects
         and one pad's terms), see :meth:`spread`; those at the last vector are kept."""
-        if (key := vector.tobytes()) not in self._last:
-            self._last.clear()
-            self._last[key] = self._jacobian(vector, forces)
-        return self._last[key]
+        if (key := vector.tobytes()) not in self.sensed:
+            self.sensed.clear()
+            self.sensed[key] = self._jacobian(vector, forces)
+        return self.sensed[key]
 
     def _jacobian(self, vector: NDArray, forces: NDArray) -> NDArray:
         (_low, high), count = self.bounds(), self.base_count
         out = np.zeros((*forces.shape, self.fixed + LAW_TERMS))
         # where the depth does not depend on the force, one evaluation of the law serves base and law error
         shared = not any(one.effect.feeds_back for one in self.active_of(vector) if not one.absent)
-        near = None if shared else simulate_yielding(self.presses, self.law, *self._model(vector))[1]
+        near = None if shared else simulate_yielding(self.presses, self.law, *self.model(vector))[1]
         units, free = np.eye(len(vector)), sorted({*range(count if shared else 0, self.fixed)} - {*self.frozen()})
         steps = [(entry, STEP if vector[entry] + STEP <= high[entry] else -STEP) for entry in free]
         moved = [vector + step * units[entry] for entry, step in steps]
@@ -155,7 +152,7 @@ class CampaignProblem:
             change = np.stack(read, axis=-1) - forces[..., None]
         for number, (entry, step) in enumerate(steps):
             out[..., entry] = change[..., number] / step
-        pad = pad_state(self.presses, self.law, *self._model(vector), 0.0 if near is None else near)
+        pad = pad_state(self.presses, self.law, *self.model(vector), 0.0 if near is None else near)
         if shared:
             out[..., :count], by_pad = base_and_law_columns(self.presses, pad, vector[:count], STEP)
         else:

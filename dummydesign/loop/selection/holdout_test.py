@@ -83,5 +83,4 @@ def _sparing(pads: NDArray, out: NDArray) -> NDArray:
 
 def _error_N(fit: CampaignFit, parts: list[NDArray]) -> float:
     """Error on parts of the presses, each predicted by a fit without it. [N]"""
-    squares, total = squares_without(fit, parts)
-    return float(np.sqrt(squares / total))
+    return float(np.sqrt(np.divide(*squares_without(fit, parts))))

@@ -315,8 +315,7 @@ def refitted_squares(campaign_fit: CampaignFit) -> float:
     cells = np.unique(presses.cell, return_inverse=True)[1]
     part = (cells if cells.any() else np.arange(len(cells))) % FOLDS
     folds = [out for fold in range(FOLDS) if (out := part == fold).any() and not out.all()]
-    squares, _ = squares_without(campaign_fit, folds)
-    return squares / float((presses.samples * presses.used).sum())
+    return squares_without(campaign_fit, folds)[0] / float((presses.samples * presses.used).sum())
 
 
 def squares_without(campaign_fit: CampaignFit, parts: Sequence[NDArray]) -> tuple[float, float]:
@@ -331,13 +330,16 @@ def squares_without(campaign_fit: CampaignFit, parts: Sequence[NDArray]) -> tupl
 
 def predicted_without(campaign_fit: CampaignFit, out: NDArray) -> NDArray:
     """Bins (T, B) of all presses by a fit to those that are not ``out`` (T,), a learned shape learned anew. [N]"""
-    presses = campaign_fit.problem.presses
-    rest = replace(campaign_fit.problem, presses=replace(presses, bins=presses.bins.without(out)))
-    vector = best_vector(rest, campaign_fit.vector, campaign_fit.sizes, 6)
+    problem, presses, start = campaign_fit.problem, campaign_fit.problem.presses, campaign_fit.vector
+    rest = replace(problem, presses=replace(presses, bins=presses.bins.without(out)))
+    # no press knows of another's bins: what is known of all at the start is worked out once for every part
+    rest.sensed[start.tobytes()] = problem.jacobian(start, problem.predict(start))
+    rest.seen.update(problem.seen)
+    vector = best_vector(rest, start, campaign_fit.sizes, 6)
     for _ in range(REFITS if any(isinstance(one, Learned) for one in rest.effects) else 0):
         rest, start = _learned_again(fit_at(rest, vector, campaign_fit.sizes))
         vector = best_vector(rest, start, campaign_fit.sizes, 4)
-    return replace(rest, presses=presses).predict(vector)
+    return rest.predict(vector)
 
 
 def _without_modulus(shape: SmoothChange, step: _Step) -> NDArray:

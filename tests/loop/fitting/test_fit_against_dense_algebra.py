@@ -136,7 +136,7 @@ def test_the_vector_is_cut_where_it_was_joined():
     first, second = (problem.entries[effect.name] for effect in effects)
     assert (first.start, first.stop, second.start, second.stop) == (5, 5 + counts[0], 5 + counts[0], problem.fixed)
     vector = np.arange(float(problem.fixed + 2 * LAW_TERMS))
-    error = problem.law_error_of(vector)
+    error = problem.model(vector)[2]
     pad = problem.presses.pad
     for term, values in enumerate(error.terms):
         np.testing.assert_array_equal(values, vector[problem.law_entries(term)][pad])
@@ -159,17 +159,13 @@ def test_a_set_up_that_gives_way_balances_its_force():
     effect = effect_named("machine_compliance")
     problem = CampaignProblem(found.problem.presses, pucks.LAW, (effect,))
     vector = np.insert(found.vector, BASE, [0.5, *(p.to_coordinate(p.null) for p in effect.parameters[1:])])
-    active = problem.active_of(vector)
-    forces, yielding = simulate_yielding(
-        problem.presses, pucks.LAW, problem.base_of(vector), active, problem.law_error_of(vector)
-    )
-    wanted = effect.yielding(problem.presses, forces, active[0].values)
+    model = problem.model(vector)
+    forces, yielding = simulate_yielding(problem.presses, pucks.LAW, *model)
+    wanted = effect.yielding(problem.presses, forces, model[1][0].values)
     np.testing.assert_allclose(yielding, wanted, atol=2e-5)
     assert yielding.max() > 0.01
     # from a start nearby the same balance is found
-    near = simulate_yielding(
-        problem.presses, pucks.LAW, problem.base_of(vector), active, problem.law_error_of(vector), 0.0, 0.9 * yielding
-    )
+    near = simulate_yielding(problem.presses, pucks.LAW, *model, 0.0, 0.9 * yielding)
     np.testing.assert_allclose(near[0], forces, atol=1e-3)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 
 from dummydesign.loop import run
 from dummydesign.loop.calibration import calibration_of
+from dummydesign.loop.fitting.fit import best_vector
+from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.run import close_loop
 from dummydesign.loop.selection import holdout_test, nonparametric_effect
 from dummydesign.loop.selection.holdout_test import LeftOut, deepest, fastest, left_out_errors, predicts_worse
@@ -16,6 +19,7 @@ from dummydesign.loop.selection.nonparametric_effect import learn, predicted_wit
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.loop.selection.test_learning import changed_fit, warmer
 from tests.support import campaign_generator as generator
+from tests.support.puck_presses import clean_fit
 
 
 def fit_of(**columns):
@@ -84,6 +88,26 @@ def test_presses_of_one_condition_are_left_out_one_by_one(monkeypatch):
     monkeypatch.setattr(nonparametric_effect, "predicted_without", nothing)
     squares = refitted_squares(fit_of(**vars(presses)))
     assert left == np.eye(3, dtype=bool).tolist() and squares == pytest.approx(np.mean(np.arange(6.0) ** 2))
+
+
+def test_a_fit_without_presses_begins_with_what_the_whole_fit_knows_and_ends_as_without_it(monkeypatch):
+    found, made, jacobian = clean_fit(), [], CampaignProblem._jacobian
+    problem, presses = found.problem, found.problem.presses
+
+    def counted(self, vector, forces):
+        made.append(self is problem or not np.array_equal(vector, found.vector))
+        return jacobian(self, vector, forces)
+
+    monkeypatch.setattr(CampaignProblem, "_jacobian", counted)
+    for out in (presses.pad == 0, np.arange(len(presses.pad)) % 3 == 1):
+        known = predicted_without(found, out)
+        assert all(made)
+        anew = replace(problem, presses=replace(presses, bins=presses.bins.without(out)))
+        vector = best_vector(anew, found.vector, found.sizes, 6)
+        assert not np.array_equal(vector, found.vector)
+        assert not all(made)
+        np.testing.assert_array_equal(known, replace(problem).predict(vector))
+        made.clear()
 
 
 @pytest.fixture(scope="module")

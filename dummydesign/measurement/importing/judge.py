@@ -52,7 +52,7 @@ LIMIT = 6.0
 DELAYED = "force_delayed"
 PARTS = ("before contact", "in the rise", "after the stop", "in the hold")
 SETTLES_S = 0.3
-DELAYS_S, STRIDES_S = np.linspace(-0.08, 0.08, 33), (2e-3, 1e-3, 1e-3)
+DELAYS_S, STRIDES_S = np.linspace(-0.08, 0.08, 17), (5e-3, 2e-3, 1e-3, 1e-3)
 """Delays that are looked at, and steps by which the best one is approached. [s]"""
 DELAY_ERROR_S, NAMED_S = 2e-3, FILTER_DELAY_S + 10e-3
 """How far a delay that is found may be off at least, of drawn presses of tissue, balls and flat punches; the longest

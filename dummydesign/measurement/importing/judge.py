@@ -52,8 +52,8 @@ LIMIT = 6.0
 DELAYED = "force_delayed"
 PARTS = ("before contact", "in the rise", "after the stop", "in the hold")
 SETTLES_S = 0.3
-DELAYS_S, STRIDES_S = np.linspace(-0.08, 0.08, 17), (5e-3, 2e-3, 1e-3, 1e-3)
-"""Delays that are looked at, and steps by which the best one is approached. [s]"""
+DELAYS_S, STRIDES_S, LONGEST_S = np.linspace(-0.04, 0.04, 9), (*[1e-2] * 4, 5e-3, 2e-3, 1e-3, 1e-3), 0.08
+"""Delays that are looked at, steps by which the best one is approached, and the longest one. [s]"""
 DELAY_ERROR_S, NAMED_S = 2e-3, FILTER_DELAY_S + 10e-3
 """How far a delay that is found may be off at least, of drawn presses of tissue, balls and flat punches; the longest
 one that a filter may make, which has no warning. [s]"""
@@ -154,15 +154,15 @@ def find_delay(
         return float(np.sum(_left(time, depth, force, kept, size) ** 2)) if depth[kept].max() > 0.0 else np.inf
 
     # where a punch rings there are nearest ones, each a period from the next
-    tried = dict.fromkeys(DELAYS_S.tolist())
+    tried = dict.fromkeys(DELAYS_S.round(6).tolist())
     for stride in STRIDES_S:
         best = min(tried, key=lambda one: (missed(one), abs(one)))
-        tried |= dict.fromkeys((best - stride, best + stride))
+        tried |= dict.fromkeys((round(best - stride, 6), round(best + stride, 6)))
     best = min(tried, key=lambda one: (missed(one), abs(one)))
     scale = max(missed(best) / len(kept), 1.0)
     likely = [one for one in tried if missed(one) - missed(best) < SURE * scale]
     # an average is no delay
-    seen = abs(best) < DELAYS_S[-1] and missed(0.0) - missed(best) > max(SEEN, BETTER * missed(best))
+    seen = abs(best) < LONGEST_S and missed(0.0) - missed(best) > max(SEEN, BETTER * missed(best))
     return best if seen else 0.0, min(likely) - DELAY_ERROR_S * seen, max(likely) + DELAY_ERROR_S * seen
 
 

@@ -280,11 +280,11 @@ def _render_puck(result: dict[str, Any]) -> list[str]:
 
 
 def _suggest_with(resin: str) -> str:
-    """The search with a batch that was measured: for the project's tissue, else for one to fill in."""
+    """The search with a batch that was measured: for the project's tissue, else for the forefinger."""
     from dummydesign.project.folder import find_project
 
     project = find_project()
-    tissue = "NAME" if project is None or project.tissue is None else project.tissue
+    tissue = "forefinger" if project is None or project.tissue is None else project.tissue
     return f"dummydesign suggest --tissue {shlex.quote(tissue)} --resin {shlex.quote(resin)}"
 
 

@@ -40,14 +40,12 @@ def command(*words: str, **options: object) -> list[str]:
     """A command with those of its options that are not empty: numbers short, True as a bare flag."""
     typed = list(words)
     for name, value in options.items():
-        option, text = (
-            f"--{name.replace('_', '-')}",
-            f"{value:g}" if isinstance(value, int | float) else str(value or ""),
-        )
+        option = f"--{name.replace('_', '-')}"
+        text = f"{value:g}" if isinstance(value, int | float) else str(value or "").strip()
         if value is True:
             typed.append(option)
-        elif value is not False and text.strip():
-            typed += [option, text.strip()]
+        elif value is not False and text:
+            typed += [option, text]
     return typed
 
 

@@ -174,6 +174,7 @@ def _edges(best: DesignCandidate, space: SearchSpace) -> Warnings:
     """A best design at the end of a range: what may be had outside, where there is an outside."""
     resin = space.resin
     ends = float(resin.young_MPa(resin.ratio_min)), float(resin.young_MPa(resin.ratio_max))
+    others = ("softer", "stiffer") if ends[0] < ends[1] else ("stiffer", "softer")
     notes = []
     for name, value, steps, limits, beyond in (
         (
@@ -188,10 +189,7 @@ def _edges(best: DesignCandidate, space: SearchSpace) -> Warnings:
             best.ratio,
             space.ratio,
             (resin.ratio_min, resin.ratio_max),
-            [
-                f"the limit of {resin.name}, try a {one} resin"
-                for one in sorted(("softer", "stiffer"), reverse=ends[0] > ends[1])
-            ],
+            [f"the limit of {resin.name}, try a {other} resin" for other in others],
         ),
     ):
         if len(steps) < 2 or value not in (steps[0], steps[-1]):

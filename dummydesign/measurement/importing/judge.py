@@ -91,9 +91,9 @@ class Judgement:
             return f"{text}; plot both over time: a position in steps, a slower source, a drift, a loose contact?"
         late = "later" if self.delay_s > 0 else "earlier"
         return (
-            f"the force is about {1e3 * abs(self.delay_s):.0f} ms {late} than the displacement: contact is found "
-            f"without that, but each force belongs to another depth; import with {self.by}, or declare the load "
-            "cell's filter with --lowpass where the trace is used"
+            f"the force is about {1e3 * abs(self.delay_s):.0f} ms {late} than the displacement: contact allows "
+            f"for it, but forces stand at the wrong depths; import with {self.by}, or declare the load cell's filter "
+            "with --lowpass where the trace is used"
         )
 
     def to_dict(self) -> dict[str, Any]:

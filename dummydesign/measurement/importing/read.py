@@ -561,6 +561,7 @@ def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path
 
 
 def _profile_text(settings: Settings) -> str:
-    given = {key: value for key, value in vars(settings).items() if value != getattr(Settings(), key)}
+    usual = vars(Settings())
+    given = {key: value for key, value in vars(settings).items() if value != usual[key]}
     plain = {key: sorted(value) if isinstance(value, frozenset) else value for key, value in given.items()}
     return toml_table({"schema": 1, **plain})

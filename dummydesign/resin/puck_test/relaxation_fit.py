@@ -133,7 +133,7 @@ class PuckProblem:
         squares."""
         from scipy.optimize import nnls
 
-        starts = []
+        starts, goal = [], self.factor.sum(axis=1)
         grid = np.geomspace(3.0 * self.times[0], 0.6 * self.longest, 9)
         offsets = [0.0] * len(self.presses)
         for alpha in EXPONENTS:
@@ -144,7 +144,7 @@ class PuckProblem:
             logs = [*np.log(np.full(arms, 0.1)), *np.log(grid[np.linspace(1, len(grid) - 2, arms).astype(int)])]
             tried = [(np.inf, [lasting, alpha, *offsets, *logs])]
             for combo in itertools.combinations(range(len(grid)), arms):
-                strength, rest = nnls(columns[:, [0, *(1 + k for k in combo)]], self.factor.sum(axis=1))
+                strength, rest = nnls(columns[:, [0, *(1 + k for k in combo)]], goal)
                 if strength[0] > 0.0:
                     beta = np.clip(strength[1:] / strength[0], 1e-3, 10.0)
                     logs = [*np.log(beta), *np.log(grid[list(combo)])]

@@ -132,6 +132,42 @@ def test_a_campaign_on_pads_of_it_is_held_against_its_modulus_and_a_design_takes
     assert best["young_kPa"]["value"] == pytest.approx(softer * young_kPa(best["ratio"]), rel=0.06)
 
 
+TERM = "[[relaxation.term]]\ntau_s = {{ value = {0}, low = {0}, high = {0}, {2} }}\n"
+TERM += "beta = {{ value = {1}, low = {1}, high = {1}, {2} }}\n"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("declared", "lost"),
+    [
+        (((0.06, 0.35),), (1.8, 0.25)),
+        (((0.6, 0.4),), (0.05, 0.25)),
+        (((2.6, 0.4),), (0.4, 0.3)),
+        (((0.06, 0.5), (1.2, 0.5)), (0.26, 0.4)),
+        (((0.03, 0.25), (4.8, 0.45)), (0.15, 0.2)),
+    ],
+)
+def test_an_arm_that_the_resin_does_not_declare_is_found_wherever_it_lies(declared, lost, tmp_path, asked):
+    """Slower, faster or between arms four times away: time and strength are those of the presses, the modulus too."""
+    file = tmp_path / "home" / "materials" / "resins" / "toy.toml"
+    head, rest = TOY.split("[[relaxation.term]]")
+    terms = "".join(TERM.format(*arm, MASS) for arm in declared)
+    file.write_text(head + terms + rest[rest.index("[property]") :], encoding="utf-8")
+    make_campaign(tmp_path / "campaign", (*declared, lost))
+    file = tmp_path / "campaign" / "campaign.toml"
+    file.write_text(file.read_text().replace("ratio = 15.0\nyoung_kPa_nominal = 30.0", 'resin = "toy"\nratio = 25.0'))
+    answer = asked("loop", tmp_path / "campaign", "--out", tmp_path / "out")
+    after = answer["after"]
+    assert after["parameters"]["young_kPa"]["value"] == pytest.approx(32.0, rel=0.03)
+    arms = [(after["parameters"][f"tau_{k}_s"], after["parameters"][f"beta_{k}"]) for k in range(1, len(declared) + 1)]
+    modes = [one["parameters"] for one in answer["effects"] if one["name"].endswith("relaxation_mode")]
+    arms += [(mode["tau_s"], mode["beta"]) for mode in modes]
+    found = sorted((tau["value"], beta["value"]) for tau, beta in arms)
+    for (tau_s, beta), (true_s, strength) in zip(found, sorted((*declared, lost)), strict=True):
+        assert tau_s == pytest.approx(true_s, rel=0.05)
+        assert beta == pytest.approx(strength, rel=0.06)
+
+
 @pytest.mark.slow
 def test_the_same_resin_is_drawn_the_same(tmp_path):
     code = (

@@ -52,12 +52,16 @@ def five_elements(t: np.ndarray, x: np.ndarray) -> np.ndarray:
     return total
 
 
-def pad_press(t: np.ndarray, x: np.ndarray, thickness_mm: float, young_MPa: float) -> np.ndarray:
-    """Force of a slab with two relaxing arms, seen through a second-order Butterworth filter of 35 Hz."""
+Arms = tuple[tuple[float, float], ...]
+TWO_ARMS: Arms = ((0.06, 0.35), (1.8, 0.25))
+
+
+def pad_press(t: np.ndarray, x: np.ndarray, thickness_mm: float, young_MPa: float, arms: Arms = TWO_ARMS) -> np.ndarray:
+    """Force of a slab with relaxing arms (time, strength), seen through a second-order Butterworth filter of 35 Hz."""
     curve = np.interp(np.clip(x, 0.0, None), np.array(SHARES) * thickness_mm, SLABS[thickness_mm])
     elastic = young_MPa * curve
     force = elastic.copy()
-    for tau, beta in ((0.06, 0.35), (1.8, 0.25)):
+    for tau, beta in arms:
         keep, arm = np.exp(-STEP_S / tau), 0.0
         for k, rise in enumerate(np.diff(elastic)):
             arm = keep * arm + np.sqrt(keep) * beta * rise
@@ -71,7 +75,7 @@ def pad_press(t: np.ndarray, x: np.ndarray, thickness_mm: float, young_MPa: floa
     return out
 
 
-def make_campaign(folder: Path) -> None:
+def make_campaign(folder: Path, arms: Arms = TWO_ARMS) -> None:
     """Twelve presses of two slabs at two speeds whose contact was taken 0.06 mm too early."""
     folder.mkdir()
     lines = [
@@ -100,7 +104,7 @@ def make_campaign(folder: Path) -> None:
             for velocity in (10.0, 250.0):
                 count += 1
                 t, x = motion(velocity, share * thickness, 5.0)
-                force = pad_press(t, x - 0.06, thickness, young_MPa) + rng.normal(0.0, 0.02, len(t))
+                force = pad_press(t, x - 0.06, thickness, young_MPa, arms) + rng.normal(0.0, 0.02, len(t))
                 save_trace(folder / f"t{count:02d}.csv", t, x, force)
                 target = young_MPa * np.interp(share, SHARES, SLABS[thickness])
                 lines += [

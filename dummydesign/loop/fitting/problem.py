@@ -84,8 +84,9 @@ class CampaignProblem:
 
     def bounds(self) -> tuple[NDArray, NDArray]:
         """Bounds of the vector."""
-        parameters = [p for effect in self.effects for p in effect.parameters]
-        ends = np.sort([(p.to_coordinate(p.low), p.to_coordinate(p.high)) for p in parameters]).reshape(-1, 2)
+        tau_s = np.sort(np.exp(self.prior.mean[1::2])) if self.prior.declared else np.empty(0)
+        own = [(p, effect.ends(p, tau_s)) for effect in self.effects for p in effect.parameters]
+        ends = np.sort([[p.to_coordinate(end) for end in both] for p, both in own]).reshape(-1, 2)
         free = np.full(LAW_TERMS * len(self.presses.pads), 0.5)
         low, high = self.prior.bounds()
         return np.r_[low, ends[:, 0], -free], np.r_[high, ends[:, 1], free]

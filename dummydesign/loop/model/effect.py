@@ -295,6 +295,10 @@ class Effect:
         """Sensor: what is read of filtered readings of any shape, one by one; see :meth:`Effect.yielding`. [N]"""
         return force_N
 
+    def ends(self, parameter: Parameter, tau_s: NDArray) -> tuple[float, float]:
+        """Bounds of a parameter beside declared arms of these times, rising [s]: narrower where arms take its place."""
+        return parameter.low, parameter.high
+
     def base_starts(self, logs: NDArray) -> list[NDArray]:
         """Where to start the base's logarithms when this effect is added; the best is kept."""
         return [logs]

@@ -11,12 +11,14 @@ from dummydesign.loop.model.effect import PadEffect, Parameter, Values
 from dummydesign.pad.material.relaxation import PronyTerm
 
 USUAL_FAST_S, USUAL_SLOW_S, LONGEST_FAST_S, USUAL_BETA = 0.05, 1.5, 0.3, 0.2
+FAST_S, SLOW_S, APART = 0.03, 4.0, 2.7
+"""A mode is faster or slower than these times, or away from the declared arms by a factor ``APART``."""
 
 VARIANCE = Parameter("variance", "1", 0.0, 0.0, 1.5, 0.3, spread=1.5)
 
 
 class RelaxationMode(PadEffect):
-    """A further arm (tau, beta), its time bounded away from the usual two.
+    """A further arm (tau, beta), its time bounded away from the declared ones.
 
     A gel relaxes over a range of times: with a ``variance`` of ln tau, a form, the arm is two of half the strength, at
     tau exp(+-sqrt(variance)).
@@ -28,11 +30,19 @@ class RelaxationMode(PadEffect):
     always_fitted = True
 
     def __init__(
-        self, name: str, signature: str, time: Parameter, base_starts: Callable[[NDArray], list[NDArray]]
+        self,
+        name: str,
+        signature: str,
+        time: Parameter,
+        base_starts: Callable[[NDArray], list[NDArray]],
+        ends: Callable[[NDArray], tuple[float, float]],
     ) -> None:
         self.name, self.signature = name, signature
         self.parameters = (Parameter("beta", "1", 0.0, 0.0, 5.0, 0.05), time, VARIANCE)
-        self._starts = base_starts
+        self._starts, self._ends = base_starts, ends
+
+    def ends(self, parameter: Parameter, tau_s: NDArray) -> tuple[float, float]:
+        return self._ends(tau_s) if parameter.name == "tau_s" else (parameter.low, parameter.high)
 
     def base_starts(self, logs: NDArray) -> list[NDArray]:
         # arms that are declared stay where they are
@@ -60,18 +70,29 @@ def _starts_fast(logs: NDArray) -> list[NDArray]:
     return [near, used_up]
 
 
+def _slower(tau_s: NDArray) -> tuple[float, float]:
+    room = tau_s[np.r_[tau_s[1:] > APART**2 * tau_s[:-1], True]] if len(tau_s) else tau_s
+    return min([SLOW_S, *(APART * room[:1])]), 200.0
+
+
+def _faster(tau_s: NDArray) -> tuple[float, float]:
+    return 0.002, max([FAST_S, *(tau_s[:1] / APART)])
+
+
 MEMBERS = (
     RelaxationMode(
         "slow_relaxation_mode",
         "slow drift of force through the whole hold, proportional to force",
-        Parameter("tau_s", "s", 10.0, 4.0, 200.0, 10.0, log=True, starts=(30.0,)),
+        Parameter("tau_s", "s", 10.0, 0.002, 200.0, 10.0, log=True, starts=(30.0,)),
         _starts_slow,
+        _slower,
     ),
     RelaxationMode(
         "fast_relaxation_mode",
         "extra force in the fast ramp that is gone some hundredths of a second after the stop",
-        Parameter("tau_s", "s", 0.01, 0.002, 0.03, 0.01, log=True, starts=(0.02,)),
+        Parameter("tau_s", "s", 0.01, 0.002, 200.0, 0.01, log=True, starts=(0.02,)),
         _starts_fast,
+        _faster,
     ),
 )
 """Both are this class; the registry takes them in place of an instance of it."""

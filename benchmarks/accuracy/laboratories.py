@@ -261,7 +261,7 @@ class Lab:
         """Cast and press the pad of the calibrated answer: both predictions of it, and ``replay``."""
         row = self.row
         pad = self.cast(told, wrong)
-        row["next_truth"] = usable_truth(pad, self.people)
+        row["next_pad_kPa"], row["next_truth"] = 1e3 * pad.young_MPa, usable_truth(pad, self.people)
         true = readings(pad, DEEPEST * pad.thickness_mm)
         row["next_error"] = _errors(chosen["conditions"], true)
         line = f"predict --resin my-batch --ratio {chosen['ratio']} --thickness {chosen['thickness_mm']} --punch "

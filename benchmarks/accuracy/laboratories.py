@@ -73,6 +73,7 @@ class Lab:
         self.row |= {"young_ref_kPa": self.batch.young_ref, "arms": self.batch.arms, "yeoh": self.batch.yeoh}
         self.row |= {"put": self.put, "commands": [], "broken": []}
         self.curves: dict[tuple, Curve] = {}
+        self.pour = 1.0, 1.0
 
     def type(self, line: str, may_fail: bool = False) -> dict[str, Any]:
         """Run a command as it is typed; its JSON. What ends in an error or a traceback is kept in the row."""
@@ -137,8 +138,8 @@ class Lab:
             record(self.folder / path, t, x, puck.force(t, x), rng)
         return 1e3 * float(young)
 
-    def cast(self, told: dict[str, Any], wrong_mm: float) -> Pad:
-        """The pad of an answer as it comes out of its mould."""
+    def cast(self, told: dict[str, Any], wrong_mm: float, same: bool = False) -> Pad:
+        """The pad of an answer as it comes out of its mould; poured and cured as the one before if it is the same."""
         chosen = told["recommendation"]
         sizes = re.findall(r"=([\d.]+)", chosen["shape"])
         if not chosen["shape"].startswith(("slab", "crowned")):
@@ -152,8 +153,11 @@ class Lab:
                 # where the foot is met the force bends sharply
                 depth = np.unique(np.concatenate([depth, crown[1] + NEAR_FOOT_MM]))
             self.curves[key] = press(thickness, PUNCH_MM / 2.0, crown, depth, self.batch.yeoh)
-        poured = self.batch.poured(chosen["ratio"], self.rng)
-        young = self.batch.young_MPa(poured) * np.exp(self.rng.normal(0.0, POURS))
+        if not same:
+            weighed = self.batch.poured(chosen["ratio"], self.rng) / chosen["ratio"]
+            self.pour = weighed, float(np.exp(self.rng.normal(0.0, POURS)))
+        poured = self.pour[0] * chosen["ratio"]
+        young = self.batch.young_MPa(poured) * self.pour[1]
         return Pad(
             self.curves[key], thickness, young, self.batch.arms_at(poured), self.of_material("strain_stiffening")
         )
@@ -258,17 +262,25 @@ class Lab:
         self.next_pad(told, chosen, name, wrong)
 
     def next_pad(self, told: dict[str, Any], chosen: dict[str, Any], name: str, wrong: float) -> None:
-        """Cast and press the pad of the calibrated answer: both predictions of it, and ``replay``."""
+        """Cast and press the pad of the calibrated answer: both predictions of it, and ``replay``.
+
+        ``alike`` is the pad weighed and cured as the first one: two pours of one batch differ by more than the loop
+        corrects.
+        """
         row = self.row
+        alike = self.cast(told, wrong, same=True)
+        alike_reads = readings(alike, DEEPEST * alike.thickness_mm)
         pad = self.cast(told, wrong)
         row["next_pad_kPa"], row["next_truth"] = 1e3 * pad.young_MPa, usable_truth(pad, self.people)
         true = readings(pad, DEEPEST * pad.thickness_mm)
         row["next_error"] = _errors(chosen["conditions"], true)
+        row["alike_error"] = _errors(chosen["conditions"], alike_reads)
         line = f"predict --resin my-batch --ratio {chosen['ratio']} --thickness {chosen['thickness_mm']} --punch "
         line += f"round:{PUNCH_MM:g} --force 5,10,15 --velocity 10,250 --shape {chosen['shape']}"
         before = self.type(line, may_fail=True)
         if before.get("presses"):
             row["next_error_before"] = _errors(before["presses"], true)
+            row["alike_error_before"] = _errors(before["presses"], alike_reads)
         plan = f"campaign new my-next --resin my-batch --ratio {chosen['ratio']} --pads {chosen['thickness_mm']} "
         self.type(plan + f"--shape {chosen['shape']} --punch round:{PUNCH_MM:g} --seed 2 --repeats 1 --no-power")
         self.press_campaign("my-next", pad, pad.thickness_mm - self.put.get("thickness_error", 0.0))

@@ -42,7 +42,7 @@ def summary(rows: list[dict[str, Any]]) -> str:
         return bool(set(row["loop"]["names"]) - {*row["put"], *(["strain_stiffening"] if row["yeoh"] else [])})
 
     every = [row["loop"] for row in looped]
-    no_worse = [row["next_error"] <= row["next_error_before"] + 0.02 for row in turned]
+    alike = [row for row in turned if row.get("alike_error") is not None]
     broken = sum(len(row["broken"]) for row in rows)
     ends: dict[str, int] = {}
     for row in rows:
@@ -60,8 +60,14 @@ def summary(rows: list[dict[str, Any]]) -> str:
         f"; another name in {of([wrong(row) for row in planted])}; size inside {of(sized)}",
         f"verdicts: {', '.join(sorted(one['verdict'] for one in every))}",
         f"modulus inside: {of([one['inside'] for one in every])}",
-        f"next pad after the loop at most 2 % worse: {of(no_worse)}"
-        f"; better in {of([row['next_error'] < row['next_error_before'] for row in turned])}",
+        *(
+            f"{words} after the loop at most 2 % worse: {of([r[key] <= r[f'{key}_before'] + 0.02 for r in these])}"
+            f"; better in {of([row[key] < row[f'{key}_before'] for row in these])}"
+            for words, key, these in (
+                ("next pad", "next_error", turned),
+                ("one poured alike", "alike_error", alike),
+            )
+        ),
         f"commands: {sum(len(row['commands']) for row in rows)}, ended in an error: {broken}",
     ]
     return "\n".join(lines)

@@ -32,12 +32,12 @@ MAIN = (
     "geometry.pad_shape.PadShape",
     "geometry.shape_registry.read_shape",
     "inference.least_squares.profile_interval",
-    "inference.binning.cut",
-    "pad.force_law.BaseForceLaw",
+    "inference.noise.cut",
+    "pad.force_law.ForceLaw",
     "pad.tables.slab.load_table",
     "resin.model.resin_file.load_resin",
     "tissue.load_tissue",
-    "tissue.model.parameters.Parameters.force",
+    "tissue.model.maxwell_law.Parameters.force",
 )
 HEAVY = ("cadquery", "matplotlib", "pandas", "pyvista", "skfem", "trimesh")
 

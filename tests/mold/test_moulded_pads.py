@@ -59,8 +59,9 @@ def test_a_crowned_mould_is_pressed_as_it_was_made(mould, capsys):
 
 
 @pytest.mark.slow
-def test_several_thicknesses_of_one_shape_are_one_campaign_also_from_the_folder_of_a_job(mould, capsys):
-    mould("pads", [8, 5])
+def test_several_thicknesses_of_one_shape_are_one_campaign_also_from_the_folder_that_holds_them(mould, capsys):
+    mould("pads/a", 8)
+    mould("pads/b", 5)
     answer = planned(capsys, "--from-mould", "pads")
     assert {trial["thickness_mm"] for trial in answer["trials"]} == {5.0, 8.0}
     assert all("shape" not in trial for trial in answer["trials"])

@@ -12,10 +12,11 @@ from dummydesign import cli
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import write_calibration
 from dummydesign.loop.corrected_law import CorrectedLaw, Correction
-from dummydesign.loop.effects.registry import EFFECTS, effect_named
+from dummydesign.loop.effects.registry import EFFECTS
 from dummydesign.loop.model.forward_model import Active, BaseParameters
 from dummydesign.pad.tables.slab import load_table, slab_table
 from dummydesign.pad.tables.square import punch_law
+from tests.support.named_effects import effect_named
 from tests.support.refusal import raises_code
 
 QUICK = ["--no-cad", "--no-verify"]

@@ -9,9 +9,9 @@ import pytest
 
 from dummydesign.loop.calibration import Calibration, Model, Posterior
 from dummydesign.loop.calibration_file import _Entry, _Fault, _shown, read_calibration, write_calibration
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.model.forward_model import Active, BaseParameters, parameter_names
 from dummydesign.loop.model.material import widest_bounds
+from tests.support.named_effects import effect_named
 from tests.support.refusal import raises_code
 
 LOW, HIGH = widest_bounds(2)

@@ -11,7 +11,7 @@ import pytest
 
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.data.trials import shows_tension
-from dummydesign.loop.effects.registry import EFFECTS, effect_named
+from dummydesign.loop.effects.registry import EFFECTS
 from dummydesign.loop.fitting.fit import prior_precision
 from dummydesign.loop.model.effect import Arm
 from dummydesign.loop.model.forward_model import WAVES, parameter_names, relax
@@ -19,6 +19,7 @@ from dummydesign.loop.model.material import UNDECLARED
 from dummydesign.loop.selection.search import LAW_ERROR, doubt_of
 from dummydesign.loop.selection.verdict import EACH_PARAMETER
 from tests.support.made_calibration import calibration, effect
+from tests.support.named_effects import effect_named
 from tests.support.refusal import raises_code
 
 FORMS = [(one, p) for one in EFFECTS for p in one.parameters if p.of_form]

@@ -24,7 +24,6 @@ from dummydesign.loop.calibration import (
     with_prior_effects,
 )
 from dummydesign.loop.data.trials import BACK_MM_S, planned_trace
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.forward_model import LAW_TERMS, WAVES, Active, BaseParameters, LawError, parameter_names
 from dummydesign.loop.model.material import ARM_TOLERANCE, UNDECLARED
@@ -34,6 +33,7 @@ from dummydesign.measurement.sensor import Lowpass
 from dummydesign.pad.tables.slab import load_table
 from tests.support import puck_presses as pucks
 from tests.support.known_laws import puck_law, slab_law
+from tests.support.named_effects import effect_named
 from tests.support.puck_presses import clean_fit
 from tests.support.refusal import raises_code
 

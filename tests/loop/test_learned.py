@@ -15,7 +15,6 @@ from dummydesign.loop.calibration import Calibration, model_of, posterior_of
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.effects.learned import FADE, FOLLOWED, Learned, SmoothChange
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.run import replay
@@ -25,6 +24,7 @@ from dummydesign.loop.selection.nonparametric_effect import can_be_learned, clos
 from dummydesign.loop.selection.residuals import Dependence, ResidualCheck, ResidualDiagnostics, diagnose
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import campaign_generator, independent_generator
+from tests.support.named_effects import effect_named
 
 
 @pytest.fixture(scope="module")

@@ -10,10 +10,10 @@ import pytest
 
 from dummydesign.loop import next_measurement as planning
 from dummydesign.loop.data import trials
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.candidates import first_fit, screen
 from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.measurement.motion import ramp_and_hold
+from tests.support.named_effects import effect_named
 
 
 def test_a_planned_press_stops_where_its_hold_begins_however_finely_the_motion_is_sampled(plain, monkeypatch):

@@ -13,7 +13,6 @@ from dummydesign.design.calibrated import with_calibration
 from dummydesign.loop.calibration import Calibration, Model, Posterior, posterior_of
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.data.trials import make_presses
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.model.forward_model import Active, BaseParameters
@@ -22,6 +21,7 @@ from dummydesign.loop.selection.cross_validation import jackknife
 from dummydesign.measurement.campaign import PadSpec
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.resin import load_resin
+from tests.support.named_effects import effect_named
 from tests.support.refusal import raises_code
 
 BASE_NAMES = ("log young_kPa", "log tau_1_s", "log beta_1", "log tau_2_s", "log beta_2")

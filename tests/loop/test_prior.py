@@ -13,7 +13,6 @@ from dummydesign.core.errors import InputError
 from dummydesign.loop.calibration import Calibration, calibration_of, check_prior, join, model_of, posterior_of
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.data.trials import make_presses
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit_base, fit_with_noise
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.campaign_law import law_of
@@ -23,6 +22,7 @@ from dummydesign.loop.planning import REPEATS, plan_of, write_plan
 from dummydesign.loop.run import close_loop, replay
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import campaign_generator as generator
+from tests.support.named_effects import effect_named
 from tests.support.refusal import raises_code
 
 PAD = {"young_kPa_expected": 25.0, "resin": None, "ratio": None, "base": "bonded", "shape": "slab"}

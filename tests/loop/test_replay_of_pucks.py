@@ -11,13 +11,13 @@ import pytest
 
 from dummydesign.loop.calibration import Calibration, model_of
 from dummydesign.loop.data.trials import stack
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.model.campaign_law import law_of, within_reach
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.model.material import material_of
 from dummydesign.loop.run import replay
 from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec
 from tests.support import puck_presses as pucks
+from tests.support.named_effects import effect_named
 from tests.support.puck_presses import clean_fit
 from tests.support.refusal import raises_code
 

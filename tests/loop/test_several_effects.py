@@ -12,7 +12,6 @@ from dummydesign.loop.calibration import Calibration, Model, calibration_of
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.corrected_law import CorrectedLaw, Correction
 from dummydesign.loop.data.trials import make_presses
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit_base, fit_with_noise
 from dummydesign.loop.fitting.noise import repeat_scatter
 from dummydesign.loop.fitting.problem import CampaignProblem
@@ -27,6 +26,7 @@ from dummydesign.loop.selection.search import without
 from dummydesign.loop.selection.verdict import Needed, remainder
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import campaign_generator as generator
+from tests.support.named_effects import effect_named
 
 NOTHING = ResidualDiagnostics([], [])
 

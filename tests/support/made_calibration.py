@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from dummydesign.loop.calibration import Calibration, Model, Posterior
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.model.forward_model import Active, BaseParameters
+from tests.support.named_effects import effect_named
 
 PAD = {
     "young_kPa_expected": 30.0,

@@ -18,7 +18,7 @@ from hashlib import sha256
 from importlib.metadata import entry_points
 from pathlib import Path
 
-from dummydesign.core.errors import DummydesignError, InputError, unknown_name
+from dummydesign.core.errors import DummydesignError, InputError
 from dummydesign.core.files import check_file
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.effects.contract_check import check_effect, faults_on, problem_text
@@ -70,14 +70,6 @@ def known_effects() -> tuple[Effect, ...]:
 def foreign_effects() -> tuple[Effect, ...]:
     """Effects that are not of this package, as far as they have been loaded."""
     return (*(installed_effects() if installed_effects.cache_info().currsize else ()), *_given.get())
-
-
-def effect_named(name: str) -> Effect:
-    """Find an effect by its public name."""
-    known = {effect.name: effect for effect in known_effects()}
-    if name not in known:
-        raise unknown_name("effect", name, known)
-    return known[name]
 
 
 @contextmanager

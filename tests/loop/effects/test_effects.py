@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from dummydesign.loop import check_effect, effects
-from dummydesign.loop.effects.registry import EFFECTS, effect_named
+from dummydesign.loop.effects.registry import EFFECTS
 from dummydesign.loop.model.effect import Arm
 from dummydesign.loop.model.forward_model import Active, BaseParameters, readings, relax, simulate
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
@@ -19,6 +19,7 @@ from dummydesign.pad.tables import puck as puck_table
 from dummydesign.pad.tables.puck import grip, table_for
 from dummydesign.pad.tables.slab import load_table
 from tests.support.known_laws import puck_law
+from tests.support.named_effects import effect_named
 from tests.support.refusal import raises_code
 
 BASE = BaseParameters(0.025, (0.06, 1.4), (0.3, 0.25))

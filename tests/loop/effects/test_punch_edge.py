@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.run import close_loop
 from dummydesign.loop.selection.cross_validation import effect_intervals
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import independent_generator
 from tests.support.known_laws import slab_law
+from tests.support.named_effects import effect_named
 
 FILLET_MM, RADIUS_MM = 0.5, 7.9  # of the punch of GetFEM's curves
 

@@ -13,8 +13,8 @@ from dummydesign.loop.calibration_file import read_calibration, write_calibratio
 from dummydesign.loop.effects.contract_check import BASE, faults_on, reference_presses
 from dummydesign.loop.effects.learned import Learned, SmoothChange
 from dummydesign.loop.effects.material.strain_dependent_relaxation import strength
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.model.forward_model import WAVES, Active, BaseParameters, simulate
+from tests.support.named_effects import effect_named
 
 
 @pytest.mark.parametrize("shape", ["slab", "cylinder", "shaped"])

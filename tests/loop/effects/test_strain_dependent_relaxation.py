@@ -15,7 +15,6 @@ from dummydesign.loop.effects.material.strain_dependent_relaxation import (
     StrainDependentRelaxation,
     strength,
 )
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.candidates import finished, first_fits
 from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.model.effect import Effect, Parameter
@@ -25,6 +24,7 @@ from dummydesign.loop.selection.cross_validation import AssessedModel, assess, e
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import campaign_generator as generator
 from tests.support.campaign_press import Pad, Physics, pad_force
+from tests.support.named_effects import effect_named
 from tests.support.refusal import raises_code
 
 BASE = BaseParameters(0.025, (0.06, 1.4), (0.3, 0.25))

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from dummydesign.inference.noise import Noise
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting import candidates
 from dummydesign.loop.fitting.candidates import (
     EffectCandidate,
@@ -33,6 +32,7 @@ from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.forward_model import LAW_TERMS, SMOOTH_TERMS, WAVES, simulate_yielding
 from dummydesign.loop.model.material import UNDECLARED
 from tests.support import puck_presses as pucks
+from tests.support.named_effects import effect_named
 from tests.support.puck_presses import clean_fit
 
 BASE = len(UNDECLARED.mean)

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from dummydesign.loop.data.trials import make_presses
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit, fit_base, fit_with_noise, with_sizes
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.model.forward_model import LAW_TERMS, SMOOTH_TERMS, WAVES, WAVES_END, LawError, wave_number
 from dummydesign.measurement.campaign_file import read_campaign
+from tests.support.named_effects import effect_named
 
 USUAL = 0.001
 

@@ -12,7 +12,7 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.loop.data.trials import make_presses
-from dummydesign.loop.effects.registry import EFFECTS, effect_named
+from dummydesign.loop.effects.registry import EFFECTS
 from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.model import campaign_pad_law
 from dummydesign.loop.model.campaign_law import ROUGHNESS, SLAB_ERROR, CampaignLaw, error_priors, law_of
@@ -22,6 +22,7 @@ from dummydesign.pad import force_source as elastic
 from dummydesign.pad.axisymmetric.case import PadCurve
 from dummydesign.pad.tables.square import crown_factor
 from tests.support.known_laws import slab_law
+from tests.support.named_effects import effect_named
 
 CROWN = read_shape("crowned:radius=20,height=3,foot=11")
 

@@ -16,7 +16,6 @@ from dummydesign.core.quantity import Quantity
 from dummydesign.geometry.punch import ball_profile
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.loop.effects.learned import FADE, Learned, SmoothChange, at_nodes, fading, followed
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.model import campaign_law, campaign_pad_law
 from dummydesign.loop.model.campaign_law import ROUGHNESS, ROUND_ERROR, SLAB_ERROR, CampaignLaw, error_priors
 from dummydesign.loop.model.campaign_pad_law import DENSE, POINTS, THICKER, CampaignPadLaw
@@ -30,6 +29,7 @@ from dummydesign.resin import load_resin
 from dummydesign.resin.model.resin_file import save_resin
 from tests.support import puck_presses as pucks
 from tests.support.known_laws import puck_law, slab_law
+from tests.support.named_effects import effect_named
 from tests.support.puck_presses import clean_fit
 
 CROWN = read_shape("crowned:radius=20,height=3,foot=11")

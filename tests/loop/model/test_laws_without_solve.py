@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from dummydesign.loop.data.trials import memoised_law
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.model.effect import Arm, Parameter, root_law, wrap
 from dummydesign.loop.model.forward_model import BaseParameters, arm_forces, loaded, parameter_names, relax
 from dummydesign.pad.force_source import curve_without_solve, elastic_curve
@@ -15,6 +14,7 @@ from dummydesign.pad.pad_under_punch import Pad, Puck
 from dummydesign.pad.tables import square
 from dummydesign.pad.tables.slab import FILLETS, load_compressibility, load_filleted, load_table
 from tests.support.known_laws import puck_law, slab_law
+from tests.support.named_effects import effect_named
 from tests.support.refusal import raises_code
 
 RADIUS = 7.9

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit, fit_with_noise, prior_precision
 from dummydesign.loop.fitting.noise import contrasts, repeat_scatter
 from dummydesign.loop.fitting.problem import CampaignProblem
@@ -29,6 +28,7 @@ from dummydesign.loop.selection.cross_validation import (
     widened,
 )
 from tests.support import puck_presses as pucks
+from tests.support.named_effects import effect_named
 from tests.support.puck_presses import clean_fit
 
 BASE = len(UNDECLARED.mean)

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.next_measurement import LUBRICATED, options
@@ -18,6 +17,7 @@ from dummydesign.pad.tables.puck import shape_range
 from tests.support import puck_presses
 from tests.support.drawn_pucks import DIAMETER_MM, Rubber, draw_rubber, press_pucks
 from tests.support.known_laws import puck_law
+from tests.support.named_effects import effect_named
 
 FAMILY = tuple(map(effect_named, ("plate_friction", "strain_stiffening", "sensor_curve")))
 RUBBED = Rubber("ogden", 2.0, 0.05, 0.3)

@@ -12,13 +12,13 @@ import pytest
 from dummydesign.core.progress import quiet
 from dummydesign.loop.data.reduction import UNLOADING
 from dummydesign.loop.effects.learned import FOLLOWED, Learned, SmoothChange, followed, largest_change
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.candidates import project
 from dummydesign.loop.fitting.fit import fit, fit_base, prior_precision
 from dummydesign.loop.selection import nonparametric_effect
 from dummydesign.loop.selection.nonparametric_effect import closed_form, learn
 from dummydesign.loop.selection.residuals import Dependence, ResidualDiagnostics
 from tests.support import puck_presses as pucks
+from tests.support.named_effects import effect_named
 from tests.support.puck_presses import clean_fit
 
 

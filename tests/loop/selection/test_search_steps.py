@@ -9,10 +9,10 @@ import pytest
 
 from dummydesign.core.progress import quiet
 from dummydesign.loop.effects.learned import Learned, SmoothChange
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.candidates import EffectCandidate, Screened
 from dummydesign.loop.selection import search
 from dummydesign.loop.selection.verdict import EACH_PARAMETER, Needed
+from tests.support.named_effects import effect_named
 from tests.support.puck_presses import clean_fit
 
 

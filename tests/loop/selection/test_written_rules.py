@@ -17,7 +17,6 @@ from dummydesign.core.progress import quiet
 from dummydesign.loop import run
 from dummydesign.loop.data.trials import SAME_DEPTH
 from dummydesign.loop.effects.learned import SmoothChange
-from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.noise import NoiseSizes
 from dummydesign.loop.model.campaign_law import SLAB_ERROR
 from dummydesign.loop.next_measurement import SAME_SPEED
@@ -26,6 +25,7 @@ from dummydesign.loop.selection.holdout_test import LeftOut, deepest, fastest, p
 from dummydesign.loop.selection.residuals import Dependence, ResidualCheck, ResidualDiagnostics
 from dummydesign.loop.selection.verdict import Needed
 from tests.support.known_laws import puck_law, slab_law
+from tests.support.named_effects import effect_named
 
 RULES = Path(__file__).parents[3] / "docs" / "data" / "loop-rules.csv"
 ROWS = list(csv.DictReader(RULES.read_text(encoding="utf-8").splitlines()))

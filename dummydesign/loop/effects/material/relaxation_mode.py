@@ -57,17 +57,13 @@ class RelaxationMode(PadEffect):
 
 def _starts_slow(logs: NDArray) -> list[NDArray]:
     # without the mode the slow arm sits between its own time and the mode's, or is used up by the mode
-    near, used_up = logs.copy(), logs.copy()
-    near[3] -= 0.3
-    used_up[1:] = [np.log(USUAL_FAST_S), np.log(USUAL_BETA), logs[1], logs[2]]
-    return [near, used_up]
+    used_up = [logs[0], np.log(USUAL_FAST_S), np.log(USUAL_BETA), logs[1], logs[2]]
+    return [logs + [0.0, 0.0, 0.0, -0.3, 0.0], np.array(used_up)]
 
 
 def _starts_fast(logs: NDArray) -> list[NDArray]:
-    near, used_up = logs.copy(), logs.copy()
-    near[1] += 0.4
-    used_up[1:] = [min(logs[3], np.log(LONGEST_FAST_S)), logs[4], np.log(USUAL_SLOW_S), np.log(USUAL_BETA)]
-    return [near, used_up]
+    used_up = [logs[0], min(logs[3], np.log(LONGEST_FAST_S)), logs[4], np.log(USUAL_SLOW_S), np.log(USUAL_BETA)]
+    return [logs + [0.0, 0.4, 0.0, 0.0, 0.0], np.array(used_up)]
 
 
 def _slower(tau_s: NDArray) -> tuple[float, float]:

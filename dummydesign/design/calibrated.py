@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import exp, log
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import Quantity, fitted_around
@@ -15,6 +16,7 @@ from dummydesign.design.search.shape_family import Designs, Family
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.measurement.campaign import with_edge
+from dummydesign.pad.material.relaxation import PressedForce
 from dummydesign.resin.model.resin import Point, RelaxationGivenModulus, Resin, ResinArm
 
 if TYPE_CHECKING:
@@ -131,9 +133,34 @@ def with_calibration(
         relaxation_ratio_ref=float(ratio),
         references=(*resin.references, source),
         joint_relaxation=_joint(calibration),
+        pressed_force=pressed_force(calibration),
     )
     law = CorrectedLaw(Correction(calibration, BASE, punch), square, edge_radius_mm)
     return Calibrated(resin, law, calibration, warnings, path)
+
+
+def pressed_force(calibration: Calibration) -> PressedForce | None:
+    """The force of presses that are designed, where effects change the arms with depth or speed; else None."""
+    from dummydesign.loop.model.effect import Arm, Effect
+    from dummydesign.loop.model.forward_model import relax
+
+    acting = [one for one in calibration.design_effects() if type(one.effect).pressed_arms is not Effect.pressed_arms]
+
+    def force(
+        time_s: NDArray,
+        elastic_N: NDArray,
+        share: NDArray,
+        velocity_mm_s: ArrayLike,
+        tau_s: Sequence[float],
+        beta: NDArray,
+    ) -> NDArray:
+        arms = tuple(Arm(tau, beta[:, at, None]) for at, tau in enumerate(tau_s))
+        speed = np.broadcast_to(velocity_mm_s, len(beta))[:, None]
+        for one in acting:
+            arms = one.effect.pressed_arms(arms, share, speed, one.values)
+        return relax(time_s, elastic_N, arms)
+
+    return force if acting else None
 
 
 def _ratio(calibration: Calibration, path: str) -> float:

@@ -59,7 +59,8 @@ def verdict_of_pad(
     area[0] = 0.0
     curves = SlabCurves(np.array([thickness]), np.array([limit]), area[None])
     tau, beta = tuple(term.tau_s for term in pad.prony), np.array([[term.beta for term in pad.prony]])
-    slabs = PadBatch(curves, np.array([0]), np.array([pad.young_MPa]), tau, beta)
+    pressed = None if resin is None else resin[0].pressed_force
+    slabs = PadBatch(curves, np.array([0]), np.array([pad.young_MPa]), tau, beta, pressed)
     evaluation = evaluate(slabs, targets, sampling, exact=True)
     candidate = DesignCandidate(thickness, 0.0, 0, evaluation)
     reached = candidate.depth_mm[np.isfinite(candidate.depth_mm)]
@@ -79,7 +80,7 @@ def verdict_of_pad(
         pours = [castings.pours(thickness, resin[1], tolerances, error, group) for group in ((), RESIN)]
     strain = finite_strain_of(slabs, pad.geometry, pad.base, targets, pad.radius_mm)
     presses = targets, targets.protocol.steady_grid_N, sampling.coarse
-    batches = (PadBatch(curves, np.zeros(len(one.beta), int), one.young_MPa, tau, one.beta) for one in pours)
+    batches = (PadBatch(curves, np.zeros(len(one.beta), int), one.young_MPa, tau, one.beta, pressed) for one in pours)
     spread, known = (
         strain.judged(readings_along(batch, *presses), one.finite_strain) for batch, one in zip(batches, pours)
     )

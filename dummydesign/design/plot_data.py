@@ -69,7 +69,8 @@ def reactions(answer: Suggestion, law: ForceLaw) -> list[Reaction]:
     moduli = [young, young, young, *resin.young_MPa(mixed), 1e-3 * modulus.low, 1e-3 * modulus.high, young, young]
     strengths = np.concatenate([beta[[0, 0, 0, 1, 2, 0, 0]], beta[0] * np.array(ends)])
     slab, gel = np.array([0, 1, 2, 0, 0, 0, 0, 0, 0]), answer.targets.limits.gel_compression
-    slabs = PadBatch(make_curves(law, [thickness, *thin], radius, gel), slab, np.array(moduli), resin.tau_s, strengths)
+    curves = make_curves(law, [thickness, *thin], radius, gel)
+    slabs = PadBatch(curves, slab, np.array(moduli), resin.tau_s, strengths, resin.pressed_force)
     protocol, sampling = answer.targets.protocol, answer.targets.sampling.coarse
     speeds = protocol.slow_mm_s, protocol.fast_mm_s
     slow, fast = (steady_depth(slabs, protocol.needed_N, speed, sampling) for speed in speeds)

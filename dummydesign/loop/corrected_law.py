@@ -24,9 +24,10 @@ BULK = "bulk_that_gives"
 class Correction:
     """What a calibration changes of the force of pads that are designed: effects of the pad, and the law error.
 
-    Effects of the rig and the sensor are left out: they are of the laboratory. Effects that depend on a state of the
-    pad are taken where they are absent, see ``Effect.designed_for`` and :meth:`notes`. The law error is that of pads
-    of the same shape, base and contact; what a campaign of pucks found wrong with the law of pucks stays out.
+    Effects of the rig and the sensor are left out: they are of the laboratory. What changes the arms with depth or
+    speed acts in each press (``Effect.pressed_arms``). Effects that depend on a state of the pad are taken where they
+    are absent, see ``Effect.designed_for`` and :meth:`notes`. The law error is that of pads of the same shape, base
+    and contact; what a campaign of pucks found wrong with the law of pucks stays out.
     """
 
     calibration: Calibration

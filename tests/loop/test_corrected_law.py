@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from dummydesign import cli
+from dummydesign.design.calibrated import pressed_force
+from dummydesign.design.scoring.press_simulation import PadBatch, Sampling, SlabCurves, press_to_depth
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import write_calibration
 from dummydesign.loop.corrected_law import CorrectedLaw, Correction
@@ -75,13 +77,53 @@ def test_what_belongs_to_the_pad_enters_a_design_and_what_belongs_to_the_laborat
     found, none = calibration(usual(one)), calibration()
     with_it, without = (CorrectedLaw(Correction(each)).force(D, H, 0.025, RADIUS) for each in (found, none))
     assert np.all(np.isfinite(with_it)) and np.all(with_it > 0.0)
-    same = np.array_equal(with_it, without) and found.prony() == none.prony()
+    same = np.array_equal(with_it, without) and found.prony() == none.prony() and pressed_force(found) is None
     if one.belongs_to == "pad":
         assert same == bool(one.designed_for)
         assert any(one.name in note for note in CorrectedLaw(Correction(found)).notes) == same
     else:
         assert one.belongs_to in ("rig", "sensor") and not one.designed_for
         assert same and CorrectedLaw(Correction(found)).notes == ()
+
+
+STRAIGHT = SlabCurves(
+    np.array([10.0, 5.0]), np.array([6.0, 3.0]), np.linspace(0.0, 1.0, 61) * np.array([[60.0], [30.0]])
+)
+FINE = Sampling(400, 100, 200)
+
+
+def pressed(active, tau_s, depth_mm, velocity_mm_s):
+    """Two slabs whose force is 10 mm times modulus times depth, pressed as a design with a calibration presses them."""
+    beta = np.tile([0.4, 0.3], (2, 1))[:, : len(tau_s)]
+    found = None if active is None else pressed_force(calibration(active))
+    batch = PadBatch(STRAIGHT, np.array([0, 1]), np.array([0.03, 0.05]), tau_s, beta, found)
+    return press_to_depth(batch, np.array(depth_mm), velocity_mm_s, FINE)
+
+
+@pytest.mark.parametrize("name", ["strain_dependent_relaxation", "rate_dependent_viscosity"])
+def test_where_its_size_is_zero_a_press_of_a_design_is_that_without_it(name):
+    plain, same = (pressed(one, (0.05, 1.2), [5.0, 2.0], 50.0) for one in (None, effect(name)))
+    np.testing.assert_allclose(same.force_N, plain.force_N, rtol=1e-9, atol=1e-12)
+
+
+def test_arms_that_never_relax_hold_the_integral_of_their_strength_over_the_rising_force():
+    """F = k x and beta (1 + s (x/h - 0.15)): the arm holds beta k x (1 + s (x / 2h - 0.15)) at depth x."""
+    slope, depth = 1.6, np.array([5.0, 2.0])
+    press = pressed(effect("strain_dependent_relaxation", slope=slope), (1e9,), depth, 50.0)
+    elastic = 10.0 * np.array([0.03, 0.05]) * depth
+    held = 0.4 * elastic * (1.0 + slope * (depth / np.array([10.0, 5.0]) / 2.0 - 0.15))
+    np.testing.assert_allclose(press.force_N[:, FINE.stopped], elastic + held, rtol=1e-5)
+
+
+@pytest.mark.parametrize("velocity_mm_s", [10.0, 250.0])
+def test_times_that_fall_with_speed_are_those_of_the_press(velocity_mm_s):
+    one = effect("rate_dependent_viscosity", exponent=0.3, plateau_mm_per_s=5.0)
+    quicker = ((velocity_mm_s**2 + 25.0) / (50.0**2 + 25.0)) ** -0.15
+    press, plain = (
+        pressed(active, tau_s, [5.0, 2.0], velocity_mm_s)
+        for active, tau_s in ((one, (0.05, 1.2)), (None, (0.05 * quicker, 1.2 * quicker)))
+    )
+    np.testing.assert_allclose(press.force_N, plain.force_N, rtol=1e-9, atol=1e-12)
 
 
 @pytest.mark.parametrize("one", EFFECTS, ids=lambda e: e.name)

@@ -83,7 +83,8 @@ class PadCastings:
         for start in range(0, len(pours.young_MPa), CACHED):
             rows = slice(start, start + CACHED)
             curves, index = self._curves[shape](start)
-            yield PadBatch(curves, index, pours.young_MPa[rows], self.space.resin.tau_s, pours.beta[rows])
+            resin, young = self.space.resin, pours.young_MPa[rows]
+            yield PadBatch(curves, index, young, resin.tau_s, pours.beta[rows], resin.pressed_force)
 
     def pressed(self, pours: Pours) -> Readings:
         """Readings of pours, shapes (n, c) and (n, g)."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S, Motion, ramp_and_hold
 from dummydesign.pad.force_law import ForceLaw
-from dummydesign.pad.material.relaxation import arms_in_ramp_and_hold
+from dummydesign.pad.material.relaxation import PressedForce, arms_in_ramp_and_hold
 
 # Time after the stop from which the hold counts, as in the tissue's own definition. [s]
 FIRST_HOLD_S = 0.005
@@ -230,7 +230,8 @@ COARSE = Sampling(16, 8, 20)
 class PadBatch:
     """D designs: which slab (index into curves), modulus and relaxation of each.
 
-    ``young_MPa`` has shape (D,), ``tau_s`` (arms,), ``beta`` (D, arms), relative to the long-term modulus.
+    ``young_MPa`` has shape (D,), ``tau_s`` (arms,), ``beta`` (D, arms), relative to the long-term modulus;
+    ``pressed_force`` is that of arms that change with depth or speed.
     """
 
     curves: SlabCurves
@@ -238,10 +239,11 @@ class PadBatch:
     young_MPa: NDArray
     tau_s: tuple[float, ...]
     beta: NDArray
+    pressed_force: PressedForce | None = None
 
     def take(self, chosen: NDArray) -> PadBatch:
         """Keep the designs chosen by index or mask."""
-        return PadBatch(self.curves, self.slab[chosen], self.young_MPa[chosen], self.tau_s, self.beta[chosen])
+        return replace(self, slab=self.slab[chosen], young_MPa=self.young_MPa[chosen], beta=self.beta[chosen])
 
     @property
     def thickness_mm(self) -> NDArray:
@@ -253,7 +255,7 @@ def join_slabs(slabs: Sequence[PadBatch]) -> PadBatch:
     """Designs of one resin on several sets of curves as one set, in their order; each keeps its own curve only."""
     curves = [one.curves.take(one.slab) for one in slabs]
     young, beta = (np.concatenate([getattr(one, name) for one in slabs]) for name in ("young_MPa", "beta"))
-    return PadBatch(join_curves(curves), np.arange(len(young)), young, slabs[0].tau_s, beta)
+    return PadBatch(join_curves(curves), np.arange(len(young)), young, slabs[0].tau_s, beta, slabs[0].pressed_force)
 
 
 def press_to_depth(slabs: PadBatch, depth_mm: NDArray, velocity_mm_s: ArrayLike, sampling: Sampling) -> SimulatedPress:
@@ -268,9 +270,14 @@ def press_to_depth(slabs: PadBatch, depth_mm: NDArray, velocity_mm_s: ArrayLike,
     ramp, braking = ramp / sampling.ramp_points, (braked - ramp) / sampling.brake_points
     steps = [ramp] * sampling.ramp_points + [braking] * sampling.brake_points
     hold = time[0, stop + 1 :] - time[0, stop]
-    relative = arms_in_ramp_and_hold(steps, area, hold, slabs.tau_s, slabs.beta)
-    relative[: stop + 1] += area.T
-    relative[stop + 1 :] += area[:, stop]
+    if slabs.pressed_force is None:
+        relative = arms_in_ramp_and_hold(steps, area, hold, slabs.tau_s, slabs.beta)
+        relative[: stop + 1] += area.T
+        relative[stop + 1 :] += area[:, stop]
+    else:
+        share = motion.displacement_mm / slabs.thickness_mm[:, None]
+        held = np.concatenate([area, np.repeat(area[:, -1:], len(hold), axis=1)], axis=1)
+        relative = slabs.pressed_force(time, held, share, velocity_mm_s, slabs.tau_s, slabs.beta).T
     relative *= slabs.young_MPa
     relative[:, ~reachable] = np.nan
     force, reached = np.ascontiguousarray(relative.T), np.where(reachable, depth_mm, np.nan)

@@ -164,7 +164,8 @@ def windows_of(
         own = at[some]
         beta = np.moveaxis(batches.strengths(np.moveaxis(own, 0, 1)), 0, 1)
         slab = np.repeat(np.arange(start, start + len(own)), count * nodes)
-        slabs = PadBatch(curves, slab, np.exp(own).ravel(), batches.draws.resin.tau_s, beta.reshape(own.size, -1))
+        strengths, resin = beta.reshape(own.size, -1), batches.draws.resin
+        slabs = PadBatch(curves, slab, np.exp(own).ravel(), resin.tau_s, strengths, resin.pressed_force)
         readings = readings_along(slabs, targets, ranges.steady_N, sampling)
         for which, deviate in enumerate(deviates):
             found = excess(deviations(ranges, finite_strain.judged(readings, deviate)), targets.limits)

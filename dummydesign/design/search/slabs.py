@@ -190,7 +190,8 @@ def thickness_steps(low_mm: float, high_mm: float) -> NDArray:
 def make_slabs(curves: SlabCurves, slab: NDArray, resin: Resin, ratio: NDArray) -> PadBatch:
     """Designs with the central numbers of a resin."""
     known, back = np.unique(ratio, return_inverse=True)
-    return PadBatch(curves, slab, resin.young_MPa(known)[back], resin.tau_s, resin.strengths(known)[back])
+    young, beta = resin.young_MPa(known)[back], resin.strengths(known)[back]
+    return PadBatch(curves, slab, young, resin.tau_s, beta, resin.pressed_force)
 
 
 def search(law: ForceLaw, space: SearchSpace) -> tuple[DesignCandidate, tuple[DesignCandidate, ...], ScoreMap]:

@@ -263,6 +263,15 @@ class Effect:
         """
         return (*arms, *(Arm(term.tau_s, term.beta) for term in self.adds_terms(values)))
 
+    def pressed_arms(
+        self, arms: tuple[Arm, ...], share: NDArray, velocity_mm_s: NDArray, values: Values
+    ) -> tuple[Arm, ...]:
+        """Pad: the arms in a press that is designed, of depths over thickness (T, N) and speeds of the ramp (T, 1).
+
+        By default those so far: then :attr:`designed_for` says what the design is for.
+        """
+        return arms
+
     def surface(self, presses: Presses, depth_mm: NDArray, force_N: NDArray, values: Values) -> NDArray:
         """Pad: the force on the punch (T, N), from the one that cannot pull. [N]
 
@@ -341,7 +350,7 @@ class SensorEffect(Effect):
     belongs_to = "sensor"
 
 
-def usual_starts(logs: NDArray) -> list[NDArray]:
+def usual_starts(effect: Effect, logs: NDArray) -> list[NDArray]:
     """The base's logarithms, and where no arms are declared (5,) those with times and strengths of a usual soft gel."""
     return [logs, np.r_[logs[0], np.log([0.07, 0.3, 1.5, 0.3])]] if len(logs) == 5 else [logs]
 

@@ -24,7 +24,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,6 +51,11 @@ class PronyTerm(Serialised):
             raise out_of_range("Prony time constant tau_s", self.tau_s, "above 0", "any finite time")
         if not (np.isfinite(self.beta) and self.beta >= 0):
             raise out_of_range("Prony strength beta", self.beta, 0, "any finite strength")
+
+
+PressedForce = Callable[[NDArray, NDArray, NDArray, ArrayLike, Sequence[float], NDArray], NDArray]
+"""Force (D, n) of presses whose arms change with depth or speed: of times [s], elastic forces [N] and depths over
+thickness (D, n), speed of the ramp [mm/s], times of the arms [s], and their strengths (D, arms)."""
 
 
 def relaxed_force(time_s: ArrayLike, elastic_force_N: ArrayLike, prony: Iterable[PronyTerm]) -> NDArray:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.core.quantity import HALF_WIDTH, Quantity, value_at
 from dummydesign.core.serialise import Serialised, to_plain
-from dummydesign.pad.material.relaxation import PronyTerm
+from dummydesign.pad.material.relaxation import PressedForce, PronyTerm
 from dummydesign.resin.model.modulus_laws import ModulusLaw, check_young
 
 WRITTEN = (
@@ -240,6 +240,7 @@ class Resin:
     the long-term Young's modulus, ``arms`` the relaxation at ``relaxation_ratio_ref``. ``posterior``
     holds joint draws of the law's parameters when points have updated it; ``prior_numbers`` and ``prior_relaxation``
     (arms and their ratio) are those before. ``joint_relaxation`` ties strengths to the modulus (a calibration's).
+    ``pressed_force`` is that of presses where effects of a calibration change the arms with depth or speed.
     ``ogden_alpha`` is the exponent of the elastic law where pucks show another than neo-Hookean (2), else None.
     ``ratio_by`` is what parts are measured by (weight or volume), ``ratio_per`` whether the ratio is to the parts of
     the other components (others) or in 100 parts of the whole mix (mix). ``chemistry`` is empty where it is not known.
@@ -268,6 +269,7 @@ class Resin:
     prior_relaxation: tuple[tuple[ResinArm, ...], float] | None = field(default=None, repr=False)
     joint_relaxation: RelaxationGivenModulus | None = field(default=None, repr=False)
     ogden_alpha: Quantity | None = None
+    pressed_force: PressedForce | None = field(default=None, repr=False)
     ratio_by: str = "weight"
     ratio_per: str = "others"
     chemistry: str = ""

@@ -46,7 +46,7 @@ def batches(*beta, softness=0.0, reference=LOG_YOUNG):
     """Batches of one arm with strengths at a modulus of reference, that fall with the modulus by a power."""
     count = len(beta)
     draws = SimpleNamespace(
-        resin=SimpleNamespace(tau_s=(TAU_S,)),
+        resin=SimpleNamespace(tau_s=(TAU_S,), pressed_force=None),
         beta_ref=np.array(beta)[:, None],
         softness_exponent=np.full(count, softness),
     )

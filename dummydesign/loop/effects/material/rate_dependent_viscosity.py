@@ -18,7 +18,6 @@ class RateDependentViscosity(PadEffect):
     """
 
     name = "rate_dependent_viscosity"
-    designed_for = "relaxation as it is after a ramp of 50 mm/s"
     parameters = (
         Parameter("exponent", "1", 0.0, -0.8, 1.5, 0.1),
         Parameter("plateau_mm_per_s", "mm/s", 5.0, 0.5, 100.0, 5.0, log=True, spread=1.0),
@@ -35,10 +34,16 @@ class RateDependentViscosity(PadEffect):
         return "" if speed.max() > 1.5 * speed.min() else "needs two speeds"
 
     def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
-        slow, speed = values["plateau_mm_per_s"], presses.velocity_mm_s[:, None]
+        speed = presses.velocity_mm_s[:, None]
         if values["way_back"] and presses.unloads.any():
             away = presses.time_s > presses.hold_end_s[:, None]
             speed = speed * np.where(away, (presses.back_mm_s[:, None] / speed) ** values["way_back"], 1.0)
+        return self.pressed_arms(arms, depth_mm, speed, values)
+
+    def pressed_arms(
+        self, arms: tuple[Arm, ...], share: NDArray, velocity_mm_s: NDArray, values: Values
+    ) -> tuple[Arm, ...]:
+        speed, slow = velocity_mm_s, values["plateau_mm_per_s"]
         over = (speed**2 + slow**2) / (REFERENCE_MM_S**2 + slow**2)
         # the base's two arms come first; a fit may exchange them
         fast = min(range(len(arms[:2])), key=lambda at: np.mean(arms[at].tau_s), default=0)

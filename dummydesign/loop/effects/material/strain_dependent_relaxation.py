@@ -20,7 +20,6 @@ class StrainDependentRelaxation(PadEffect):
     """
 
     name = "strain_dependent_relaxation"
-    designed_for = "relaxation as it is at a depth of 0.15 of the thickness"
     parameters = (
         Parameter("slope", "1", 0.0, -3.0, 15.0, 0.5),
         Parameter("growth", "1", 0.0, -6.0, 20.0, 3.0, starts=(0.0,)),
@@ -35,6 +34,11 @@ class StrainDependentRelaxation(PadEffect):
 
     def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
         share = np.maximum(depth_mm, 0.0) / presses.thickness_mm[:, None]
+        return self.pressed_arms(arms, share, presses.velocity_mm_s[:, None], values)
+
+    def pressed_arms(
+        self, arms: tuple[Arm, ...], share: NDArray, velocity_mm_s: NDArray, values: Values
+    ) -> tuple[Arm, ...]:
         weight = strength(share, values["slope"], values["growth"])
         return tuple(arm.changed(weight=weight if arm.weight is None else arm.weight * weight) for arm in arms)
 

@@ -21,9 +21,8 @@ class SensorClipping(SensorEffect):
     always_fitted = True
     seen_raw = True
 
-    def base_starts(self, logs: NDArray) -> list[NDArray]:
-        # the base imitates a top that is cut off by arms far from their own
-        return usual_starts(logs)
+    # the base imitates a top that is cut off by arms far from their own
+    base_starts = usual_starts
 
     def untestable(self, presses: Presses) -> str:
         return "" if presses.flat_top_N is not None else "needs readings that stay at one largest value"

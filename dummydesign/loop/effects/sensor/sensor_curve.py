@@ -25,9 +25,8 @@ class SensorCurve(SensorEffect):
     negligible = 0.01
     reference = "relative nonlinearity of a force transducer (ISO 376)"
 
-    def base_starts(self, logs: NDArray) -> list[NDArray]:
-        # the base imitates a strong curve by arms far from their own
-        return usual_starts(logs)
+    # the base imitates a strong curve by arms far from their own
+    base_starts = usual_starts
 
     def reading(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
         return force_N * (1.0 + values["relative_change"] * (np.abs(force_N) / AT_N) ** values["exponent"])

@@ -426,7 +426,7 @@ def test_castings_are_at_the_nearest_of_even_steps_and_held_to_the_law():
             return np.asarray(thickness)
 
     targets = SimpleNamespace(limits=verdict_limits())
-    space = SimpleNamespace(radius_mm=8.0, resin=SimpleNamespace(tau_s=(0.3,)), targets=targets)
+    space = SimpleNamespace(radius_mm=8.0, resin=SimpleNamespace(tau_s=(0.3,), pressed_force=None), targets=targets)
     thickness = np.array([9.8, 10.2, 10.0, 9.913])
     made = poured_slabs(Law(), Pours(thickness, np.ones(4), np.ones((4, 1)), np.zeros(4)), space)
     assert np.abs(made.thickness_mm - thickness).max() <= 0.5 * 0.01 + 1e-9 and made.tau_s == (0.3,)

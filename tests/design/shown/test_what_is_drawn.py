@@ -54,7 +54,7 @@ class Resin:
     """E = 0.1 MPa (ratio / 15)^-6 within 10 % either way, one fast arm that is known within a half."""
 
     arms = (SimpleNamespace(tau_s=quantity(0.05), beta=quantity(0.4, 0.2, 0.6)),)
-    tau_s = (0.05,)
+    tau_s, pressed_force = (0.05,), None
     ratio_min, ratio_max = 12.0, 15.01
     liquids = (
         SimpleNamespace(name="base", parts=None),

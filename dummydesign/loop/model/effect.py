@@ -266,9 +266,16 @@ class Effect:
     def pressed_arms(
         self, arms: tuple[Arm, ...], share: NDArray, velocity_mm_s: NDArray, values: Values
     ) -> tuple[Arm, ...]:
-        """Pad: the arms in a press that is designed, of depths over thickness (T, N) and speeds of the ramp (T, 1).
+        """Pad: the arms in a press that is designed; by default those so far, for the state of :attr:`designed_for`.
 
-        By default those so far: then :attr:`designed_for` says what the design is for.
+        Parameters
+        ----------
+        arms, values
+            As for :meth:`arms`.
+        share : ndarray, shape (T, N)
+            Depth over thickness.
+        velocity_mm_s : ndarray, shape (T, 1)
+            Speed of the ramp. [mm/s]
         """
         return arms
 

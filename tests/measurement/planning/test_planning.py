@@ -143,7 +143,9 @@ def test_what_is_pressed_as_planned_is_ready_and_the_loop_reads_it(mine, capsys)
     assert asked(capsys, "check", str(mine))["ready"] is True
 
 
-@pytest.mark.parametrize(("offset", "code"), [(-0.044, None), (0.5, "force_before_contact")])
+@pytest.mark.parametrize(
+    ("offset", "code"), [pytest.param(-0.044, None, marks=pytest.mark.slow), (0.5, "force_before_contact")]
+)
 def test_an_offset_is_a_problem_beyond_the_noise_only(mine, capsys, offset, code):
     name = check_campaign(mine).pressed[0]
     time, x, force = np.loadtxt(mine / name, delimiter=",", skiprows=1).T
@@ -164,7 +166,7 @@ def test_the_loop_finds_the_modulus_of_a_planned_and_pressed_campaign_and_no_eff
     assert found["verdict"] == "none" and young["low"] < 27.0 < young["high"]
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_presses_are_planned_at_speeds_that_are_reached_and_are_taken_at_those_and_at_the_asked(seed, tmp_path, capsys):
     draw = np.random.default_rng([58, seed])
     folder, thick, young = tmp_path / "c", draw.uniform(5.0, 15.0), draw.uniform(25.0, 80.0)

@@ -98,7 +98,9 @@ def test_a_mass_that_disagrees_is_told():
     assert one.what.startswith("mass_g") and one.b == pytest.approx(mass)
 
 
-@pytest.mark.parametrize(("typed_mm", "found"), [(25.0, True), (30.0, False), (33.0, False)])
+@pytest.mark.parametrize(
+    ("typed_mm", "found"), [pytest.param(25.0, True, marks=pytest.mark.slow), (30.0, False), (33.0, False)]
+)
 def test_a_height_typed_too_small_is_read_off_the_course_of_the_force(typed_mm, found):
     """Closed form between frictionless plates, 60 kPa, 50 x 30 mm; the pair holds both heights."""
     depth = np.linspace(0.0, 9.0, 80)
@@ -119,7 +121,7 @@ def test_a_size_that_nothing_confirms_is_asked_with_the_mass_it_should_have():
     assert asked["code"] == "size_not_weighed" and f"{mass:.1f} g" in asked["message"]
 
 
-@pytest.mark.parametrize("count", [2, 3, 4])
+@pytest.mark.parametrize("count", [2, *(pytest.param(count, marks=pytest.mark.slow) for count in (3, 4))])
 def test_the_press_that_differs_from_the_others_is_one_pair_with_both_numbers(count):
     """Levels drawn with the stated scatter: at most 3 % told by chance, one of 5 % in two of three."""
     rng = np.random.default_rng(count)
@@ -158,6 +160,7 @@ def arm_of(tau_s, beta):
     return ResinArm(Quantity(tau_s, 0.9 * tau_s, 1.1 * tau_s, "fitted", "p"), Quantity(*ends, "fitted", "p"))
 
 
+@pytest.mark.slow
 def test_the_order_of_pucks_does_not_matter_and_intervals_shrink():
     rng = np.random.default_rng(9)
     alphas = [Quantity(2.8, 2.4, 3.2, "fitted", "a"), Quantity(2.7, 2.2, 3.3, "fitted", "b")]

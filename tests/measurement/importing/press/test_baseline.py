@@ -137,6 +137,7 @@ def test_a_force_that_comes_back_slowly_is_no_drift(tmp_path, seed):
     assert held.summary.steady_force_N == pytest.approx(truth, rel=0.01)  # a straight drift is one still
 
 
+@pytest.mark.slow
 def test_what_begins_with_the_press_alone_is_in_the_error_of_the_steady_force(tmp_path):
     """Cells that creep by 1 to 5 % in 2 to 20 s: some come back as a drift would that the rest before did not show."""
     draw, held = np.random.default_rng(20261130), []

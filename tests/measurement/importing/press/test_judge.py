@@ -50,6 +50,7 @@ def test_a_low_crown_whose_slab_is_touched_in_the_press_is_explained(seed):
     assert judged(time, x, force + rng.normal(0.0, 0.02, len(time))).explains
 
 
+@pytest.mark.slow
 def test_five_elements_whose_dampers_are_quick_are_explained():
     """The published law by small steps of its own, with times at depth of 3 to 30 ms and 0.1 to 1 s."""
     rng, time, explained = np.random.default_rng(406), np.arange(0.0, 8.0, 1e-3), []

@@ -85,11 +85,14 @@ class CampaignProblem:
     def bounds(self) -> tuple[NDArray, NDArray]:
         """Bounds of the vector."""
         tau_s = np.sort(np.exp(self.prior.mean[1::2])) if self.prior.declared else np.empty(0)
-        own = [(p, effect.ends(p, tau_s)) for effect in self.effects for p in effect.parameters]
-        ends = np.sort([[p.to_coordinate(end) for end in both] for p, both in own]).reshape(-1, 2)
+        ends = [
+            sorted(p.to_coordinate(end) for end in effect.ends(p, tau_s))
+            for effect in self.effects
+            for p in effect.parameters
+        ]
         free = np.full(LAW_TERMS * len(self.presses.pads), 0.5)
         low, high = self.prior.bounds()
-        return np.r_[low, ends[:, 0], -free], np.r_[high, ends[:, 1], free]
+        return np.r_[low, [one[0] for one in ends], -free], np.r_[high, [one[1] for one in ends], free]
 
     def base_of(self, vector: NDArray) -> BaseParameters:
         """The base parameters in a vector."""

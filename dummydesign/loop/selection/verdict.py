@@ -64,7 +64,7 @@ class Needed:
 
 
 def gain_floor(without: CampaignFit) -> float:
-    """Least evidence of a first effect: a model that needs a law beyond its stated error is no rival as noise is."""
+    """Least evidence of an effect: a model that needs a law beyond its stated error is no rival as noise is."""
     return EACH_PARAMETER if laws_off(without) else GAIN_FLOOR
 
 
@@ -76,8 +76,9 @@ def needed(
     tried: int,
     first: float = GAIN_FLOOR,
 ) -> Needed:
-    """Evidence that an effect of a model must have beside others, when so many models were tried, or as the first."""
-    floor = NEXT_FLOOR + 2.0 * float(np.log(max(tried, 1))) if others else first
+    """Evidence that an effect of a model must have beside others, when so many models were tried, or as the first, or
+    where the model without it needs a law beyond its stated error (:func:`gain_floor`)."""
+    floor = NEXT_FLOOR + 2.0 * float(np.log(max(tried, 1))) if others and first >= GAIN_FLOOR else first
     where = _where(fit, {name, *others})
     left = max((gain * float(np.minimum(where[name], where[one]).sum()) for one, gain in others.items()), default=0.0)
     least = gain_threshold(screened, lack_of_fit(fit).ratio, floor)

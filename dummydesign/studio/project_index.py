@@ -21,7 +21,7 @@ from dummydesign.measurement.campaign_from_files import read_trials
 from dummydesign.project.status import finished_manifest, measured, things_in
 from dummydesign.studio import file_transfer, select_options
 from dummydesign.studio.jobs import changed_inputs
-from dummydesign.studio.state import State, absolute, design_state, design_summary
+from dummydesign.studio.state import Design, State, absolute, designs_of
 from dummydesign.studio.trash import Taken, keep_file
 
 if TYPE_CHECKING:
@@ -68,49 +68,36 @@ class Mould:
         )
 
 
-def design_of_pad(root: Path, state: State) -> str:
-    """Folder of the newest design of the pad that is chosen, one for what is asked before all others; else empty."""
+def design_of_pad(root: Path, state: State) -> Design | None:
+    """The newest design of the pad that is chosen, one for what is asked before all others; None without any."""
+    designs = designs_of(root)
     if state.design:
-        return state.design
-    designs = [
-        folder
-        for folder, _ in _manifests(root, "designs", "suggest")
-        if (pad := design_state(root, folder)) and same_pad(pad, vars(state))
-    ]
-    return ([folder for folder in designs if answers(root, folder, state)] or designs or [""])[-1]
-
-
-def answers(root: Path, folder: str, state: State) -> bool:
-    """Whether a design was made for the tissue, aim, resin, calibration and punch that are chosen."""
-    given = design_state(root, folder)
-    return bool(given) and all(given[name] == value for name, value in state.question.items())
+        return designs.get(state.design)
+    same = [one for one in designs.values() if one.command == "suggest" and same_pad(one.given, vars(state))]
+    return next(reversed([one for one in same if one.answers(state)] or same), None)
 
 
 def verdict_of_design(root: Path, state: State) -> tuple[str, str] | None:
     """Light and sentence of the design of this pad, made for what is chosen from files that are still the same."""
-    folder, summary = design_of_pad(root, state), summary_of_pad(root, state)
-    light = LIGHTS.get(str(summary.get("verdict")))
-    return None if light is None or doubts_of_design(root, folder, state) else (light, str(summary.get("text", "")))
+    design = design_of_pad(root, state)
+    if design is None or design.level not in LIGHTS or doubts_of_design(root, design, state):
+        return None
+    return LIGHTS[design.level], design.text
 
 
-def doubts_of_design(root: Path, folder: str, state: State) -> list[str]:
+def doubts_of_design(root: Path, design: Design, state: State) -> list[str]:
     """Why a design answers what is chosen no longer: files that changed, another question."""
-    changed = [f"{name} has changed since." for name in changed_inputs(root, root / folder / MANIFEST)]
-    if answers(root, folder, state):
+    changed = [f"{name} has changed since." for name in changed_inputs(root, root / design.folder / MANIFEST)]
+    if design.answers(state):
         return changed
-    asked = State(**design_state(root, folder)).label.partition("; ")
+    asked = State(**design.given).label.partition("; ")
     return [*changed, f"It was judged for {asked[2]} with {asked[0].rpartition(', ')[2]}."]
 
 
 def wants_puck(root: Path, state: State) -> bool:
     """Whether the design of this pad is settled by a puck of its resin, which was not measured yet."""
-    return summary_of_pad(root, state).get("verdict") == "not_settled" and not measured(absolute(root, state.resin))
-
-
-def summary_of_pad(root: Path, state: State) -> dict[str, Any]:
-    """The summary of the design of the pad that is chosen; empty without one."""
-    folder = design_of_pad(root, state)
-    return design_summary(root, folder) if folder else {}
+    design = design_of_pad(root, state)
+    return design is not None and design.level == "not_settled" and not measured(absolute(root, state.resin))
 
 
 @dataclass(frozen=True)

@@ -141,8 +141,8 @@ class DesignPage:
         self.root, self.state = project.root, state
         usual = State(**of_project(project)).question
         self.usual = {name: value for name, value in usual.items() if value or name != "tissue"}
-        self.wanted = self.shown = self.written = 0
-        self.busy = self.setting = False
+        self.wanted = self.written = 0
+        self.busy = False
         self.unchosen = all(getattr(state, name) == getattr(State, name) for name in (*PAD_FIELDS, "design"))
         self.drawn: Sequence[Mapping[str, Any]] = ()
         self.lengths: dict[str, Slider] = {}
@@ -190,22 +190,23 @@ class DesignPage:
             widgets.way_back(self.fields.get(name, self.punch), usual, partial(self.choose, **{name: usual}))
         self.punch.on("change", lambda: self.choose(punch=self.punch.value.strip() or PUNCH))
         self.shape.on("change", lambda: self.choose(shape=self.shape.value.strip() or "slab"))
-        self.kind.on_value_change(lambda: self.choose_kind(self.kind.value))
+        # by the user alone: a state that is taken brings its own lengths
+        self.kind.on("update:model-value", lambda: self.choose_kind(self.kind.value))
 
     # The state and its controls.
 
     def choose(self, **new: Any) -> None:
-        """Take what was chosen in a control; all others follow."""
-        if self.setting:
+        """Take what was chosen in a control; all others follow, whose values are those of the state already."""
+        after = self.state.changed(**new)
+        if after == self.state:
             return
         self.unchosen = False
-        after = self.state.changed(**new)
         if after.tissue != self.state.tissue:
             after = after.changed(aim=after.aim if after.aim in self._aims(after.tissue) else "average")
-        if after != self.state and after.missing:
+        if after.missing:
             # what the page says at its top may be no longer true
             open_page("/design", after)
-        elif after != self.state:
+        else:
             self.take(after)
 
     def moved(self) -> None:
@@ -226,8 +227,6 @@ class DesignPage:
 
     def choose_kind(self, kind: str) -> None:
         """Choose a shape of a kind, with lengths that can be pressed at this thickness."""
-        if self.setting:
-            return
         try:
             shape = str(sliders.first_pad(self.root, self.state, kind))
         except InputError as problem:
@@ -237,13 +236,10 @@ class DesignPage:
 
     def take(self, state: State) -> None:
         """Show a state: every control and every panel."""
-        self.state, self.setting, self.stamp = state, True, sliders.stamp_of(self.root, state)
+        self.state, self.stamp = state, sliders.stamp_of(self.root, state)
         self.unchosen = self.unchosen and not state.design
-        try:
-            self._set_choices(state)
-            self._set_sliders(state)
-        finally:
-            self.setting = False
+        self._set_choices(state)
+        self._set_sliders(state)
         self.search.work.renew()
         self.evaluate()
 
@@ -314,6 +310,7 @@ class DesignPage:
         """Something changed: press the pad anew, once for all moves that came in the meantime."""
         self.wanted += 1
         if not self.busy:
+            self.busy = True
             background_tasks.create_or_defer(self.follow(), context=self.verdict)
 
     def watch(self) -> None:
@@ -324,18 +321,15 @@ class DesignPage:
 
     async def follow(self) -> None:
         """Show the newest state until there is no newer one, then settle the verdict."""
-        if self.busy or self.shown == self.wanted:
-            return
-        self.busy = True
+        number = 0
         try:
-            while self.shown != self.wanted:
-                self.shown, state = self.wanted, self.state
+            while number != self.wanted:
+                number, state = self.wanted, self.state
                 view = await run.io_bound(self.view_of, state)
                 if view is not None and not self.verdict.is_deleted:
                     self.draw(state, view)
         finally:
             self.busy = False
-        number = self.wanted
         await asyncio.sleep(SETTLE_S)
         if number == self.wanted and view is not None and not self.verdict.is_deleted:
             await self.settle(state, view, number)

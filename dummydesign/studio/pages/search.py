@@ -16,7 +16,6 @@ from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
-from dummydesign.project.status import things_in
 from dummydesign.report import suggest_facts
 from dummydesign.report.front_page import full_sentence
 from dummydesign.studio import figures, jobs, select_options, widgets
@@ -24,15 +23,7 @@ from dummydesign.studio import slider_model as sliders
 from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.markup import Markup, filled
-from dummydesign.studio.state import (
-    NO_TISSUE,
-    QUESTION_FIELDS,
-    State,
-    design_state,
-    is_design,
-    page_link,
-    punch_of,
-)
+from dummydesign.studio.state import NO_TISSUE, QUESTION_FIELDS, State, designs_of, page_link, punch_of
 from dummydesign.studio.widgets import html, open_page
 
 
@@ -165,19 +156,17 @@ class DesignList:
         if stamps == self.stamps:
             return
         self.stamps = stamps
-        designs = [one for one in things_in(root, "designs") if is_design(one) and design_state(root, one.folder)]
+        designs = designs_of(root)
         with widgets.fresh(self.box):
             if not designs:
                 html("<p>none yet</p>")
-            for one in reversed(designs):
-                opened = self.state().changed(**design_state(root, one.folder), missing=())
-                verdict = level_name((one.summary or {}).get("verdict", ""))
-                link = page_link("/design", opened.design.partition("/")[2], opened)
-                words = filled("<span>{}: {}: <b>{}</b></span>", link, opened.label, verdict)
+            for one in reversed(designs.values()):
+                opened = self.state().changed(**one.given, missing=())
+                link = page_link("/design", one.folder.partition("/")[2], opened)
+                words = filled("<span>{}: {}: <b>{}</b></span>", link, opened.label, level_name(one.level))
                 thing(words, root, one.folder, "design", self.moved).props('data-test="design"')
-        folders = [one.folder for one in designs]
-        kept = [name for name in self.chosen.value if name in folders]
-        self.chosen.set_options({one: one for one in folders}, value=kept if len(kept) > 1 else folders[-2:])
+        kept = [name for name in self.chosen.value if name in designs]
+        self.chosen.set_options({one: one for one in designs}, value=kept if len(kept) > 1 else [*designs][-2:])
         self.draw()
 
     def draw(self) -> None:

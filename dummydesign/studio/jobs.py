@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from itertools import chain
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +49,11 @@ def command(*words: str, **options: object) -> list[str]:
     return typed
 
 
+def options_of(words: Sequence[str]) -> dict[str, str]:
+    """Options of a command line that have a value, by their names."""
+    return {name.removeprefix("--"): value for name, value in pairwise(words) if name.startswith("--")}
+
+
 KINDS = {
     "tissue": "materials/tissues",
     "resin": "materials/resins",
@@ -73,17 +78,14 @@ def changed_inputs(root: Path, manifest: Path) -> list[str]:
 
 
 def _path_of(root: Path, name: str) -> Path:
-    """Where a file of a manifest lies now."""
-    if name.startswith(SETTINGS):
-        kind, _, stem = name.rpartition("/")
+    """Where a file of a manifest lies now: in the library by its kind and name, else in the project."""
+    what = next((one for one in KINDS if name.startswith(f"{one} ")), "")
+    called = name.removeprefix(f"{what} ")
+    kind, _, stem = called.rpartition("/") if called.startswith(SETTINGS) else (KINDS.get(what, ""), "", called)
+    if kind and not called.endswith(".toml"):
         with suppress(InputError):
-            return find(kind, stem, stem).path
-    for what, kind in KINDS.items():
-        called = name.removeprefix(f"{what} ")
-        if called != name:
-            with suppress(InputError):
-                return root / called if called.endswith(".toml") else find(kind, what, called).path
-    return root / name
+            return find(kind, what or stem, stem).path
+    return root / called
 
 
 def holds_answer(root: Path, folder: str, answer: Mapping[str, Any]) -> bool:

@@ -34,14 +34,23 @@ PRESETS = {
     "printed": "printed: no silicone; the pad is cast in the print, which is taken apart",
 }
 """Kinds of mould, each in a line."""
-CHECKED = {
-    "checks.json": "Checks of the solids",
-    "manifest.json": "What was asked, and sums of all files",
-    "spec.json": "All dimensions and settings",
-}
+FILES = (
+    (r"pour{pad}?\.pdf", "Pour", "Pour sheet (PDF): start here"),
+    (r"pour{pad}?\.html", "Pour", "Pour sheet (web page)"),
+    (r"assembly{pad}?\.html", "Print or machine", "All parts, to turn (web page)"),
+    (r"assembly{pad}?\.(?P<kind>step)", "Print or machine", "All parts, {kind}"),
+    (r"drawings{pad}?\.(?P<kind>\w+)", "Draw", "All drawings ({kind})"),
+    (r"(?P<part>.+?){pad}\.png", "Draw", "Picture of the {part}"),
+    (r"(?P<part>.+?){pad}\.(?P<kind>step|3mf)", "Print or machine", "{part}, {kind}"),
+    (r"checks\.json", "Check", "Checks of the solids"),
+    (r"manifest\.json", "Check", "What was asked, and sums of all files"),
+    (r"spec\.json", "Check", "All dimensions and settings"),
+    (r"record\.json", "Check", "Record of the cast pad"),
+    (r"record-(?P<part>\d+)\.json", "Check", "Record of the cast pad {part}"),
+)
+"""Files of a mould by their names, in which ``{pad}`` is the kind and thickness of its pad: group, and words."""
 PAD = ("shape", "thickness_mm", "ratio", "resin")
 SIZE = PAD[:2]
-_TAIL = r"_(?:(?:{})_)?t\d+(?:\.\d+)?$"
 
 
 @dataclass(frozen=True)
@@ -213,20 +222,13 @@ def grouped_files(names: Iterable[str]) -> list[tuple[str, list[tuple[str, str]]
 
 
 def _group(name: str) -> tuple[str, str]:
-    stem, _, ending = name.rpartition(".")
-    tail = re.search(_TAIL.format("|".join(shape_kinds())), stem)
-    part, kind = stem[: tail.start()] if tail else stem, ending.upper()
-    words = part.replace("_", " ").capitalize()
-    made = ("Print or machine", f"{words}, {kind}")
-    usual = {"step": made, "3mf": made, "png": ("Draw", f"Picture of the {words.lower()}")}
-    by_part = {
-        "pour": {"pdf": ("Pour", "Pour sheet (PDF): start here"), "html": ("Pour", "Pour sheet (web page)")},
-        "drawings": {ending: ("Draw", f"All drawings ({kind})")},
-        "assembly": {"html": (made[0], "All parts, to turn (web page)"), "step": (made[0], f"All parts, {kind}")},
-    }
-    record = re.fullmatch(r"record(?:-(\d+))?\.json", name)
-    known = CHECKED.get(name) if record is None else f"Record of the cast pad {record[1] or ''}".rstrip()
-    return by_part.get(part, usual if tail else {}).get(ending, ("Check", known) if known else ("More", name))
+    pad = rf"(?:_(?:(?:{'|'.join(shape_kinds())})_)?t\d+(?:\.\d+)?)"
+    for pattern, group, words in FILES:
+        if match := re.fullmatch(pattern.replace("{pad}", pad), name):
+            given = {"part": "", "kind": ""} | match.groupdict()
+            text = words.format(part=given["part"].replace("_", " "), kind=given["kind"].upper())
+            return group, f"{text[0].upper()}{text[1:]}"
+    return "More", name
 
 
 DROPPED = "measured/cast-pad"

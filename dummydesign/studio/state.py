@@ -6,7 +6,6 @@ import shlex
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote, urlencode
@@ -18,6 +17,7 @@ from dummydesign.geometry.punch import PROFILE, Punch, read_punch
 from dummydesign.project.folder import Project
 from dummydesign.project.status import STANDARD_RESIN, ProjectStatus, finished_manifest, things_in
 from dummydesign.studio import file_transfer, select_options
+from dummydesign.studio.jobs import options_of
 from dummydesign.studio.markup import Markup, filled, page_path
 
 PAD_FIELDS = ("shape", "thickness_mm", "ratio")
@@ -275,12 +275,9 @@ def next_state(status: ProjectStatus, state: State) -> State:
         new |= designs[-1].given
     # shape, thickness and ratio of a search are what is searched, not a pad
     pad = () if words[0] == "suggest" else ("shape", "ratio", "thickness")
-    for name, value in pairwise(words):
-        option = name.removeprefix("--")
-        if name.startswith("--") and option in ("tissue", "calibration", "resin", *pad):
+    for option, value in options_of(words).items():
+        if option in ("tissue", "calibration", "resin", *pad):
             new[_NUMBERS.get(option, option)] = float(value) if option in _NUMBERS else value
-    campaigns = {one.folder for one in status.files["campaigns"]}
-    for word in words:
-        if word.rstrip("/") in campaigns:
-            new["campaign"] = word.rstrip("/")
+    named = {word.rstrip("/") for word in words}
+    new |= {"campaign": one.folder for one in status.files["campaigns"] if one.folder in named}
     return state.changed(**new)

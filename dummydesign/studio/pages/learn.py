@@ -176,9 +176,8 @@ class LearnPage:
     def show_plan(self, job: Job) -> None:
         """Show what was planned."""
         plan = _plan_folder(job.answer)
-        if not plan:
-            return
-        widgets.go("/campaign", f"Go on to {plan}", self.chosen().changed(campaign=plan), "next-plan")
+        if plan:
+            widgets.go("/campaign", f"Go on to {plan}", self.chosen().changed(campaign=plan), "next-plan")
 
 
 def _plan_folder(answer: Mapping[str, Any]) -> str:

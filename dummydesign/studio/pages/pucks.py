@@ -174,6 +174,4 @@ def _moduli(puck: Path, answer: Mapping[str, Any]) -> list[list[object]]:
 def _last(root: Path) -> dict[str, str]:
     """Choices of the newest command of this page."""
     job = jobs.latest(root, "puck")
-    if job is None:
-        return {}
-    return {"press": job.words[2]} | {word[2:]: value for word, value in zip(job.words[3::2], job.words[4::2])}
+    return {"press": job.words[2], **jobs.options_of(job.words)} if job else {}

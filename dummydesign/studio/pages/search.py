@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +29,7 @@ from dummydesign.studio.widgets import html, open_page
 def question_of(words: Sequence[str], answer: Mapping[str, Any]) -> dict[str, str]:
     """What a command line of ``suggest`` asked, as :attr:`State.question` has it; what it lacks is in its answer."""
     used = answer.get("inputs") or {}
-    given = {name[2:]: value for name, value in pairwise(words) if name.startswith("--")}
+    given = jobs.options_of(words)
     usual = {"tissue": str(used.get("tissue") or ""), "aim": "average", "punch": str(used.get("punch") or PUNCH)}
     return {name: given.get(name, usual.get(name, "")) for name in QUESTION_FIELDS}
 
@@ -69,8 +68,8 @@ class Search:
         self.root, self.state, self.take = project.root, state, take
         known = select_options.shapes()
         last = jobs.latest(self.root, "suggest")
-        asked = {f"--{name}": value for name, value in project.asked} | dict(pairwise(last.words if last else ()))
-        wish = asked.get("--shape", "auto").partition(":")[0]
+        asked = dict(project.asked) | jobs.options_of(last.words if last else ())
+        wish = asked.get("shape", "auto").partition(":")[0]
         place = ui.element("div").style("width:100%")
         self.kinds = widgets.select("Shapes to search", known, wish if wish in known else "auto", "searched")
         with place:

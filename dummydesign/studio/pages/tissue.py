@@ -389,7 +389,7 @@ class _People:
             return {}, select_options.free_library_name("tissue", "people")
         persons: dict[str, str] = {}
         for fit in last.commands[:-1]:
-            persons |= dict.fromkeys(_presses(fit), Path(fit[fit.index("--out") + 1]).stem)
+            persons |= dict.fromkeys(_presses(fit), Path(jobs.options_of(fit)["out"]).stem)
         return persons, last.words[2]
 
     def _show(self, job: jobs.Job) -> None:

@@ -14,6 +14,7 @@ from typing import IO
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import writing
 from dummydesign.core.user_library import DEVICE
+from dummydesign.measurement.trace import read_trace
 
 MEANINGFUL = frozenset({"project.toml", "campaign.toml", "manifest.json", "calibration.json", "study.json"})
 """A folder with one of these is taken for a project, a campaign or a result."""
@@ -80,8 +81,6 @@ def read_sent(name: str, content: bytes, read: Callable[[Path], object]) -> None
 
 def check_press(name: str, content: bytes, speed_mm_s: object = None) -> None:
     """Refuse a file that was sent when it cannot be read as a press."""
-    from dummydesign.measurement.trace import read_trace
-
     speed = speed_mm_s if isinstance(speed_mm_s, int | float) and speed_mm_s > 0 else None
     try:
         read_sent(name, content, lambda path: read_trace(path, speed))

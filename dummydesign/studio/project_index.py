@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.levels import LIGHTS
@@ -18,14 +18,13 @@ from dummydesign.geometry.shape_registry import read_shape, shape_kinds
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.measurement.campaign_file import read_campaign_toml
 from dummydesign.measurement.campaign_from_files import read_trials
+from dummydesign.mold.pour.acceptance import GaugePoint
+from dummydesign.mold.pour.record import read_points
 from dummydesign.project.status import finished_manifest, measured, things_in
 from dummydesign.studio import file_transfer, select_options
 from dummydesign.studio.jobs import changed_inputs
 from dummydesign.studio.state import Design, State, absolute, designs_of
 from dummydesign.studio.trash import Taken, keep_file
-
-if TYPE_CHECKING:
-    from dummydesign.mold.pour.acceptance import GaugePoint
 
 GROUPS = ("Pour", "Print or machine", "Draw", "Check", "More")
 PRESETS = {
@@ -287,8 +286,6 @@ def records(root: Path, pad: PadWithPresses) -> list[str]:
 
 def gauge_points(folder: Path) -> Sequence[GaugePoint]:
     """Gauge points of a mould; empty where its specification cannot be read."""
-    from dummydesign.mold.pour.record import read_points
-
     with suppress(InputError):
         return read_points(folder)
     return ()

@@ -278,6 +278,6 @@ def next_state(status: ProjectStatus, state: State) -> State:
     for option, value in options_of(words).items():
         if option in ("tissue", "calibration", "resin", *pad):
             new[_NUMBERS.get(option, option)] = float(value) if option in _NUMBERS else value
-    named = {word.rstrip("/") for word in words}
-    new |= {"campaign": one.folder for one in status.files["campaigns"] if one.folder in named}
-    return state.changed(**new)
+    campaigns = {one.folder for one in status.files["campaigns"]}
+    named = [word.rstrip("/") for word in words if word.rstrip("/") in campaigns]
+    return state.changed(**new, campaign=[state.campaign, *named][-1])

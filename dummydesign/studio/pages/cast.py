@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import read_json
 from dummydesign.core.parsing import QuantitySpec
+from dummydesign.mold.pour.acceptance import GaugePoint
+from dummydesign.mold.pour.record import allowed_words
 from dummydesign.person.drives import DRIVES, read_drive
+from dummydesign.person.limits import read_limits
 from dummydesign.project.folder import Project
 from dummydesign.report import on_person as people
+from dummydesign.report.compare import next_steps, pad_text
 from dummydesign.report.front_page import full_sentence
 from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, file_transfer, project_index, select_options, widgets
@@ -26,9 +30,6 @@ from dummydesign.studio.project_index import PadWithPresses
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.trash import LIMITS, Taken, keep_file
 from dummydesign.studio.widgets import NumberField, html
-
-if TYPE_CHECKING:
-    from dummydesign.mold.pour.acceptance import GaugePoint
 
 TABS = {"record": "1 Record", "compare": "2 Compare", "people": "3 On people"}
 
@@ -202,8 +203,6 @@ class PressComparison:
 
     def show(self, job: Job) -> None:
         """Verdict, what to do with the pad, each press, and the report of a comparison."""
-        from dummydesign.report.compare import next_steps, pad_text
-
         answer, files = job.answer, job.answer.get("files") or {}
         widgets.tell_changes(self.root, str(files.get("manifest") or ""), "Compare again.")
         if verdict := answer["verdict"]:
@@ -347,8 +346,6 @@ def _records(root: Path, folder: str) -> None:
 
 def show_record(answer: Mapping[str, Any]) -> None:
     """The verdict of a record: each limit, and what it does to the force."""
-    from dummydesign.mold.pour.record import allowed_words
-
     light, text = "green", "Accepted: the pad keeps all limits."
     if not answer["accepted"]:
         light, text = "red", f"Not accepted. It misses {', '.join(answer['missed'])}."
@@ -439,8 +436,6 @@ class PeopleOfPad:
 
     def _keep_limits(self, name: str, content: bytes) -> Taken:
         """Keep a file of limits that can be read, and choose it."""
-        from dummydesign.person.limits import read_limits
-
         if Path(file_transfer.plain_name(name)).suffix.lower() != ".toml":
             raise InputError("choose a file that ends in .toml", "unknown_name", "file_ending", name, ".toml")
         file_transfer.read_sent(name, content, read_limits)

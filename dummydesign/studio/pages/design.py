@@ -17,11 +17,13 @@ from nicegui import background_tasks, run, ui
 
 from dummydesign.core.errors import DummydesignError, InputError
 from dummydesign.design.pad_evaluator import EvaluatedPad, NotTabulated, PadEvaluator
+from dummydesign.design.suggestion import condition_rows
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
 from dummydesign.report.plot import Plot
+from dummydesign.resin import load_resin
 from dummydesign.studio import figures, project_index, select_options, widgets
 from dummydesign.studio import slider_model as sliders
 from dummydesign.studio.markup import in_page_words
@@ -268,8 +270,6 @@ class DesignPage:
         self.shape.set_value(state.shape)
 
     def _set_sliders(self, state: State) -> None:
-        from dummydesign.resin import load_resin
-
         self.thickness.set(state.thickness_mm)
         try:
             resin = load_resin(absolute(self.root, state.resin))
@@ -336,8 +336,6 @@ class DesignPage:
 
     def view_of(self, state: State) -> PadView | InputError:
         """Press the pad of a state and draw it, apart from the page."""
-        from dummydesign.design.suggestion import condition_rows
-
         try:
             evaluator, shape = sliders.evaluator_of(self.root, state), read_shape(state.shape)
             pad = evaluator.evaluate(shape, state.thickness_mm, state.ratio)

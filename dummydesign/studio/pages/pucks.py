@@ -10,8 +10,12 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.user_library import entries
+from dummydesign.measurement.trace import read_trace
 from dummydesign.project.folder import Project, project_of
 from dummydesign.project.status import witness_size
+from dummydesign.resin.describe import explain
+from dummydesign.resin.model.resin_file import load_resin, recording_sha256
+from dummydesign.resin.update import known_puck, without_puck
 from dummydesign.studio import jobs, project_index, select_options, widgets
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.state import State, absolute, page_link
@@ -74,9 +78,6 @@ class PuckPage:
         self._list()
 
     def _numbers(self) -> None:
-        from dummydesign.resin import load_resin
-        from dummydesign.resin.describe import explain
-
         numbers = explain(load_resin(absolute(self._root, self._state.resin)))["numbers"].items()
         head = ("number", "unit", "value", "95 % low", "95 % high", "kind")
         rows = [[*project_index.name_and_unit(name), *(one[key] for key in NUMBER)] for name, one in numbers]
@@ -155,10 +156,6 @@ def _is_trace(path: Path) -> bool:
 
 def _moduli(puck: Path, answer: Mapping[str, Any]) -> list[list[object]]:
     """Rows of the resin's modulus at the puck's ratio without and with this puck."""
-    from dummydesign.measurement.trace import read_trace
-    from dummydesign.resin.model.resin_file import load_resin, recording_sha256
-    from dummydesign.resin.update import known_puck, without_puck
-
     name, ratio = answer["name"], float(answer["ratio"])
     resin, sha256 = load_resin(name), recording_sha256(read_trace(puck))
     if known_puck(resin, sha256) is None:

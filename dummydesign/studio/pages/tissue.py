@@ -13,6 +13,8 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.serialise import parameter_rows
+from dummydesign.design.scoring.press_simulation import Sampling
+from dummydesign.design.scoring.targets import make_targets
 from dummydesign.project.folder import Project, project_of
 from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, file_transfer, jobs, project_index, select_options, widgets
@@ -22,6 +24,7 @@ from dummydesign.studio.markup import Markup, joined
 from dummydesign.studio.state import State, absolute, page_link
 from dummydesign.studio.trash import choose_for_project
 from dummydesign.studio.widgets import html, open_page
+from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.maxwell_law import arm_names, parameter_words
 
 OWN = ("presses", "name", "touched", "people", "group")
@@ -100,10 +103,6 @@ class TissuePage:
 
 
 def _show_tissue(root: Path, name: str) -> None:
-    from dummydesign.design.scoring.press_simulation import Sampling
-    from dummydesign.design.scoring.targets import make_targets
-    from dummydesign.tissue import load_tissue
-
     if not name or (name.endswith(".toml") and not (root / name).is_file()):
         return  # said at the top of the page
     try:

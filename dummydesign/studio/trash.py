@@ -10,7 +10,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -195,14 +195,11 @@ def keep_file(root: Path, folder: Path, name: str, content: bytes) -> Taken:
     inside(root, path)
     if holds(folder / name, content):
         return Taken(name, f"{name} is there already: nothing was changed.")
-    if not (folder / name).is_file():
-        with writing("folder", path, "folder"):
-            folder.mkdir(parents=True, exist_ok=True)
+    with writing("folder", path, "folder"):
+        folder.mkdir(parents=True, exist_ok=True)
+    with kept_before(root, f"{path}/{name}") if (folder / name).is_file() else nullcontext() as gone:
         write_bytes(folder / name, content)
-        return Taken(name, f"{name} was added.")
-    with kept_before(root, f"{path}/{name}") as gone:
-        write_bytes(folder / name, content)
-    return Taken(name, f"{name} was added. The earlier one is in the bin.", gone)
+    return Taken(name, f"{name} was added.{' The earlier one is in the bin.' * (gone is not None)}", gone)
 
 
 def twin(folder: Path, name: str, content: bytes) -> str | None:

@@ -29,7 +29,7 @@ from dummydesign.studio.markup import Markup, filled
 from dummydesign.studio.project_index import PadWithPresses
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.trash import LIMITS, Taken, keep_file
-from dummydesign.studio.widgets import NumberField, html
+from dummydesign.studio.widgets import NumberField, html, keep_state
 
 TABS = {"record": "1 Record", "compare": "2 Compare", "people": "3 On people"}
 
@@ -52,23 +52,21 @@ COMPARED: dict[str, str | Callable[[Any], object]] = {
 
 def show_cast_pad(project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page."""
-    kept = widgets.Kept(state, **{name: text for name, text in query.items() if name.startswith(TYPED)})
     places = widgets.tabs(
         TABS,
-        kept.own.get(TAB, "record" if project_index.moulds(project.root) else "compare"),
-        lambda name: kept.keep(**{TAB: name}),
+        query.get(TAB, "record" if project_index.moulds(project.root) else "compare"),
+        lambda name: keep_state(comparison.state, **{TAB: name}),
     )
-    comparison = PressComparison(project.root, kept, places["compare"], places["people"])
+    comparison = PressComparison(project.root, state, places["compare"], places["people"])
     with places["record"]:
-        record_form(project.root, kept, comparison.find_pads)
+        record_form(comparison, query)
 
 
 class PressComparison:
     """Presses of one pad, the tissue, the calibration, and what the comparison says."""
 
-    def __init__(self, root: Path, kept: widgets.Kept, place: ui.element, people_place: ui.element) -> None:
-        self.root, self.kept = root, kept
-        self.state = state = kept.state
+    def __init__(self, root: Path, state: State, place: ui.element, people_place: ui.element) -> None:
+        self.root, self.state = root, state
         self.pads: list[PadWithPresses] = []
         with place:
             with widgets.fields():
@@ -145,8 +143,8 @@ class PressComparison:
 
     def renew(self) -> None:
         """Tissue or calibration was chosen."""
-        self.kept.state = self.state.changed(tissue=self.tissue.value, calibration=self.calibration.value)
-        self.kept.keep()
+        self.state = self.state.changed(tissue=self.tissue.value, calibration=self.calibration.value)
+        keep_state(self.state)
         self.renew_lines()
 
     def renew_lines(self) -> None:
@@ -228,8 +226,9 @@ OTHERS = {
 }
 
 
-def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> None:
+def record_form(comparison: PressComparison, query: Mapping[str, str]) -> None:
     """Fields for what was really cast, a map of where it is gauged, and the verdict of the record."""
+    root = comparison.root
     every = project_index.moulds(root)[::-1]
     moulds = {one.folder: one for one in every if project_index.gauge_points(root / one.folder)}
     if lacking := [one.folder for one in every if one.folder not in moulds]:
@@ -243,8 +242,8 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
     if not moulds:
         return
     known = {folder: f"{folder}: {one.label}" for folder, one in moulds.items()}
-    wanted = [kept.own.get(MOULD), *(folder for folder, one in moulds.items() if one.is_of(kept.state)), *moulds]
-    typed = {name.removeprefix(TYPED): text for name, text in kept.own.items()}
+    wanted = [query.get(MOULD), *(folder for folder, one in moulds.items() if one.is_of(comparison.state)), *moulds]
+    typed = {name.removeprefix(TYPED): text for name, text in query.items() if name.startswith(TYPED)}
     chosen = widgets.select("Mould it was cast in", known, next(one for one in wanted if one in known), "record-mould")
     with ui.element("div").classes("pair"):
         map_of = html("")
@@ -271,11 +270,11 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
         """List what was recorded, here and among the choices of the comparison."""
         with widgets.fresh(records):
             _records(root, chosen.value)
-        then()
+        comparison.find_pads()
 
     def renew() -> None:
         read = {f"{TYPED}{name}": text for name, text in (gauged.kept() | others.kept()).items()}
-        kept.keep(**read, **{MOULD: chosen.value})
+        keep_state(comparison.state, **read, **{MOULD: chosen.value})
         draw_map()
         work.renew()
 

@@ -23,21 +23,17 @@ from dummydesign.studio.job_panel import JobPanel, Steps
 from dummydesign.studio.markup import Markup, joined
 from dummydesign.studio.state import State, absolute, page_link
 from dummydesign.studio.trash import choose_for_project
-from dummydesign.studio.widgets import html, open_page
+from dummydesign.studio.widgets import html, keep_state, open_page
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.maxwell_law import arm_names, parameter_words
-
-OWN = ("presses", "name", "touched", "people", "group")
-"""Choices of this page in the address."""
 
 
 class TissuePage:
     """The page: which tissue is chosen, and what the fits below make."""
 
     def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
-        self.root, self.query = project.root, query
+        self.root, self.state, self.query = project.root, state, query
         self._project = project
-        self.kept = widgets.Kept(state, **{name: query[name] for name in OWN if name in query})
         with widgets.fields():
             self._chosen = widgets.select("Tissue that the dummy imitates", {}, "", "tissue")
             with ui.element("div"):
@@ -47,7 +43,8 @@ class TissuePage:
         if self.tissue.startswith("tissue/"):
             fits = widgets.area()
         self._renew()
-        self._chosen.on_value_change(self._choose_shown)
+        # by the user alone: what is fitted chooses itself
+        self._chosen.on("update:model-value", lambda: self.choose(self._chosen.value))
         if not select_options.traces(self.root):
             html('<p class="note">Your own tissue: {} of presses first.</p>', page_link("/measured", "bring in files"))
             return
@@ -60,27 +57,21 @@ class TissuePage:
     @property
     def tissue(self) -> str:
         """The chosen tissue."""
-        return self.kept.state.tissue
-
-    def _choose_shown(self) -> None:
-        if self._chosen.value != self.tissue:
-            self.choose(self._chosen.value)
+        return self.state.tissue
 
     def choose(self, tissue: str) -> None:
         """Choose a tissue: it is shown, and the address keeps it."""
-        before = self.kept.state
-        self.kept.state = before.changed(tissue=tissue, aim="average")
-        if before.missing:
+        self.state = self.state.changed(tissue=tissue, aim="average")
+        if self.state.missing:
             # what the page says at its top is no longer true
-            open_page("/tissue", self.kept.state)
+            open_page("/tissue", self.state)
         else:
             self._renew()
-            self.kept.keep()
+            keep_state(self.state)
 
     def use(self, tissue: str) -> None:
         """Make a tissue the project's, and go on to the design."""
-        state = self.kept.state
-        after = state if tissue == self.tissue else state.changed(tissue=tissue, aim="average")
+        after = self.state if tissue == self.tissue else self.state.changed(tissue=tissue, aim="average")
         if tissue not in select_options.tissues(self.root) and not (self.root / tissue).is_file():
             # the page says at its top that there is none, or that it is gone
             open_page("/tissue", after)
@@ -184,7 +175,8 @@ def fit_panel(page: TissuePage) -> None:
 
     def renew() -> None:
         typed = form.kept()
-        page.kept.keep(presses=SEPARATOR.join(picked.value or []), name=typed["name"], touched=typed["contact"])
+        pressed = SEPARATOR.join(picked.value or [])
+        keep_state(page.state, presses=pressed, name=typed["name"], touched=typed["contact"])
         work.renew()
 
     widgets.on_change(renew, picked, *form.fields.values())
@@ -321,7 +313,7 @@ class _People:
 
     def _renew(self) -> None:
         people = "\n".join(f"{path}\t{name}" for path, name in self._assigned().items())
-        self._page.kept.keep(people=people, group=self._form.values()["name"] or "")
+        keep_state(self._page.state, people=people, group=self._form.values()["name"] or "")
         self._work.renew()
 
     def _guess(self) -> None:

@@ -251,9 +251,8 @@ def pads(root: Path, state: State) -> list[PadWithPresses]:
     """Every pad of the project with presses: those of the chosen campaign first, then others, then loose files."""
     own_first = sorted(select_options.campaigns(root), key=lambda name: name != state.campaign)
     pressed = [pad for name in own_first for pad in _of_campaign(root, name)]
-    loose = {root / DROPPED: "files dropped here"}
-    for folder in sorted((root / "measured").glob("import-*")):
-        loose[folder] = f"{folder.name} of the measured files"
+    imports = sorted((root / "measured").glob("import-*"))
+    loose = {root / DROPPED: "files dropped here"} | {one: f"{one.name} of the measured files" for one in imports}
     for folder, words in loose.items():
         presses = tuple(sorted(path.relative_to(root).as_posix() for path in folder.glob("*.csv")))
         if presses:
@@ -276,12 +275,12 @@ def keep_press(root: Path, name: str, content: bytes) -> Taken:
 
 def records(root: Path, pad: PadWithPresses) -> list[str]:
     """Records of castings whose mould is of this pad, the newest last."""
-    own = []
-    for mould in moulds(root):
-        if pad.thickness_mm is None or same_pad(mould.pad, vars(pad), SIZE):
-            paths = sorted((root / mould.folder).glob("record*.json"), key=lambda path: path.stat().st_mtime)
-            own += [path.relative_to(root).as_posix() for path in paths]
-    return own
+    own = (one.folder for one in moulds(root) if pad.thickness_mm is None or same_pad(one.pad, vars(pad), SIZE))
+    return [
+        path.relative_to(root).as_posix()
+        for folder in own
+        for path in sorted((root / folder).glob("record*.json"), key=lambda path: path.stat().st_mtime)
+    ]
 
 
 def gauge_points(folder: Path) -> Sequence[GaugePoint]:

@@ -87,7 +87,7 @@ class TissuePage:
 
     def _renew(self) -> None:
         widgets.offer(self._chosen, select_options.tissues(self.root), self.tissue)
-        with widgets.fresh(self._shown):
+        with widgets.problems_in(self._shown), self._shown:
             if self.tissue.startswith("tissue/") and (self.root / self.tissue).is_file():
                 manage(self.root, self.tissue, "tissue")
             _show_tissue(self.root, self.tissue)
@@ -96,13 +96,9 @@ class TissuePage:
 def _show_tissue(root: Path, name: str) -> None:
     if not name or (name.endswith(".toml") and not (root / name).is_file()):
         return  # said at the top of the page
-    try:
-        tissue = load_tissue(absolute(root, name))
-        targets = make_targets(tissue, "average", Sampling())
-        plot = figures.steady(targets)
-    except InputError as problem:
-        widgets.tell_problem(str(problem))
-        return
+    tissue = load_tissue(absolute(root, name))
+    targets = make_targets(tissue, "average", Sampling())
+    plot = figures.steady(targets)
     subjects, deep = f"{len(tissue.subjects)} subject{'s' * (len(tissue.subjects) != 1)}", figures.depth_text(targets)
     with ui.element("div").classes("pair"):
         html("{}", Markup(plot.html()))
@@ -378,10 +374,8 @@ class _People:
         )
         if last is None:
             return {}, select_options.free_library_name("tissue", "people")
-        persons: dict[str, str] = {}
-        for fit in last.commands[:-1]:
-            persons |= dict.fromkeys(_presses(fit), Path(jobs.options_of(fit)["out"]).stem)
-        return persons, last.words[2]
+        fits = {Path(jobs.options_of(fit)["out"]).stem: _presses(fit) for fit in last.commands[:-1]}
+        return {path: person for person, presses in fits.items() for path in presses}, last.words[2]
 
     def _show(self, job: jobs.Job) -> None:
         name = job.answer["name"]

@@ -174,9 +174,8 @@ class UndoBar:
 def undo_bar(root: Path) -> UndoBar:
     """The bar of this page, made when it is first wanted."""
     client: Any = ui.context.client
-    if not hasattr(client, "undo_bar"):
-        client.undo_bar = UndoBar(root)
-    bar: UndoBar = client.undo_bar
+    bar: UndoBar = getattr(client, "undo_bar", None) or UndoBar(root)
+    client.undo_bar = bar
     return bar
 
 

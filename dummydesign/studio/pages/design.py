@@ -108,12 +108,9 @@ class Slider:
 
     def _typed(self) -> None:
         """Take a number once it is typed to its end; one that is not allowed gives way to the one in use."""
-        typed = (self._field.value or "").strip()
-        try:
+        typed, before, value = (self._field.value or "").strip(), self.value, None
+        with suppress(InputError):
             value = widgets.number_of(typed, self._name)
-        except InputError:
-            value = math.inf
-        before = self.value
         if value is not None and self._low <= value <= self._high:
             self.set(value)
         else:
@@ -271,15 +268,11 @@ class DesignPage:
 
     def _set_sliders(self, state: State) -> None:
         self.thickness.set(state.thickness_mm)
-        try:
+        self.ratio.set(state.ratio)
+        with suppress(InputError):
             resin = load_resin(absolute(self.root, state.resin))
-        except InputError:
-            self.ratio.set(state.ratio)
-        else:
-            self.ratio.value = state.ratio
             self.ratio.limit(resin.ratio_min, resin.ratio_max, resin.ratio_step / 2, resin.ratio_meaning)
-            if self.ratio.value != state.ratio:
-                self.state = state.changed(ratio=self.ratio.value)
+        self.state = state.changed(ratio=self.ratio.value)
         self._set_lengths()
 
     def _set_lengths(self) -> None:

@@ -31,7 +31,7 @@ from dummydesign.studio import job_process as runner
 from dummydesign.studio.file_transfer import check_there, inside
 
 
-def shown(words: Sequence[str]) -> str:
+def as_typed(words: Sequence[str]) -> str:
     """A command line as it is typed; names with other letters than these are quoted."""
     return shlex.join(["dummydesign", *words])
 
@@ -133,7 +133,8 @@ class Job:
         count = len(self.commands)
         files = (self.folder / runner.answer_name(number, count) for number in range(1, count + 1))
         return "; ".join(
-            [shown(words) for words, file in zip(self.commands, files) if file.is_file()] or [shown(self.commands[0])]
+            [as_typed(words) for words, file in zip(self.commands, files) if file.is_file()]
+            or [as_typed(self.commands[0])]
         )
 
     @property

@@ -234,8 +234,7 @@ def address(path: str, **query: object) -> str:
 
     The address is relative. The studio lies under a path that changes at each start, and every page is one step below.
     """
-    asked = ((name, value) for name, value in query.items() if value is not None)
-    given = urlencode(dict(asked), quote_via=quote, errors="surrogateescape")
+    given = urlencode(query, quote_via=quote, errors="surrogateescape")
     return "./" + quote(path.lstrip("/"), safe="/", errors="surrogateescape") + (f"?{given}" if given else "")
 
 

@@ -22,8 +22,7 @@ from dummydesign.project.folder import Project, project_of
 from dummydesign.report import page as report_page
 from dummydesign.report.plot import plots_js
 from dummydesign.studio.file_transfer import check_there
-from dummydesign.studio.jobs import changed_inputs
-from dummydesign.studio.jobs import shown as as_typed
+from dummydesign.studio.jobs import as_typed, changed_inputs
 from dummydesign.studio.markup import STEPS, Markup, filled, in_page_words, joined, verbatim
 from dummydesign.studio.select_options import offered
 from dummydesign.studio.state import State, address, page_link, read_state

@@ -26,7 +26,6 @@ from dummydesign.studio.file_actions import DropList
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, changed_since, command
 from dummydesign.studio.markup import Markup, filled
-from dummydesign.studio.project_index import PadWithPresses
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.trash import LIMITS, Taken, keep_file
 from dummydesign.studio.widgets import NumberField, html, keep_state
@@ -67,7 +66,7 @@ class PressComparison:
 
     def __init__(self, root: Path, state: State, place: ui.element, people_place: ui.element) -> None:
         self.root, self.state = root, state
-        self.pads: list[PadWithPresses] = []
+        self.pads: list[project_index.PadWithPresses] = []
         with place:
             with widgets.fields():
                 self.pad = widgets.select("Pad", {}, "", "pad")
@@ -117,11 +116,11 @@ class PressComparison:
         self.pad.set_enabled(bool(named))
         self.new_pad()
 
-    def chosen(self) -> PadWithPresses | None:
+    def chosen(self) -> project_index.PadWithPresses | None:
         """The pad that is chosen."""
         return next((one for one in self.pads if one.label == self.pad.value), None)
 
-    def presses(self) -> tuple[PadWithPresses, list[str]]:
+    def presses(self) -> tuple[project_index.PadWithPresses, list[str]]:
         """The pad and those of its presses that are chosen (InputError without any)."""
         pad = self.chosen()
         if pad is None or not self.files.value:

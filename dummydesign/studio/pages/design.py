@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -24,8 +23,7 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
 from dummydesign.report.plot import Plot
 from dummydesign.resin import load_resin
-from dummydesign.studio import figures, project_index, select_options, widgets
-from dummydesign.studio import slider_model as sliders
+from dummydesign.studio import figures, project_index, select_options, slider_model, widgets
 from dummydesign.studio.markup import in_page_words
 from dummydesign.studio.pages import search
 from dummydesign.studio.state import PAD_FIELDS, State, absolute, of_project, page_link, punch_of
@@ -227,7 +225,7 @@ class DesignPage:
     def choose_kind(self, kind: str) -> None:
         """Choose a shape of a kind, with lengths that can be pressed at this thickness."""
         try:
-            shape = str(sliders.first_pad(self.root, self.state, kind))
+            shape = str(slider_model.first_pad(self.root, self.state, kind))
         except InputError as problem:
             ui.notify(in_page_words(str(problem)), type="warning", multi_line=True)
         else:
@@ -235,7 +233,7 @@ class DesignPage:
 
     def take(self, state: State) -> None:
         """Show a state: every control and every panel."""
-        self.state, self.stamp = state, sliders.stamp_of(self.root, state)
+        self.state, self.stamp = state, slider_model.stamp_of(self.root, state)
         self.unchosen = self.unchosen and not state.design
         self._set_choices(state)
         self._set_sliders(state)
@@ -281,7 +279,7 @@ class DesignPage:
         try:
             radius_mm = punch_of(self.root, state.punch).radius_mm
             values = dict(read_shape(state.shape).parameters)
-            lengths = sliders.lengths_of(state.kind, state.thickness_mm, radius_mm)
+            lengths = slider_model.lengths_of(state.kind, state.thickness_mm, radius_mm)
         except (InputError, AttributeError):
             values, lengths = {}, ()
         if set(self.lengths) != {one.name for one in lengths}:
@@ -308,7 +306,7 @@ class DesignPage:
 
     def watch(self) -> None:
         """A file was changed on the disk: the verdict is made anew."""
-        before, self.stamp = self.stamp, sliders.stamp_of(self.root, self.state)
+        before, self.stamp = self.stamp, slider_model.stamp_of(self.root, self.state)
         if before != self.stamp:
             self.evaluate()
 
@@ -330,7 +328,7 @@ class DesignPage:
     def view_of(self, state: State) -> PadView | InputError:
         """Press the pad of a state and draw it, apart from the page."""
         try:
-            evaluator, shape = sliders.evaluator_of(self.root, state), read_shape(state.shape)
+            evaluator, shape = slider_model.evaluator_of(self.root, state), read_shape(state.shape)
             pad = evaluator.evaluate(shape, state.thickness_mm, state.ratio)
         except InputError as problem:
             return problem

@@ -17,8 +17,7 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
 from dummydesign.report import suggest_facts
 from dummydesign.report.front_page import full_sentence
-from dummydesign.studio import figures, jobs, select_options, widgets
-from dummydesign.studio import slider_model as sliders
+from dummydesign.studio import figures, jobs, select_options, slider_model, widgets
 from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.markup import Markup, filled
@@ -82,7 +81,7 @@ class Search:
                 lambda job, words: question_of(job.words, job.answer) == self.state().question,
                 _folder,
                 self.ended,
-                lambda: sliders.stamp_of(self.root, self.state()),
+                lambda: slider_model.stamp_of(self.root, self.state()),
                 "recommendation",
                 found=found,
                 warn=False,
@@ -228,7 +227,7 @@ class SolvedPad:
 
     def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job solved the pad that is chosen."""
-        files = [Path(path) for path, *_ in sliders.stamp_of(self.root, self.state())]
+        files = [Path(path) for path, *_ in slider_model.stamp_of(self.root, self.state())]
         return list(job.words) == words and not jobs.changed_since(files, job.started)
 
     def show(self, job: jobs.Job) -> None:

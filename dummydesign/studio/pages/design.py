@@ -127,7 +127,6 @@ class PadView:
     pad: EvaluatedPad
     plots: Sequence[Plot]
     figures: Sequence[Mapping[str, Any]]
-    presses: Sequence[Mapping[str, Any]]
     modulus: str
 
 
@@ -336,9 +335,8 @@ class DesignPage:
             message = f"this pad cannot be evaluated ({type(problem).__name__}: {problem})"
             return InputError(message, "unsupported", "pad", state.shape)
         plots = figures.pad_plots(evaluator.problem, shape, pad)
-        rows = condition_rows(pad.candidate, evaluator.problem.targets, shape)
         modulus = f"modulus {1e3 * float(evaluator.problem.resin.young_MPa(state.ratio)):.3g} kPa"
-        return PadView(evaluator, shape, pad, plots, [one.figure() for one in plots], rows, modulus)
+        return PadView(evaluator, shape, pad, plots, [one.figure() for one in plots], modulus)
 
     def solvable(self, view: PadView | InputError) -> bool:
         """Whether finite elements can solve a pad."""
@@ -404,7 +402,8 @@ class DesignPage:
         with self.numbers:
             if (calibrated := view.evaluator.problem.calibrated) is not None:
                 widgets.warnings({"warnings": calibrated.warnings})
-            search.show_presses(view.presses, f"the {len(view.presses)} presses in numbers")
+            presses = condition_rows(view.pad.candidate, view.evaluator.problem.targets, view.shape)
+            search.show_presses(presses, f"the {len(presses)} presses in numbers")
         verdict = await run.io_bound(self._verdict, state, view)
         if number != self.wanted or verdict is None:
             return

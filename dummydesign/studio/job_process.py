@@ -10,6 +10,7 @@ page and studio, holds the lock as long as it runs, ends its command when a file
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -120,14 +121,11 @@ def remember(name: str, seconds: float) -> None:
 
 def _wait(child: subprocess.Popen[bytes], asked_to_stop: Callable[[], bool]) -> tuple[int, bool]:
     """Wait for the child; one that is to stop and does not end is killed. Return its status and whether it was."""
-    since: float | None = None
+    since = math.inf
     while True:
-        try:
-            return child.wait(POLL_S), since is not None
-        except subprocess.TimeoutExpired:
-            if not asked_to_stop():
-                continue
-        if since is None:
+        with suppress(subprocess.TimeoutExpired):
+            return child.wait(POLL_S), since < math.inf
+        if since == math.inf and asked_to_stop():
             since = time.monotonic()
             child.terminate()
         elif time.monotonic() - since > GRACE_S:

@@ -213,13 +213,11 @@ class DesignPage:
 
     def length_moved(self, name: str) -> None:
         """Take a length; those that its table ties to it follow."""
-        try:
+        with suppress(InputError):
             shape = read_shape(self.state.shape).with_length(name, self.lengths[name].value)
-        except InputError:
-            return
-        self.state = self.state.changed(shape=str(shape))
-        self.shape.set_value(self.state.shape)
-        self.evaluate()
+            self.state = self.state.changed(shape=str(shape))
+            self.shape.set_value(self.state.shape)
+            self.evaluate()
 
     def choose_kind(self, kind: str) -> None:
         """Choose a shape of a kind, with lengths that can be pressed at this thickness."""

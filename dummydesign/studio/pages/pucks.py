@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -146,12 +147,9 @@ def pucks(root: Path) -> dict[str, str]:
 
 
 def _is_trace(path: Path) -> bool:
-    try:
-        with open(path, encoding="utf-8-sig") as stream:
-            words = {word.strip() for word in stream.readline(4096).split(",")}
-    except (OSError, UnicodeDecodeError):
-        return False
-    return {"time_s", "displacement_mm", "force_N"} <= words
+    with suppress(OSError, UnicodeDecodeError), open(path, encoding="utf-8-sig") as stream:
+        return {"time_s", "displacement_mm", "force_N"} <= {word.strip() for word in stream.readline(4096).split(",")}
+    return False
 
 
 def _moduli(puck: Path, answer: Mapping[str, Any]) -> list[list[object]]:

@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from itertools import chain, pairwise
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -47,11 +47,6 @@ def command(*words: str, **options: object) -> list[str]:
         elif value is not False and text:
             typed += [option, text]
     return typed
-
-
-def options_of(words: Sequence[str]) -> dict[str, str]:
-    """Options of a command line that have a value, by their names."""
-    return {name.removeprefix("--"): value for name, value in pairwise(words) if name.startswith("--")}
 
 
 KINDS = {

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote, urlencode
@@ -17,7 +18,6 @@ from dummydesign.geometry.punch import PROFILE, Punch, read_punch
 from dummydesign.project.folder import Project
 from dummydesign.project.status import STANDARD_RESIN, ProjectStatus, finished_manifest, things_in
 from dummydesign.studio import file_transfer, select_options
-from dummydesign.studio.jobs import options_of
 from dummydesign.studio.markup import Markup, filled, page_path
 
 PAD_FIELDS = ("shape", "thickness_mm", "ratio")
@@ -255,6 +255,11 @@ def page_link(
     query = "&".join(filter(None, (more, state.query() if state else "")))
     to = f"{address(path)}{'?' * bool(query)}{query}"
     return filled('<a data-test="{}" class="{}"{} href="{}">{}</a>', test, kind, marks, to, words)
+
+
+def options_of(words: Sequence[str]) -> dict[str, str]:
+    """Options of a command line that have a value, by their names."""
+    return {name.removeprefix("--"): value for name, value in pairwise(words) if name.startswith("--")}
 
 
 _NUMBERS = {"thickness": "thickness_mm", "ratio": "ratio"}

@@ -19,7 +19,7 @@ from dummydesign.resin.model.resin_file import load_resin, recording_sha256
 from dummydesign.resin.update import known_puck, without_puck
 from dummydesign.studio import jobs, project_index, select_options, widgets
 from dummydesign.studio.job_panel import JobPanel
-from dummydesign.studio.state import State, absolute, page_link
+from dummydesign.studio.state import State, absolute, options_of, page_link
 from dummydesign.studio.trash import choose_for_project
 from dummydesign.studio.widgets import NumberField, html, keep_state, open_page
 
@@ -169,4 +169,4 @@ def _moduli(puck: Path, answer: Mapping[str, Any]) -> list[list[object]]:
 def _last(root: Path) -> dict[str, str]:
     """Choices of the newest command of this page."""
     job = jobs.latest(root, "puck")
-    return {"press": job.words[2], **jobs.options_of(job.words)} if job else {}
+    return {"press": job.words[2], **options_of(job.words)} if job else {}

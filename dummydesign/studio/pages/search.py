@@ -21,14 +21,14 @@ from dummydesign.studio import figures, jobs, select_options, slider_model, widg
 from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.markup import Markup, filled
-from dummydesign.studio.state import NO_TISSUE, QUESTION_FIELDS, State, designs_of, page_link, punch_of
+from dummydesign.studio.state import NO_TISSUE, QUESTION_FIELDS, State, designs_of, options_of, page_link, punch_of
 from dummydesign.studio.widgets import html, open_page
 
 
 def question_of(words: Sequence[str], answer: Mapping[str, Any]) -> dict[str, str]:
     """What a command line of ``suggest`` asked, as :attr:`State.question` has it; what it lacks is in its answer."""
     used = answer.get("inputs") or {}
-    given = jobs.options_of(words)
+    given = options_of(words)
     usual = {"tissue": str(used.get("tissue") or ""), "aim": "average", "punch": str(used.get("punch") or PUNCH)}
     return {name: given.get(name, usual.get(name, "")) for name in QUESTION_FIELDS}
 
@@ -67,7 +67,7 @@ class Search:
         self.root, self.state, self.take = project.root, state, take
         known = select_options.shapes()
         last = jobs.latest(self.root, "suggest")
-        asked = dict(project.asked) | jobs.options_of(last.words if last else ())
+        asked = dict(project.asked) | options_of(last.words if last else ())
         wish = asked.get("shape", "auto").partition(":")[0]
         place = ui.element("div").style("width:100%")
         self.kinds = widgets.select("Shapes to search", known, wish if wish in known else "auto", "searched")

@@ -21,7 +21,7 @@ from dummydesign.studio import figures, file_transfer, jobs, project_index, sele
 from dummydesign.studio.file_actions import manage
 from dummydesign.studio.job_panel import JobPanel, Steps
 from dummydesign.studio.markup import Markup, joined
-from dummydesign.studio.state import State, absolute, page_link
+from dummydesign.studio.state import State, absolute, options_of, page_link
 from dummydesign.studio.trash import choose_for_project
 from dummydesign.studio.widgets import html, keep_state, open_page
 from dummydesign.tissue import load_tissue
@@ -374,7 +374,7 @@ class _People:
         )
         if last is None:
             return {}, select_options.free_library_name("tissue", "people")
-        fits = {Path(jobs.options_of(fit)["out"]).stem: _presses(fit) for fit in last.commands[:-1]}
+        fits = {Path(options_of(fit)["out"]).stem: _presses(fit) for fit in last.commands[:-1]}
         return {path: person for person, presses in fits.items() for path in presses}, last.words[2]
 
     def _show(self, job: jobs.Job) -> None:

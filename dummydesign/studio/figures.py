@@ -8,29 +8,26 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import read_json
 from dummydesign.core.levels import level_name
+from dummydesign.design.pad_evaluator import EvaluatedPad
 from dummydesign.design.plot_data import force_grids
+from dummydesign.design.problem import Problem
 from dummydesign.design.request import ANSWER
+from dummydesign.design.scoring.targets import Targets
 from dummydesign.geometry.dimensions import PAD_WIDTH_MM
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.punch import Punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.report.page import STYLES, figure_values, log_start
 from dummydesign.report.plot import Plot, Series, keys_html, press_plot, steady_plot
 from dummydesign.studio.markup import Markup, filled
 from dummydesign.studio.state import State, punch_of
-
-if TYPE_CHECKING:
-    from dummydesign.design.pad_evaluator import EvaluatedPad
-    from dummydesign.design.problem import Problem
-    from dummydesign.design.scoring.targets import Targets
-    from dummydesign.geometry.pad_shape import PadShape
-    from dummydesign.geometry.punch import Punch
-
 
 SMALL_PX, WIDE_PX = (300.0, 222.0), (600.0, 300.0)
 ABOVE_MM, TALL_MM = 0.4, 3.6

@@ -11,8 +11,7 @@ from typing import Any
 from nicegui import events, ui
 
 from dummydesign.core.errors import InputError
-from dummydesign.studio import trash as bin
-from dummydesign.studio import widgets
+from dummydesign.studio import trash, widgets
 from dummydesign.studio.access import LARGEST_BYTES
 from dummydesign.studio.markup import Markup, filled, joined
 from dummydesign.studio.widgets import html
@@ -42,7 +41,7 @@ def manage(root: Path, path: str, kind: str, then: Then = ui.navigate.reload) ->
 
     def remove() -> None:
         with widgets.problems_in(refused):
-            bar.offer(bin.delete(root, path), then)
+            bar.offer(trash.delete(root, path), then)
             bar.run(then)
 
     made = widgets.button("Delete", remove, "delete", f"Delete the {kind} {name}").props("dense")
@@ -65,7 +64,7 @@ class DropList:
     def __init__(
         self,
         root: Path,
-        take: Callable[[str, bytes], bin.Taken],
+        take: Callable[[str, bytes], trash.Taken],
         then: Then,
         words: str = "",
         test: str = "presses",
@@ -136,7 +135,7 @@ class UndoBar:
         self._content = ui.context.client.content
         with self._content:
             self._area = widgets.area("undo", live=True).classes("undo")
-        newest = next(iter(bin.deleted(root)), None)
+        newest = next(iter(trash.deleted(root)), None)
         if newest is not None and newest.why != "undone" and time.time() - newest.time < STILL_OFFERED_S:
             self.offer(newest, focus=False)
 
@@ -153,16 +152,16 @@ class UndoBar:
             widgets.button("Close", self._area.clear, label="Close this message").props("dense")
         return line
 
-    def take_back(self, gone: bin.Deleted, then: Then) -> None:
+    def take_back(self, gone: trash.Deleted, then: Then) -> None:
         """Bring something back from the bin, and say so."""
         try:
-            self.say(f"{bin.restore(self._root, gone)} is back.")
+            self.say(f"{trash.restore(self._root, gone)} is back.")
         except InputError as problem:
             self.say(f"{problem}.")
         else:
             self.run(then)
 
-    def offer(self, gone: bin.Deleted, then: Then = ui.navigate.reload, focus: bool = True) -> None:
+    def offer(self, gone: trash.Deleted, then: Then = ui.navigate.reload, focus: bool = True) -> None:
         """Show what was deleted, with its button; the button that deleted it is gone, so this one gets the focus."""
         name, undo = gone.path.rpartition("/")[2], partial(self.take_back, gone, then)
         with self.say(f"The earlier {name} was replaced." if gone.why == "replaced" else f"{name} was deleted."):
@@ -174,9 +173,8 @@ class UndoBar:
 def undo_bar(root: Path) -> UndoBar:
     """The bar of this page, made when it is first wanted."""
     client: Any = ui.context.client
-    if not hasattr(client, "undo_bar"):
-        client.undo_bar = UndoBar(root)
-    bar: UndoBar = client.undo_bar
+    bar: UndoBar = getattr(client, "undo_bar", None) or UndoBar(root)
+    client.undo_bar = bar
     return bar
 
 
@@ -188,7 +186,7 @@ def deleted_files(root: Path) -> None:
     section, bar = widgets.area("deleted"), undo_bar(root)
 
     def renew() -> None:
-        entries = bin.deleted(root)
+        entries = trash.deleted(root)
         with widgets.fresh(section):
             html(BACK if entries else "<p>Nothing was deleted.</p>")
             for one in entries:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import os
 import tempfile
 import zipfile
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from itertools import count
 from pathlib import Path
 from typing import IO
 
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, accepts
 from dummydesign.core.files import writing
 from dummydesign.core.user_library import DEVICE
+from dummydesign.measurement.trace import read_trace
 
 MEANINGFUL = frozenset({"project.toml", "campaign.toml", "manifest.json", "calibration.json", "study.json"})
 """A folder with one of these is taken for a project, a campaign or a result."""
@@ -80,8 +80,6 @@ def read_sent(name: str, content: bytes, read: Callable[[Path], object]) -> None
 
 def check_press(name: str, content: bytes, speed_mm_s: object = None) -> None:
     """Refuse a file that was sent when it cannot be read as a press."""
-    from dummydesign.measurement.trace import read_trace
-
     speed = speed_mm_s if isinstance(speed_mm_s, int | float) and speed_mm_s > 0 else None
     try:
         read_sent(name, content, lambda path: read_trace(path, speed))
@@ -95,15 +93,8 @@ def check_press(name: str, content: bytes, speed_mm_s: object = None) -> None:
 
 def listed(root: Path, folder: Path) -> list[str]:
     """Files under a folder, from the project folder on; hidden ones and links that lead out are left out."""
-    paths = []
-    for parent, folders, names in os.walk(folder):
-        folders[:] = [name for name in folders if not name.startswith(".")]
-        for name in names:
-            path = (Path(parent) / name).relative_to(root).as_posix()
-            with suppress(InputError):
-                if inside(root, path).is_file():
-                    paths.append(path)
-    return sorted(paths)
+    paths = (path.relative_to(root).as_posix() for path in folder.rglob("*") if path.is_file())
+    return sorted(path for path in paths if accepts(inside, root, path))
 
 
 def zipped(root: Path, folder: Path) -> IO[bytes]:

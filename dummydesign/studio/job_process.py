@@ -10,13 +10,14 @@ page and studio, holds the lock as long as it runs, ends its command when a file
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from pathlib import Path
 
 from dummydesign.core.errors import InputError
@@ -47,41 +48,41 @@ def main(folder: Path, handed_on: int | None = None) -> int:
     lock = acquire_lock(folder / LOCK, PATIENCE_S) if handed_on is None else open(handed_on, "a", encoding="utf-8")
     if lock is None:
         return 2
-    awake = acquire_lock(folder / AWAKE, PATIENCE_S)
-    asked = json.loads((folder / COMMAND).read_text(encoding="utf-8"))
-    _note(folder / PID, os.getpid())
-    signals: list[int] = []
-    signal.signal(signal.SIGTERM, lambda number, frame: signals.append(number))
+    with lock, acquire_lock(folder / AWAKE, PATIENCE_S) or nullcontext():
+        asked = json.loads((folder / COMMAND).read_text(encoding="utf-8"))
+        _note(folder / PID, os.getpid())
+        signals: list[int] = []
+        signal.signal(signal.SIGTERM, lambda number, frame: signals.append(number))
 
-    def asked_to_stop() -> bool:
-        return bool(signals) or (folder / STOP).exists()
+        def asked_to_stop() -> bool:
+            return bool(signals) or (folder / STOP).exists()
 
-    while not (stopped := asked_to_stop()) and not is_turn(folder):
-        _note(folder / PROGRESS, WAITING)
-        time.sleep(POLL_S)
-    start, status = time.time(), 0
-    environment = {**os.environ, VARIABLE: str(folder / PROGRESS)}
-    commands = [*asked.get("first", []), asked["words"]]
-    for number, words in enumerate([] if stopped else commands, 1):
-        # The command that ends the job is the last that writes its errors.
-        with open(folder / answer_name(number, len(commands)), "wb") as answer, open(folder / ERRORS, "wb") as errors:
-            child = subprocess.Popen(
-                [sys.executable, "-m", "dummydesign", *words, "--json"],
-                stdout=answer,
-                stderr=errors,
-                stdin=subprocess.DEVNULL,
-                env=environment,
-                pass_fds=() if os.name == "nt" else (lock.fileno(),),
-            )
-        _note(folder / CHILD, child.pid)
-        status, stopped = _wait(child, asked_to_stop)
-        if status or stopped:
-            break
-    ended = {"status": status, "stopped": stopped, "start": start, "end": time.time()}
-    write_text(folder / STATUS, json.dumps(ended))
-    lock.close()
-    if awake is not None:
-        awake.close()
+        while not (stopped := asked_to_stop()) and not is_turn(folder):
+            _note(folder / PROGRESS, WAITING)
+            time.sleep(POLL_S)
+        start, status = time.time(), 0
+        environment = {**os.environ, VARIABLE: str(folder / PROGRESS)}
+        commands = [*asked.get("first", []), asked["words"]]
+        for number, words in enumerate([] if stopped else commands, 1):
+            # The command that ends the job is the last that writes its errors.
+            with (
+                open(folder / answer_name(number, len(commands)), "wb") as answer,
+                open(folder / ERRORS, "wb") as errors,
+            ):
+                child = subprocess.Popen(
+                    [sys.executable, "-m", "dummydesign", *words, "--json"],
+                    stdout=answer,
+                    stderr=errors,
+                    stdin=subprocess.DEVNULL,
+                    env=environment,
+                    pass_fds=() if os.name == "nt" else (lock.fileno(),),
+                )
+            _note(folder / CHILD, child.pid)
+            status, stopped = _wait(child, asked_to_stop)
+            if status or stopped:
+                break
+        ended = {"status": status, "stopped": stopped, "start": start, "end": time.time()}
+        write_text(folder / STATUS, json.dumps(ended))
     if status in (0, 1) and not stopped:
         remember(asked.get("name", ""), ended["end"] - start)
     return status
@@ -120,14 +121,11 @@ def remember(name: str, seconds: float) -> None:
 
 def _wait(child: subprocess.Popen[bytes], asked_to_stop: Callable[[], bool]) -> tuple[int, bool]:
     """Wait for the child; one that is to stop and does not end is killed. Return its status and whether it was."""
-    since: float | None = None
+    since = math.inf
     while True:
-        try:
-            return child.wait(POLL_S), since is not None
-        except subprocess.TimeoutExpired:
-            if not asked_to_stop():
-                continue
-        if since is None:
+        with suppress(subprocess.TimeoutExpired):
+            return child.wait(POLL_S), since < math.inf
+        if since == math.inf and asked_to_stop():
             since = time.monotonic()
             child.terminate()
         elif time.monotonic() - since > GRACE_S:

@@ -31,7 +31,7 @@ from dummydesign.studio import job_process as runner
 from dummydesign.studio.file_transfer import check_there, inside
 
 
-def shown(words: Sequence[str]) -> str:
+def as_typed(words: Sequence[str]) -> str:
     """A command line as it is typed; names with other letters than these are quoted."""
     return shlex.join(["dummydesign", *words])
 
@@ -73,17 +73,14 @@ def changed_inputs(root: Path, manifest: Path) -> list[str]:
 
 
 def _path_of(root: Path, name: str) -> Path:
-    """Where a file of a manifest lies now."""
-    if name.startswith(SETTINGS):
-        kind, _, stem = name.rpartition("/")
+    """Where a file of a manifest lies now: in the library by its kind and name, else in the project."""
+    what = next((one for one in KINDS if name.startswith(f"{one} ")), "")
+    called = name.removeprefix(f"{what} ")
+    kind, _, stem = called.rpartition("/") if called.startswith(SETTINGS) else (KINDS.get(what, ""), "", called)
+    if kind and not called.endswith(".toml"):
         with suppress(InputError):
-            return find(kind, stem, stem).path
-    for what, kind in KINDS.items():
-        called = name.removeprefix(f"{what} ")
-        if called != name:
-            with suppress(InputError):
-                return root / called if called.endswith(".toml") else find(kind, what, called).path
-    return root / name
+            return find(kind, what or stem, stem).path
+    return root / called
 
 
 def holds_answer(root: Path, folder: str, answer: Mapping[str, Any]) -> bool:
@@ -131,7 +128,8 @@ class Job:
         count = len(self.commands)
         files = (self.folder / runner.answer_name(number, count) for number in range(1, count + 1))
         return "; ".join(
-            [shown(words) for words, file in zip(self.commands, files) if file.is_file()] or [shown(self.commands[0])]
+            [as_typed(words) for words, file in zip(self.commands, files) if file.is_file()]
+            or [as_typed(self.commands[0])]
         )
 
     @property

@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.levels import LIGHTS
@@ -18,14 +18,13 @@ from dummydesign.geometry.shape_registry import read_shape, shape_kinds
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.measurement.campaign_file import read_campaign_toml
 from dummydesign.measurement.campaign_from_files import read_trials
+from dummydesign.mold.pour.acceptance import GaugePoint
+from dummydesign.mold.pour.record import read_points
 from dummydesign.project.status import finished_manifest, measured, things_in
 from dummydesign.studio import file_transfer, select_options
 from dummydesign.studio.jobs import changed_inputs
-from dummydesign.studio.state import State, absolute, design_state, design_summary
+from dummydesign.studio.state import Design, State, absolute, designs_of
 from dummydesign.studio.trash import Taken, keep_file
-
-if TYPE_CHECKING:
-    from dummydesign.mold.pour.acceptance import GaugePoint
 
 GROUPS = ("Pour", "Print or machine", "Draw", "Check", "More")
 PRESETS = {
@@ -34,14 +33,23 @@ PRESETS = {
     "printed": "printed: no silicone; the pad is cast in the print, which is taken apart",
 }
 """Kinds of mould, each in a line."""
-CHECKED = {
-    "checks.json": "Checks of the solids",
-    "manifest.json": "What was asked, and sums of all files",
-    "spec.json": "All dimensions and settings",
-}
+FILES = (
+    (r"pour{pad}?\.pdf", "Pour", "Pour sheet (PDF): start here"),
+    (r"pour{pad}?\.html", "Pour", "Pour sheet (web page)"),
+    (r"assembly{pad}?\.html", "Print or machine", "All parts, to turn (web page)"),
+    (r"assembly{pad}?\.(?P<kind>step)", "Print or machine", "All parts, {kind}"),
+    (r"drawings{pad}?\.(?P<kind>\w+)", "Draw", "All drawings ({kind})"),
+    (r"(?P<part>.+?){pad}\.png", "Draw", "Picture of the {part}"),
+    (r"(?P<part>.+?){pad}\.(?P<kind>step|3mf)", "Print or machine", "{part}, {kind}"),
+    (r"checks\.json", "Check", "Checks of the solids"),
+    (r"manifest\.json", "Check", "What was asked, and sums of all files"),
+    (r"spec\.json", "Check", "All dimensions and settings"),
+    (r"record\.json", "Check", "Record of the cast pad"),
+    (r"record-(?P<part>\d+)\.json", "Check", "Record of the cast pad {part}"),
+)
+"""Files of a mould by their names, in which ``{pad}`` is the kind and thickness of its pad: group, and words."""
 PAD = ("shape", "thickness_mm", "ratio", "resin")
 SIZE = PAD[:2]
-_TAIL = r"_(?:(?:{})_)?t\d+(?:\.\d+)?$"
 
 
 @dataclass(frozen=True)
@@ -68,49 +76,36 @@ class Mould:
         )
 
 
-def design_of_pad(root: Path, state: State) -> str:
-    """Folder of the newest design of the pad that is chosen, one for what is asked before all others; else empty."""
+def design_of_pad(root: Path, state: State) -> Design | None:
+    """The newest design of the pad that is chosen, one for what is asked before all others; None without any."""
+    designs = designs_of(root)
     if state.design:
-        return state.design
-    designs = [
-        folder
-        for folder, _ in _manifests(root, "designs", "suggest")
-        if (pad := design_state(root, folder)) and same_pad(pad, vars(state))
-    ]
-    return ([folder for folder in designs if answers(root, folder, state)] or designs or [""])[-1]
-
-
-def answers(root: Path, folder: str, state: State) -> bool:
-    """Whether a design was made for the tissue, aim, resin, calibration and punch that are chosen."""
-    given = design_state(root, folder)
-    return bool(given) and all(given[name] == value for name, value in state.question.items())
+        return designs.get(state.design)
+    same = [one for one in designs.values() if one.command == "suggest" and same_pad(one.given, vars(state))]
+    return next(reversed([one for one in same if one.answers(state)] or same), None)
 
 
 def verdict_of_design(root: Path, state: State) -> tuple[str, str] | None:
     """Light and sentence of the design of this pad, made for what is chosen from files that are still the same."""
-    folder, summary = design_of_pad(root, state), summary_of_pad(root, state)
-    light = LIGHTS.get(str(summary.get("verdict")))
-    return None if light is None or doubts_of_design(root, folder, state) else (light, str(summary.get("text", "")))
+    design = design_of_pad(root, state)
+    if design is None or design.level not in LIGHTS or doubts_of_design(root, design, state):
+        return None
+    return LIGHTS[design.level], design.text
 
 
-def doubts_of_design(root: Path, folder: str, state: State) -> list[str]:
+def doubts_of_design(root: Path, design: Design, state: State) -> list[str]:
     """Why a design answers what is chosen no longer: files that changed, another question."""
-    changed = [f"{name} has changed since." for name in changed_inputs(root, root / folder / MANIFEST)]
-    if answers(root, folder, state):
+    changed = [f"{name} has changed since." for name in changed_inputs(root, root / design.folder / MANIFEST)]
+    if design.answers(state):
         return changed
-    asked = State(**design_state(root, folder)).label.partition("; ")
+    asked = State(**design.given).label.partition("; ")
     return [*changed, f"It was judged for {asked[2]} with {asked[0].rpartition(', ')[2]}."]
 
 
 def wants_puck(root: Path, state: State) -> bool:
     """Whether the design of this pad is settled by a puck of its resin, which was not measured yet."""
-    return summary_of_pad(root, state).get("verdict") == "not_settled" and not measured(absolute(root, state.resin))
-
-
-def summary_of_pad(root: Path, state: State) -> dict[str, Any]:
-    """The summary of the design of the pad that is chosen; empty without one."""
-    folder = design_of_pad(root, state)
-    return design_summary(root, folder) if folder else {}
+    design = design_of_pad(root, state)
+    return design is not None and design.level == "not_settled" and not measured(absolute(root, state.resin))
 
 
 @dataclass(frozen=True)
@@ -226,20 +221,13 @@ def grouped_files(names: Iterable[str]) -> list[tuple[str, list[tuple[str, str]]
 
 
 def _group(name: str) -> tuple[str, str]:
-    stem, _, ending = name.rpartition(".")
-    tail = re.search(_TAIL.format("|".join(shape_kinds())), stem)
-    part, kind = stem[: tail.start()] if tail else stem, ending.upper()
-    words = part.replace("_", " ").capitalize()
-    made = ("Print or machine", f"{words}, {kind}")
-    usual = {"step": made, "3mf": made, "png": ("Draw", f"Picture of the {words.lower()}")}
-    by_part = {
-        "pour": {"pdf": ("Pour", "Pour sheet (PDF): start here"), "html": ("Pour", "Pour sheet (web page)")},
-        "drawings": {ending: ("Draw", f"All drawings ({kind})")},
-        "assembly": {"html": (made[0], "All parts, to turn (web page)"), "step": (made[0], f"All parts, {kind}")},
-    }
-    record = re.fullmatch(r"record(?:-(\d+))?\.json", name)
-    known = CHECKED.get(name) if record is None else f"Record of the cast pad {record[1] or ''}".rstrip()
-    return by_part.get(part, usual if tail else {}).get(ending, ("Check", known) if known else ("More", name))
+    pad = rf"(?:_(?:(?:{'|'.join(shape_kinds())})_)?t\d+(?:\.\d+)?)"
+    for pattern, group, words in FILES:
+        if match := re.fullmatch(pattern.replace("{pad}", pad), name):
+            given = {"part": "", "kind": ""} | match.groupdict()
+            text = words.format(part=given["part"].replace("_", " "), kind=given["kind"].upper())
+            return group, f"{text[0].upper()}{text[1:]}"
+    return "More", name
 
 
 DROPPED = "measured/cast-pad"
@@ -263,9 +251,8 @@ def pads(root: Path, state: State) -> list[PadWithPresses]:
     """Every pad of the project with presses: those of the chosen campaign first, then others, then loose files."""
     own_first = sorted(select_options.campaigns(root), key=lambda name: name != state.campaign)
     pressed = [pad for name in own_first for pad in _of_campaign(root, name)]
-    loose = {root / DROPPED: "files dropped here"}
-    for folder in sorted((root / "measured").glob("import-*")):
-        loose[folder] = f"{folder.name} of the measured files"
+    imports = sorted((root / "measured").glob("import-*"))
+    loose = {root / DROPPED: "files dropped here"} | {one: f"{one.name} of the measured files" for one in imports}
     for folder, words in loose.items():
         presses = tuple(sorted(path.relative_to(root).as_posix() for path in folder.glob("*.csv")))
         if presses:
@@ -288,18 +275,16 @@ def keep_press(root: Path, name: str, content: bytes) -> Taken:
 
 def records(root: Path, pad: PadWithPresses) -> list[str]:
     """Records of castings whose mould is of this pad, the newest last."""
-    own = []
-    for mould in moulds(root):
-        if pad.thickness_mm is None or same_pad(mould.pad, vars(pad), SIZE):
-            paths = sorted((root / mould.folder).glob("record*.json"), key=lambda path: path.stat().st_mtime)
-            own += [path.relative_to(root).as_posix() for path in paths]
-    return own
+    own = (one.folder for one in moulds(root) if pad.thickness_mm is None or same_pad(one.pad, vars(pad), SIZE))
+    return [
+        path.relative_to(root).as_posix()
+        for folder in own
+        for path in sorted((root / folder).glob("record*.json"), key=lambda path: path.stat().st_mtime)
+    ]
 
 
 def gauge_points(folder: Path) -> Sequence[GaugePoint]:
     """Gauge points of a mould; empty where its specification cannot be read."""
-    from dummydesign.mold.pour.record import read_points
-
     with suppress(InputError):
         return read_points(folder)
     return ()

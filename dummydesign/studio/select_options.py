@@ -7,7 +7,9 @@ from pathlib import Path
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.user_library import entries
+from dummydesign.design.search.shape_family import designable_kinds
 from dummydesign.studio.file_transfer import numbered
+from dummydesign.tissue import load_tissue
 
 
 def tissues(root: Path) -> dict[str, str]:
@@ -27,15 +29,11 @@ def _of_library(kind: str) -> dict[str, str]:
 
 def shapes() -> dict[str, str]:
     """Kinds of pads that can be searched."""
-    from dummydesign.design.search.shape_family import designable_kinds
-
     return {"auto": "auto (the best of all)", "slab": "slab"} | {kind: kind for kind in designable_kinds()}
 
 
 def aims(tissue: str) -> dict[str, str]:
     """Aims that a tissue allows."""
-    from dummydesign.tissue import load_tissue
-
     named = {f"subject:{one.name}": f"subject {one.name}" for one in load_tissue(tissue).subjects}
     return {"average": "average", "safe-side": "safe side"} | named
 

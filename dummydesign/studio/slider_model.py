@@ -13,6 +13,7 @@ import numpy as np
 from dummydesign.core.errors import InputError, accepts
 from dummydesign.core.user_library import find
 from dummydesign.design.pad_evaluator import NotTabulated, PadEvaluator
+from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.test_conditions import table_alone, why_solved
 from dummydesign.geometry.dimensions import THICKNESS_MM
@@ -80,8 +81,6 @@ def evaluator_of(root: Path, state: State) -> PadEvaluator:
 
 @lru_cache(maxsize=8)
 def _evaluator(root: Path, question: State, stamp: object) -> PadEvaluator:
-    from dummydesign.design.problem import read_problem
-
     if not question.tissue:
         raise InputError(NO_TISSUE, "missing", "tissue")
     calibration = str(root / question.calibration) if question.calibration else None

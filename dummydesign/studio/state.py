@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from pathlib import Path
@@ -15,7 +16,7 @@ from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.punch import PROFILE, Punch, read_punch
 from dummydesign.project.folder import Project
-from dummydesign.project.status import STANDARD_RESIN, ProjectFile, ProjectStatus, finished_manifest, things_in
+from dummydesign.project.status import STANDARD_RESIN, ProjectStatus, finished_manifest, things_in
 from dummydesign.studio import file_transfer, select_options
 from dummydesign.studio.markup import Markup, filled, page_path
 
@@ -89,18 +90,18 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
         for name, text in query.items()
         if (text.strip() or name == "calibration") and _in_project(project.root, name, text)
     }
-    designs = [one.folder for one in things_in(project.root, "designs") if is_design(one)]
+    designs = designs_of(project.root)
     own, tissue = of_project(project), given.get("tissue") or project.tissue or ""
     # what was edited by hand since wins over an older design
     chosen = {name: text for name, text in own.items() if name in QUESTION_FIELDS} | {"tissue": tissue or None}
-    newest = [folder for folder in designs if chosen.items() <= design_state(project.root, folder).items()]
+    newest = [one for one in designs.values() if chosen.items() <= one.given.items()]
     # nothing was chosen at all: the newest design says what one worked on
-    newest = newest or ([] if tissue else designs)
+    newest = newest or ([] if tissue else [*designs.values()])
     base: dict[str, Any] = {**own, "tissue": tissue}
     if given.get("design") in designs:
-        base |= design_state(project.root, given["design"])
+        base |= designs[given["design"]].given
     elif newest and "shape" not in given:
-        base |= design_state(project.root, newest[-1]) | {"design": given.get("design", newest[-1])}
+        base |= newest[-1].given | {"design": given.get("design", newest[-1].folder)}
     before = State(**base)
     # where the address changes what the design was made for, the pad is no longer that design
     state = before.changed(
@@ -134,34 +135,41 @@ def punch_of(root: Path, text: str) -> Punch:
     return read_punch(text)
 
 
-def is_design(one: ProjectFile) -> bool:
-    """Whether a folder holds a pad that was designed."""
-    return bool(one.summary) and {"shape", "thickness_mm", "ratio"} <= set(one.summary or {})
+@dataclass(frozen=True)
+class Design:
+    """A pad that was designed: what it gives to a state, the level of its verdict, and the verdict's sentence."""
+
+    folder: str
+    command: str
+    given: dict[str, Any]
+    level: str
+    text: str
+
+    def answers(self, state: State) -> bool:
+        """Whether it was made for the tissue, aim, resin, calibration and punch that are chosen."""
+        return self.given.items() >= state.question.items()
 
 
-def design_state(root: Path, folder: str) -> dict[str, Any]:
-    """Read the pad of a design and what it was designed for; empty where its manifest cannot be read."""
-    try:
-        manifest = finished_manifest(root / folder / MANIFEST) or {}
-        pad, inputs = manifest["summary"], manifest.get("inputs", {})
-        values = {
-            "shape": str(pad["shape"]),
-            "thickness_mm": float(pad["thickness_mm"]),
-            "ratio": float(pad["ratio"]),
-            "resin": str(pad["resin"]),
-            "tissue": str(inputs["tissue"]),
-            "aim": str(inputs.get("aim", "average")),
-            "punch": str(inputs.get("punch") or PUNCH),
-            "calibration": _inside(root, inputs.get("calibration")),
-        }
-    except (ValueError, KeyError, TypeError, AttributeError):
-        return {}
-    return values | {"tissue": _inside(root, values["tissue"]), "design": folder}
-
-
-def design_summary(root: Path, folder: str) -> dict[str, Any]:
-    """The summary of a design's manifest: pad, verdict and its sentence; empty without a design that can be read."""
-    return (finished_manifest(root / folder / MANIFEST) or {}).get("summary") or {}
+def designs_of(root: Path) -> dict[str, Design]:
+    """Read the designs of a project by folder, the newest last; those that cannot be read are left out."""
+    designs = {}
+    for one in things_in(root, "designs"):
+        with suppress(ValueError, KeyError, TypeError, AttributeError):
+            inputs, pad = (finished_manifest(root / one.folder / MANIFEST) or {})["inputs"], one.summary or {}
+            given = {
+                "shape": str(pad["shape"]),
+                "thickness_mm": float(pad["thickness_mm"]),
+                "ratio": float(pad["ratio"]),
+                "resin": str(pad["resin"]),
+                "tissue": _inside(root, str(inputs["tissue"])),
+                "aim": str(inputs.get("aim", "average")),
+                "punch": str(inputs.get("punch") or PUNCH),
+                "calibration": _inside(root, inputs.get("calibration")),
+                "design": one.folder,
+            }
+            level, text = str(pad.get("verdict", "")), str(pad.get("text", ""))
+            designs[one.folder] = Design(one.folder, one.command, given, level, text)
+    return designs
 
 
 def _inside(root: Path, path: object) -> str:
@@ -190,7 +198,7 @@ def _missing(
     root: Path,
     state: State,
     campaigns: list[str],
-    designs: list[str],
+    designs: Mapping[str, Design],
     given: Mapping[str, str],
 ) -> tuple[str, ...]:
     """What is chosen and not there."""
@@ -226,8 +234,7 @@ def address(path: str, **query: object) -> str:
 
     The address is relative. The studio lies under a path that changes at each start, and every page is one step below.
     """
-    asked = ((name, value) for name, value in query.items() if value is not None)
-    given = urlencode(dict(asked), quote_via=quote, errors="surrogateescape")
+    given = urlencode(query, quote_via=quote, errors="surrogateescape")
     return "./" + quote(path.lstrip("/"), safe="/", errors="surrogateescape") + (f"?{given}" if given else "")
 
 
@@ -250,6 +257,11 @@ def page_link(
     return filled('<a data-test="{}" class="{}"{} href="{}">{}</a>', test, kind, marks, to, words)
 
 
+def options_of(words: Sequence[str]) -> dict[str, str]:
+    """Options of a command line that have a value, by their names."""
+    return {name.removeprefix("--"): value for name, value in pairwise(words) if name.startswith("--")}
+
+
 _NUMBERS = {"thickness": "thickness_mm", "ratio": "ratio"}
 
 
@@ -262,17 +274,14 @@ def next_state(status: ProjectStatus, state: State) -> State:
     """What the next step is about: its campaign, calibration, tissue and design."""
     words = shlex.split(status.next_command)[1:]
     new: dict[str, object] = {}
-    designs = [one for one in status.files["designs"] if is_design(one) and one.command == "suggest"]
+    designs = [one for one in designs_of(status.project.root).values() if one.command == "suggest"]
     if designs and (words[0] in ("mold", "status") or words[:2] == ["campaign", "new"]):
-        new |= design_state(status.project.root, designs[-1].folder)
+        new |= designs[-1].given
     # shape, thickness and ratio of a search are what is searched, not a pad
     pad = () if words[0] == "suggest" else ("shape", "ratio", "thickness")
-    for name, value in pairwise(words):
-        option = name.removeprefix("--")
-        if name.startswith("--") and option in ("tissue", "calibration", "resin", *pad):
+    for option, value in options_of(words).items():
+        if option in ("tissue", "calibration", "resin", *pad):
             new[_NUMBERS.get(option, option)] = float(value) if option in _NUMBERS else value
     campaigns = {one.folder for one in status.files["campaigns"]}
-    for word in words:
-        if word.rstrip("/") in campaigns:
-            new["campaign"] = word.rstrip("/")
-    return state.changed(**new)
+    named = [word.rstrip("/") for word in words if word.rstrip("/") in campaigns]
+    return state.changed(**new, campaign=[state.campaign, *named][-1])

@@ -10,13 +10,13 @@ import shutil
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import read_json, unwritable, write_bytes, write_text, writing
+from dummydesign.core.files import read_json, write_bytes, write_text, writing
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import read_manifest
 from dummydesign.project.folder import FILE as PROJECT
@@ -165,19 +165,14 @@ def parts_of(root: Path, path: str) -> list[Path]:
 
 def _move(pairs: Sequence[tuple[Path, Path]]) -> None:
     """Rename all, or none: a copy in the place of a refused rename could lose what it copies."""
-    done: list[tuple[Path, Path]] = []
-    try:
+    with writing("folder of", pairs[0][0].name, "path"), ExitStack() as back:
         for start, end in pairs:
             end.parent.mkdir(exist_ok=True)
             if end.exists():
                 raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), end.name)
             start.rename(end)
-            done.append((start, end))
-    except OSError as problem:
-        for start, end in reversed(done):
-            with suppress(OSError):
-                end.rename(start)
-        raise unwritable("folder of", pairs[0][0].name, problem, "path") from None
+            back.callback(end.rename, start)
+        back.pop_all()
 
 
 @dataclass(frozen=True)
@@ -195,14 +190,11 @@ def keep_file(root: Path, folder: Path, name: str, content: bytes) -> Taken:
     inside(root, path)
     if holds(folder / name, content):
         return Taken(name, f"{name} is there already: nothing was changed.")
-    if not (folder / name).is_file():
-        with writing("folder", path, "folder"):
-            folder.mkdir(parents=True, exist_ok=True)
+    with writing("folder", path, "folder"):
+        folder.mkdir(parents=True, exist_ok=True)
+    with kept_before(root, f"{path}/{name}") if (folder / name).is_file() else nullcontext() as gone:
         write_bytes(folder / name, content)
-        return Taken(name, f"{name} was added.")
-    with kept_before(root, f"{path}/{name}") as gone:
-        write_bytes(folder / name, content)
-    return Taken(name, f"{name} was added. The earlier one is in the bin.", gone)
+    return Taken(name, f"{name} was added.{' The earlier one is in the bin.' * (gone is not None)}", gone)
 
 
 def twin(folder: Path, name: str, content: bytes) -> str | None:

@@ -22,8 +22,7 @@ from dummydesign.project.folder import Project, project_of
 from dummydesign.report import page as report_page
 from dummydesign.report.plot import plots_js
 from dummydesign.studio.file_transfer import check_there
-from dummydesign.studio.jobs import changed_inputs
-from dummydesign.studio.jobs import shown as as_typed
+from dummydesign.studio.jobs import as_typed, changed_inputs
 from dummydesign.studio.markup import STEPS, Markup, filled, in_page_words, joined, verbatim
 from dummydesign.studio.select_options import offered
 from dummydesign.studio.state import State, address, page_link, read_state
@@ -58,6 +57,8 @@ def lay_out(
     empty: Callable[[Path], None] | None = None,
 ) -> None:
     """Lay out a page; with faults of the folder on it."""
+    client: Any = ui.context.client
+    client.kept = {name: text for name, text in query.items() if name not in State.__dataclass_fields__}
     ui.colors(primary="#0b5cad")
     ui.add_head_html(page_head())
     problem, project, state = "", None, None
@@ -104,22 +105,15 @@ LONGEST_ADDRESS = 8000
 
 
 def keep_state(state: State, **more: str) -> None:
-    """Write a state into the address and into all links that carry it; back, reload and other tabs then show it."""
-    own = urlencode({name: text for name, text in more.items() if text})
+    """Write a state into the address and into all links that carry it; back, reload and other tabs then show it.
+
+    ``more`` are choices of this page alone; they stand in the address beside those that are kept already.
+    """
+    client: Any = ui.context.client
+    client.kept = {name: text for name, text in (client.kept | more).items() if text}
+    own = urlencode(client.kept)
     kept = own if len(own) <= LONGEST_ADDRESS else ""
     ui.run_javascript(f"keepState({json.dumps(state.query())}, {json.dumps(kept)})")
-
-
-class Kept:
-    """What a page keeps in its address: the state, and choices of this page alone by name."""
-
-    def __init__(self, state: State, **own: str) -> None:
-        self.state, self.own = state, own
-
-    def keep(self, **own: str) -> None:
-        """Keep further choices."""
-        self.own |= own
-        keep_state(self.state, **self.own)
 
 
 def open_page(path: str, state: State) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import pytest
 
@@ -18,7 +19,7 @@ from dummydesign.studio.pages import cast, learn
 from dummydesign.studio.pages.design import Bar
 from dummydesign.studio.pages.pucks import PuckPage, pucks
 from dummydesign.studio.state import State
-from dummydesign.studio.widgets import Form, Kept, NumberField, select
+from dummydesign.studio.widgets import Form, NumberField, select
 from tests.support import lab_project as lab
 from tests.support.refusal import raises_code
 
@@ -92,7 +93,8 @@ def test_moulds_without_gauge_points_are_named_and_none_at_all_is_said_only_with
     project, state = make_project(tmp_path, None, tissue="palm"), State("palm")
 
     def said():
-        page = cast.record_form(project.root, Kept(state), lambda: None)
+        comparison = SimpleNamespace(root=project.root, state=state, find_pads=lambda: None)
+        page = cast.record_form(comparison, {})
         assert page is None
         words = " ".join(getattr(one, "content", "") for one in client.elements.values())
         client.content.clear()

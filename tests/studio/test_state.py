@@ -134,18 +134,18 @@ def test_a_design_that_is_gone_is_no_longer_the_source_of_the_pad(project):
     (project.root / "designs" / "a").rename(project.root / "designs" / "b")
     later = read_state(project, dict(parse_qsl(state.query())))
     assert (later.design, later.thickness_mm, len(later.missing)) == ("", 7.0, 1)
-    assert project_index.design_of_pad(project.root, later) == "designs/b"
+    assert project_index.design_of_pad(project.root, later).folder == "designs/b"
 
 
 def test_the_design_for_what_is_asked_says_whether_a_pad_may_be_cast(project):
     design(project, "mine", 7.0, date="2026-01-01")
     design(project, "for-another-tissue", 7.0, tissue="palm", date="2026-01-02")
     state = read_state(project, {"design": "designs/mine"}).changed(design="")
-    assert project_index.design_of_pad(project.root, state) == "designs/mine"
+    assert project_index.design_of_pad(project.root, state).folder == "designs/mine"
     palm = state.changed(tissue="palm")
-    assert project_index.design_of_pad(project.root, palm) == "designs/for-another-tissue"
+    assert project_index.design_of_pad(project.root, palm).folder == "designs/for-another-tissue"
     thigh = state.changed(aim="safe-side")
-    assert not project_index.answers(project.root, project_index.design_of_pad(project.root, thigh), thigh)
+    assert not project_index.design_of_pad(project.root, thigh).answers(thigh)
 
 
 def test_a_search_without_a_punch_is_for_the_one_it_used_not_for_the_one_of_today(project):

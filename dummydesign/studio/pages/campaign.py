@@ -16,8 +16,7 @@ from dummydesign.measurement.campaign_file import FILE
 from dummydesign.measurement.campaign_from_files import read_trials, write_trial_values
 from dummydesign.measurement.campaign_status import CampaignStatus, check_campaign
 from dummydesign.project.folder import Project
-from dummydesign.studio import file_transfer, jobs, project_index, select_options, widgets
-from dummydesign.studio import trash as bin
+from dummydesign.studio import file_transfer, jobs, project_index, select_options, trash, widgets
 from dummydesign.studio.file_actions import DropList, manage, undo_bar
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.markup import Markup, filled, joined
@@ -78,7 +77,7 @@ class CampaignPresses:
             with self.change, widgets.fold("Change this plan: nothing was pressed yet", "replan"):
                 PlanForm(root, state, self.campaign)
 
-    def take(self, name: str, content: bytes) -> bin.Taken:
+    def take(self, name: str, content: bytes) -> trash.Taken:
         """Take a file that was dropped."""
         taken = take_press(self.root, self.campaign, name, content, self.press.value)
         self.press.set_value("")
@@ -108,7 +107,7 @@ class CampaignPresses:
             _show_status(status, self.state)
 
 
-def take_press(root: Path, campaign: str, name: str, content: bytes, planned: str = "") -> bin.Taken:
+def take_press(root: Path, campaign: str, name: str, content: bytes, planned: str = "") -> trash.Taken:
     """Take a press under its planned name: that which is chosen, else that of the file."""
     file_transfer.plain_name(name)
     folder = file_transfer.inside(root, campaign)
@@ -128,7 +127,7 @@ def take_press(root: Path, campaign: str, name: str, content: bytes, planned: st
         if other != target and file_transfer.holds(folder / other, content):
             message = f"{name} is the same as {other}, which is there: press it again"
             raise InputError(message, "duplicate", "trace", name)
-    taken = bin.keep_file(root, folder, target, content)
+    taken = trash.keep_file(root, folder, target, content)
     return taken if target == name else replace(taken, text=f"{name} is now {target}. {taken.text}")
 
 
@@ -258,7 +257,7 @@ class TrialTable:
         if [row["file"] for row in read_trials(self.folder)] != [row["file"] for row in self.rows]:
             message = "campaign.toml was changed meanwhile: load the page again"
             raise InputError(message, "changed_meanwhile", "campaign.trials")
-        with bin.kept_before(self.root, self.path) as before:
+        with trash.kept_before(self.root, self.path) as before:
             write_trial_values(self.folder, changes)
         undo_bar(self.root).offer(before, self.back, focus=False)
         for row, values in changes.items():

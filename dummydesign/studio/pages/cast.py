@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import read_json
 from dummydesign.core.parsing import QuantitySpec
+from dummydesign.mold.pour.acceptance import GaugePoint
+from dummydesign.mold.pour.record import allowed_words
 from dummydesign.person.drives import DRIVES, read_drive
+from dummydesign.person.limits import read_limits
 from dummydesign.project.folder import Project
 from dummydesign.report import on_person as people
+from dummydesign.report.compare import next_steps, pad_text
 from dummydesign.report.front_page import full_sentence
 from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, file_transfer, project_index, select_options, widgets
@@ -22,13 +26,9 @@ from dummydesign.studio.file_actions import DropList
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, changed_since, command
 from dummydesign.studio.markup import Markup, filled
-from dummydesign.studio.project_index import PadWithPresses
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.trash import LIMITS, Taken, keep_file
-from dummydesign.studio.widgets import NumberField, html
-
-if TYPE_CHECKING:
-    from dummydesign.mold.pour.acceptance import GaugePoint
+from dummydesign.studio.widgets import NumberField, html, keep_state
 
 TABS = {"record": "1 Record", "compare": "2 Compare", "people": "3 On people"}
 
@@ -51,24 +51,22 @@ COMPARED: dict[str, str | Callable[[Any], object]] = {
 
 def show_cast_pad(project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page."""
-    kept = widgets.Kept(state, **{name: text for name, text in query.items() if name.startswith(TYPED)})
     places = widgets.tabs(
         TABS,
-        kept.own.get(TAB, "record" if project_index.moulds(project.root) else "compare"),
-        lambda name: kept.keep(**{TAB: name}),
+        query.get(TAB, "record" if project_index.moulds(project.root) else "compare"),
+        lambda name: keep_state(comparison.state, **{TAB: name}),
     )
-    comparison = PressComparison(project.root, kept, places["compare"], places["people"])
+    comparison = PressComparison(project.root, state, places["compare"], places["people"])
     with places["record"]:
-        record_form(project.root, kept, comparison.find_pads)
+        record_form(comparison, query)
 
 
 class PressComparison:
     """Presses of one pad, the tissue, the calibration, and what the comparison says."""
 
-    def __init__(self, root: Path, kept: widgets.Kept, place: ui.element, people_place: ui.element) -> None:
-        self.root, self.kept = root, kept
-        self.state = state = kept.state
-        self.pads: list[PadWithPresses] = []
+    def __init__(self, root: Path, state: State, place: ui.element, people_place: ui.element) -> None:
+        self.root, self.state = root, state
+        self.pads: list[project_index.PadWithPresses] = []
         with place:
             with widgets.fields():
                 self.pad = widgets.select("Pad", {}, "", "pad")
@@ -118,11 +116,11 @@ class PressComparison:
         self.pad.set_enabled(bool(named))
         self.new_pad()
 
-    def chosen(self) -> PadWithPresses | None:
+    def chosen(self) -> project_index.PadWithPresses | None:
         """The pad that is chosen."""
         return next((one for one in self.pads if one.label == self.pad.value), None)
 
-    def presses(self) -> tuple[PadWithPresses, list[str]]:
+    def presses(self) -> tuple[project_index.PadWithPresses, list[str]]:
         """The pad and those of its presses that are chosen (InputError without any)."""
         pad = self.chosen()
         if pad is None or not self.files.value:
@@ -144,8 +142,8 @@ class PressComparison:
 
     def renew(self) -> None:
         """Tissue or calibration was chosen."""
-        self.kept.state = self.state.changed(tissue=self.tissue.value, calibration=self.calibration.value)
-        self.kept.keep()
+        self.state = self.state.changed(tissue=self.tissue.value, calibration=self.calibration.value)
+        keep_state(self.state)
         self.renew_lines()
 
     def renew_lines(self) -> None:
@@ -202,8 +200,6 @@ class PressComparison:
 
     def show(self, job: Job) -> None:
         """Verdict, what to do with the pad, each press, and the report of a comparison."""
-        from dummydesign.report.compare import next_steps, pad_text
-
         answer, files = job.answer, job.answer.get("files") or {}
         widgets.tell_changes(self.root, str(files.get("manifest") or ""), "Compare again.")
         if verdict := answer["verdict"]:
@@ -229,8 +225,9 @@ OTHERS = {
 }
 
 
-def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> None:
+def record_form(comparison: PressComparison, query: Mapping[str, str]) -> None:
     """Fields for what was really cast, a map of where it is gauged, and the verdict of the record."""
+    root = comparison.root
     every = project_index.moulds(root)[::-1]
     moulds = {one.folder: one for one in every if project_index.gauge_points(root / one.folder)}
     if lacking := [one.folder for one in every if one.folder not in moulds]:
@@ -244,8 +241,8 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
     if not moulds:
         return
     known = {folder: f"{folder}: {one.label}" for folder, one in moulds.items()}
-    wanted = [kept.own.get(MOULD), *(folder for folder, one in moulds.items() if one.is_of(kept.state)), *moulds]
-    typed = {name.removeprefix(TYPED): text for name, text in kept.own.items()}
+    wanted = [query.get(MOULD), *(folder for folder, one in moulds.items() if one.is_of(comparison.state)), *moulds]
+    typed = {name.removeprefix(TYPED): text for name, text in query.items() if name.startswith(TYPED)}
     chosen = widgets.select("Mould it was cast in", known, next(one for one in wanted if one in known), "record-mould")
     with ui.element("div").classes("pair"):
         map_of = html("")
@@ -272,11 +269,11 @@ def record_form(root: Path, kept: widgets.Kept, then: Callable[[], None]) -> Non
         """List what was recorded, here and among the choices of the comparison."""
         with widgets.fresh(records):
             _records(root, chosen.value)
-        then()
+        comparison.find_pads()
 
     def renew() -> None:
         read = {f"{TYPED}{name}": text for name, text in (gauged.kept() | others.kept()).items()}
-        kept.keep(**read, **{MOULD: chosen.value})
+        keep_state(comparison.state, **read, **{MOULD: chosen.value})
         draw_map()
         work.renew()
 
@@ -347,8 +344,6 @@ def _records(root: Path, folder: str) -> None:
 
 def show_record(answer: Mapping[str, Any]) -> None:
     """The verdict of a record: each limit, and what it does to the force."""
-    from dummydesign.mold.pour.record import allowed_words
-
     light, text = "green", "Accepted: the pad keeps all limits."
     if not answer["accepted"]:
         light, text = "red", f"Not accepted. It misses {', '.join(answer['missed'])}."
@@ -439,8 +434,6 @@ class PeopleOfPad:
 
     def _keep_limits(self, name: str, content: bytes) -> Taken:
         """Keep a file of limits that can be read, and choose it."""
-        from dummydesign.person.limits import read_limits
-
         if Path(file_transfer.plain_name(name)).suffix.lower() != ".toml":
             raise InputError("choose a file that ends in .toml", "unknown_name", "file_ending", name, ".toml")
         file_transfer.read_sent(name, content, read_limits)

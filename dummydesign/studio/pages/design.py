@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -17,13 +16,14 @@ from nicegui import background_tasks, run, ui
 
 from dummydesign.core.errors import DummydesignError, InputError
 from dummydesign.design.pad_evaluator import EvaluatedPad, NotTabulated, PadEvaluator
+from dummydesign.design.suggestion import condition_rows
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
 from dummydesign.report.plot import Plot
-from dummydesign.studio import figures, project_index, select_options, widgets
-from dummydesign.studio import slider_model as sliders
+from dummydesign.resin import load_resin
+from dummydesign.studio import figures, project_index, select_options, slider_model, widgets
 from dummydesign.studio.markup import in_page_words
 from dummydesign.studio.pages import search
 from dummydesign.studio.state import PAD_FIELDS, State, absolute, of_project, page_link, punch_of
@@ -106,12 +106,9 @@ class Slider:
 
     def _typed(self) -> None:
         """Take a number once it is typed to its end; one that is not allowed gives way to the one in use."""
-        typed = (self._field.value or "").strip()
-        try:
+        typed, before, value = (self._field.value or "").strip(), self.value, None
+        with suppress(InputError):
             value = widgets.number_of(typed, self._name)
-        except InputError:
-            value = math.inf
-        before = self.value
         if value is not None and self._low <= value <= self._high:
             self.set(value)
         else:
@@ -130,7 +127,6 @@ class PadView:
     pad: EvaluatedPad
     plots: Sequence[Plot]
     figures: Sequence[Mapping[str, Any]]
-    presses: Sequence[Mapping[str, Any]]
     modulus: str
 
 
@@ -141,8 +137,8 @@ class DesignPage:
         self.root, self.state = project.root, state
         usual = State(**of_project(project)).question
         self.usual = {name: value for name, value in usual.items() if value or name != "tissue"}
-        self.wanted = self.shown = self.written = 0
-        self.busy = self.setting = False
+        self.wanted = self.written = 0
+        self.busy = False
         self.unchosen = all(getattr(state, name) == getattr(State, name) for name in (*PAD_FIELDS, "design"))
         self.drawn: Sequence[Mapping[str, Any]] = ()
         self.lengths: dict[str, Slider] = {}
@@ -190,22 +186,23 @@ class DesignPage:
             widgets.way_back(self.fields.get(name, self.punch), usual, partial(self.choose, **{name: usual}))
         self.punch.on("change", lambda: self.choose(punch=self.punch.value.strip() or PUNCH))
         self.shape.on("change", lambda: self.choose(shape=self.shape.value.strip() or "slab"))
-        self.kind.on_value_change(lambda: self.choose_kind(self.kind.value))
+        # by the user alone: a state that is taken brings its own lengths
+        self.kind.on("update:model-value", lambda: self.choose_kind(self.kind.value))
 
     # The state and its controls.
 
     def choose(self, **new: Any) -> None:
-        """Take what was chosen in a control; all others follow."""
-        if self.setting:
+        """Take what was chosen in a control; all others follow, whose values are those of the state already."""
+        after = self.state.changed(**new)
+        if after == self.state:
             return
         self.unchosen = False
-        after = self.state.changed(**new)
         if after.tissue != self.state.tissue:
             after = after.changed(aim=after.aim if after.aim in self._aims(after.tissue) else "average")
-        if after != self.state and after.missing:
+        if after.missing:
             # what the page says at its top may be no longer true
             open_page("/design", after)
-        elif after != self.state:
+        else:
             self.take(after)
 
     def moved(self) -> None:
@@ -216,20 +213,16 @@ class DesignPage:
 
     def length_moved(self, name: str) -> None:
         """Take a length; those that its table ties to it follow."""
-        try:
+        with suppress(InputError):
             shape = read_shape(self.state.shape).with_length(name, self.lengths[name].value)
-        except InputError:
-            return
-        self.state = self.state.changed(shape=str(shape))
-        self.shape.set_value(self.state.shape)
-        self.evaluate()
+            self.state = self.state.changed(shape=str(shape))
+            self.shape.set_value(self.state.shape)
+            self.evaluate()
 
     def choose_kind(self, kind: str) -> None:
         """Choose a shape of a kind, with lengths that can be pressed at this thickness."""
-        if self.setting:
-            return
         try:
-            shape = str(sliders.first_pad(self.root, self.state, kind))
+            shape = str(slider_model.first_pad(self.root, self.state, kind))
         except InputError as problem:
             ui.notify(in_page_words(str(problem)), type="warning", multi_line=True)
         else:
@@ -237,13 +230,10 @@ class DesignPage:
 
     def take(self, state: State) -> None:
         """Show a state: every control and every panel."""
-        self.state, self.setting, self.stamp = state, True, sliders.stamp_of(self.root, state)
+        self.state, self.stamp = state, slider_model.stamp_of(self.root, state)
         self.unchosen = self.unchosen and not state.design
-        try:
-            self._set_choices(state)
-            self._set_sliders(state)
-        finally:
-            self.setting = False
+        self._set_choices(state)
+        self._set_sliders(state)
         self.search.work.renew()
         self.evaluate()
 
@@ -272,18 +262,12 @@ class DesignPage:
         self.shape.set_value(state.shape)
 
     def _set_sliders(self, state: State) -> None:
-        from dummydesign.resin import load_resin
-
         self.thickness.set(state.thickness_mm)
-        try:
+        self.ratio.set(state.ratio)
+        with suppress(InputError):
             resin = load_resin(absolute(self.root, state.resin))
-        except InputError:
-            self.ratio.set(state.ratio)
-        else:
-            self.ratio.value = state.ratio
             self.ratio.limit(resin.ratio_min, resin.ratio_max, resin.ratio_step / 2, resin.ratio_meaning)
-            if self.ratio.value != state.ratio:
-                self.state = state.changed(ratio=self.ratio.value)
+        self.state = state.changed(ratio=self.ratio.value)
         self._set_lengths()
 
     def _set_lengths(self) -> None:
@@ -292,7 +276,7 @@ class DesignPage:
         try:
             radius_mm = punch_of(self.root, state.punch).radius_mm
             values = dict(read_shape(state.shape).parameters)
-            lengths = sliders.lengths_of(state.kind, state.thickness_mm, radius_mm)
+            lengths = slider_model.lengths_of(state.kind, state.thickness_mm, radius_mm)
         except (InputError, AttributeError):
             values, lengths = {}, ()
         if set(self.lengths) != {one.name for one in lengths}:
@@ -314,38 +298,34 @@ class DesignPage:
         """Something changed: press the pad anew, once for all moves that came in the meantime."""
         self.wanted += 1
         if not self.busy:
+            self.busy = True
             background_tasks.create_or_defer(self.follow(), context=self.verdict)
 
     def watch(self) -> None:
         """A file was changed on the disk: the verdict is made anew."""
-        before, self.stamp = self.stamp, sliders.stamp_of(self.root, self.state)
+        before, self.stamp = self.stamp, slider_model.stamp_of(self.root, self.state)
         if before != self.stamp:
             self.evaluate()
 
     async def follow(self) -> None:
         """Show the newest state until there is no newer one, then settle the verdict."""
-        if self.busy or self.shown == self.wanted:
-            return
-        self.busy = True
+        number = 0
         try:
-            while self.shown != self.wanted:
-                self.shown, state = self.wanted, self.state
+            while number != self.wanted:
+                number, state = self.wanted, self.state
                 view = await run.io_bound(self.view_of, state)
                 if view is not None and not self.verdict.is_deleted:
                     self.draw(state, view)
         finally:
             self.busy = False
-        number = self.wanted
         await asyncio.sleep(SETTLE_S)
         if number == self.wanted and view is not None and not self.verdict.is_deleted:
             await self.settle(state, view, number)
 
     def view_of(self, state: State) -> PadView | InputError:
         """Press the pad of a state and draw it, apart from the page."""
-        from dummydesign.design.suggestion import condition_rows
-
         try:
-            evaluator, shape = sliders.evaluator_of(self.root, state), read_shape(state.shape)
+            evaluator, shape = slider_model.evaluator_of(self.root, state), read_shape(state.shape)
             pad = evaluator.evaluate(shape, state.thickness_mm, state.ratio)
         except InputError as problem:
             return problem
@@ -353,9 +333,8 @@ class DesignPage:
             message = f"this pad cannot be evaluated ({type(problem).__name__}: {problem})"
             return InputError(message, "unsupported", "pad", state.shape)
         plots = figures.pad_plots(evaluator.problem, shape, pad)
-        rows = condition_rows(pad.candidate, evaluator.problem.targets, shape)
         modulus = f"modulus {1e3 * float(evaluator.problem.resin.young_MPa(state.ratio)):.3g} kPa"
-        return PadView(evaluator, shape, pad, plots, [one.figure() for one in plots], rows, modulus)
+        return PadView(evaluator, shape, pad, plots, [one.figure() for one in plots], modulus)
 
     def solvable(self, view: PadView | InputError) -> bool:
         """Whether finite elements can solve a pad."""
@@ -421,7 +400,8 @@ class DesignPage:
         with self.numbers:
             if (calibrated := view.evaluator.problem.calibrated) is not None:
                 widgets.warnings({"warnings": calibrated.warnings})
-            search.show_presses(view.presses, f"the {len(view.presses)} presses in numbers")
+            presses = condition_rows(view.pad.candidate, view.evaluator.problem.targets, view.shape)
+            search.show_presses(presses, f"the {len(presses)} presses in numbers")
         verdict = await run.io_bound(self._verdict, state, view)
         if number != self.wanted or verdict is None:
             return

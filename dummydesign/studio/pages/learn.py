@@ -17,7 +17,7 @@ from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, command
 from dummydesign.studio.markup import Markup, filled, joined
-from dummydesign.studio.state import State, design_summary, page_link
+from dummydesign.studio.state import State, page_link
 from dummydesign.studio.widgets import html, keep_state
 
 INTERVAL = ("value", "low", "high")
@@ -136,7 +136,10 @@ class LearnPage:
 
     def _again(self, calibration: str) -> bool:
         """The way on to a design, where the calibration settles the modulus; whether it does."""
-        known = bool(design_summary(self.root, Path(calibration).parent.as_posix()).get("designable", True))
+        summaries = {
+            f"{one.folder}/calibration.json": one.summary or {} for one in things_in(self.root, "calibrations")
+        }
+        known = bool(summaries.get(calibration, {}).get("designable", True))
         if known:
             learned = self.chosen().changed(calibration=calibration)
             widgets.go("/design", "Design again with what was learned", learned, "again")
@@ -173,9 +176,8 @@ class LearnPage:
     def show_plan(self, job: Job) -> None:
         """Show what was planned."""
         plan = _plan_folder(job.answer)
-        if not plan:
-            return
-        widgets.go("/campaign", f"Go on to {plan}", self.chosen().changed(campaign=plan), "next-plan")
+        if plan:
+            widgets.go("/campaign", f"Go on to {plan}", self.chosen().changed(campaign=plan), "next-plan")
 
 
 def _plan_folder(answer: Mapping[str, Any]) -> str:

@@ -12,8 +12,7 @@ from nicegui import ui
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
 from dummydesign.project.status import TEXTS
-from dummydesign.studio import jobs, widgets
-from dummydesign.studio import trash as bin
+from dummydesign.studio import jobs, trash, widgets
 from dummydesign.studio.file_actions import DropList, manage, thing
 from dummydesign.studio.file_transfer import plain_name
 from dummydesign.studio.job_panel import JobPanel
@@ -88,15 +87,15 @@ class MeasuredPage:
         link = page_link("/resin", "find its modulus", test="resin")
         html('<p class="note">A puck of resin was pressed: {}.</p>', link)
 
-    def _take(self, name: str, content: bytes) -> bin.Taken:
+    def _take(self, name: str, content: bytes) -> trash.Taken:
         """Keep a file that was dropped and choose it."""
         if Path(name).suffix.lower() not in TEXTS:
             message = f"choose a file that ends in {', '.join(TEXTS)}"
             raise InputError(message, "unknown_name", "file_ending", name, TEXTS)
-        if same := bin.twin(self._folder, name, content):
+        if same := trash.twin(self._folder, name, content):
             self._add(same)
-            return bin.Taken(same, f"{name} is the same as {same}, which is there: nothing was changed.")
-        taken = bin.keep_file(self._root, self._folder, plain_name(name), content)
+            return trash.Taken(same, f"{name} is the same as {same}, which is there: nothing was changed.")
+        taken = trash.keep_file(self._root, self._folder, plain_name(name), content)
         self._add(taken.name)
         return taken
 

@@ -18,7 +18,7 @@ from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.jobs import Job, command
 from dummydesign.studio.markup import Markup, filled, joined
-from dummydesign.studio.state import State, design_state, page_link
+from dummydesign.studio.state import State, page_link
 from dummydesign.studio.widgets import NumberField, html, keep_state
 
 OUTLINE_MM, OUTLINES_MM = (150.0, 120.0), (20.0, 300.0)
@@ -170,21 +170,21 @@ def folder_of(answer: Mapping[str, Any]) -> str:
 
 def verdict_of(root: Path, state: State) -> str:
     """Why the pad must not be cast, in a sentence; empty for one that may be, or that was not judged."""
-    summary = project_index.summary_of_pad(root, state)
-    return str(summary.get("text", "")) if summary.get("verdict") == "not_representative" else ""
+    design = project_index.design_of_pad(root, state)
+    return design.text if design is not None and design.level == "not_representative" else ""
 
 
 def _source(root: Path, state: State) -> None:
     """Where the pad comes from, with the verdict on it."""
     design = project_index.design_of_pad(root, state)
-    if not design:
+    if design is None:
         link = page_link("/design", "design one")
         html('<p class="note">This pad is not one of the designs. Check it, or {}.</p>', link)
         return
-    html("<p>This pad is the design <b>{}</b>.</p>", design)
-    widgets.tell_changes(root, f"{design}/manifest.json", "Solve the pad again on the design page.")
-    if not project_index.answers(root, design, state):
-        words = State(**design_state(root, design)).label.partition("; ")[2]
+    html("<p>This pad is the design <b>{}</b>.</p>", design.folder)
+    widgets.tell_changes(root, f"{design.folder}/manifest.json", "Solve the pad again on the design page.")
+    if not design.answers(state):
+        words = State(**design.given).label.partition("; ")[2]
         html(
             '<p class="note" data-test="other-question">That design was judged for {}. For what is '
             "chosen, check it on the {}.</p>",

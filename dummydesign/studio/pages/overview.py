@@ -14,7 +14,7 @@ from dummydesign.project.status import STANDARD_RESIN, ProjectFile, ProjectStatu
 from dummydesign.studio import figures, jobs, project_index, select_options, widgets
 from dummydesign.studio.file_actions import deleted_files
 from dummydesign.studio.markup import STEPS, Markup, in_page_words, joined, verbatim
-from dummydesign.studio.state import State, absolute, address, design_state, is_design, next_page, next_state, page_link
+from dummydesign.studio.state import State, absolute, address, designs_of, next_page, next_state, page_link
 from dummydesign.studio.widgets import html
 
 ROOMS = {
@@ -82,12 +82,12 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
             widgets.command_line(shlex.split(status.next_command)[1:])
             given = ", ".join(f"{name} {value}" for name, value in project.given().items()) or "nothing chosen yet"
             html("<p>Chosen for this project: {}</p>", given)
-        _show_newest(project.root, status, state)
+        _show_newest(project.root, state)
     for problem in status.problems:
         widgets.tell_problem(problem)
-    links, cards = links_of(project.root, status, state), []
+    states, cards = states_of(project.root, status, state), []
     for room, (path, words) in ROOMS.items():
-        lines = [links.get(one.folder) or verbatim(line_of(one)) for one in reversed(status.files[room])]
+        lines = [line_of(path, one, states.get(one.folder)) for one in reversed(status.files[room])]
         cards.append((page_link(path, words), widgets.listed(lines or [Markup("none yet")], 8, "thing")))
     html('<div class="cards">{}</div>', joined("<div><h2>{}</h2>{}</div>", cards))
     reports = [
@@ -122,8 +122,8 @@ def _show_jobs(root: Path) -> None:
 def _strip(status: ProjectStatus, next_path: str, following: State) -> Markup:
     """The steps: what each has, ticked when it is done; the next one stands out."""
     files, tissue = status.files, status.project.tissue
-    designs = [one for one in files["designs"] if is_design(one) and one.command == "suggest"]
-    verdict = str((designs[-1].summary or {}).get("verdict", "")) if designs else ""
+    designs = [one for one in designs_of(status.project.root).values() if one.command == "suggest"]
+    verdict = designs[-1].level if designs else ""
     compared = [one for one in files["designs"] if one.command == "compare"]
     moulds, plans = pads_of(files), files["campaigns"]
     counts = [one.summary for one in plans if one.summary]
@@ -160,46 +160,40 @@ def _strip(status: ProjectStatus, next_path: str, following: State) -> Markup:
     return joined('<li class="{}">{}{}<small>{}</small></li>', items)
 
 
-def _show_newest(root: Path, status: ProjectStatus, state: State) -> None:
+def _show_newest(root: Path, state: State) -> None:
     """The light and the section of the newest pad."""
-    designs = [one for one in status.files["designs"] if is_design(one) and design_state(root, one.folder)]
+    designs = designs_of(root)
     if not designs:
         return
-    newest, summary = state.changed(**design_state(root, designs[-1].folder)), designs[-1].summary or {}
-    light, text = LIGHTS.get(str(summary.get("verdict")), "amber"), str(summary.get("text", ""))
-    doubts = project_index.doubts_of_design(root, designs[-1].folder, state)
+    design = designs[next(reversed(designs))]
+    newest, doubts = state.changed(**design.given), project_index.doubts_of_design(root, design, state)
     with ui.element("div"):
-        widgets.tell_verdict("grey" if doubts else light, text, newest.label, "newest")
+        widgets.tell_verdict(
+            "grey" if doubts else LIGHTS.get(design.level, "amber"), design.text, newest.label, "newest"
+        )
         if doubts:
             widgets.tell_problem(f"{' '.join(doubts)} Search again.")
     html("{}", figures.section_html(root, newest))
 
 
-def line_of(one: ProjectFile) -> str:
-    """One thing that lies in the project, with what is known of it."""
-    return f"{one.folder.partition('/')[2]}: {one.line}".removesuffix(": ")
-
-
-def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, Markup]:
-    """Links by folder: each opens its page with that design, mould, campaign, calibration, tissue or pad chosen."""
-    states: dict[str, tuple[str, State]] = {}
-    tabs = {one.folder: f"cast_tab={TABS[one.command]}" for one in status.files["designs"] if one.command in TABS}
-    for one in status.files["designs"]:
-        if one.folder in tabs:
-            states[one.folder] = ("/cast", state)
-        elif inputs := design_state(root, one.folder):
-            states[one.folder] = ("/design", state.changed(**inputs))
-    for mould in project_index.moulds(root):
-        states[mould.folder] = ("/mould", state.changed(**mould.pad, design=""))
+def states_of(root: Path, status: ProjectStatus, state: State) -> dict[str, State]:
+    """The state in which each thing of a project opens its page, by folder: with that thing chosen."""
+    states = {folder: state.changed(**one.given) for folder, one in designs_of(root).items()}
+    states |= {one.folder: state for one in status.files["designs"] if one.command in TABS}
+    states |= {one.folder: state.changed(**one.pad, design="") for one in project_index.moulds(root)}
+    states |= {one.folder: state.changed(tissue=one.folder, aim="average") for one in status.files["tissue"]}
     for one in status.files["campaigns"]:
-        states[one.folder] = ("/campaign", state.changed(campaign=one.folder))
+        states[one.folder] = state.changed(campaign=one.folder)
         for learned in project_index.calibrations(root, one.folder):
-            states[learned.folder] = ("/learn", state.changed(campaign=one.folder, calibration=learned.file))
-    for one in status.files["tissue"]:
-        states[one.folder] = ("/tissue", state.changed(tissue=one.folder, aim="average"))
-    words_of = {one.folder: line_of(one) for room in status.files.values() for one in room}
-    return {
-        folder: page_link(path, words_of[folder], of, f"open-{folder}", more=tabs.get(folder, ""))
-        for folder, (path, of) in states.items()
-        if folder in words_of
-    }
+            states[learned.folder] = state.changed(campaign=one.folder, calibration=learned.file)
+    return states
+
+
+def line_of(path: str, one: ProjectFile, opened: State | None) -> Markup:
+    """One thing that lies in the project, with what is known of it; a link where its page can open it."""
+    words = f"{one.folder.partition('/')[2]}: {one.line}".removesuffix(": ")
+    if opened is None:
+        return verbatim(words)
+    if tab := TABS.get(one.command):
+        return page_link("/cast", words, opened, f"open-{one.folder}", more=f"cast_tab={tab}")
+    return page_link(path, words, opened, f"open-{one.folder}")

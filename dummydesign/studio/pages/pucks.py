@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +11,15 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.user_library import entries
+from dummydesign.measurement.trace import read_trace
 from dummydesign.project.folder import Project, project_of
 from dummydesign.project.status import witness_size
+from dummydesign.resin.describe import explain
+from dummydesign.resin.model.resin_file import load_resin, recording_sha256
+from dummydesign.resin.update import known_puck, without_puck
 from dummydesign.studio import jobs, project_index, select_options, widgets
 from dummydesign.studio.job_panel import JobPanel
-from dummydesign.studio.state import State, absolute, page_link
+from dummydesign.studio.state import State, absolute, options_of, page_link
 from dummydesign.studio.trash import choose_for_project
 from dummydesign.studio.widgets import NumberField, html, keep_state, open_page
 
@@ -74,9 +79,6 @@ class PuckPage:
         self._list()
 
     def _numbers(self) -> None:
-        from dummydesign.resin import load_resin
-        from dummydesign.resin.describe import explain
-
         numbers = explain(load_resin(absolute(self._root, self._state.resin)))["numbers"].items()
         head = ("number", "unit", "value", "95 % low", "95 % high", "kind")
         rows = [[*project_index.name_and_unit(name), *(one[key] for key in NUMBER)] for name, one in numbers]
@@ -145,20 +147,13 @@ def pucks(root: Path) -> dict[str, str]:
 
 
 def _is_trace(path: Path) -> bool:
-    try:
-        with open(path, encoding="utf-8-sig") as stream:
-            words = {word.strip() for word in stream.readline(4096).split(",")}
-    except (OSError, UnicodeDecodeError):
-        return False
-    return {"time_s", "displacement_mm", "force_N"} <= words
+    with suppress(OSError, UnicodeDecodeError), open(path, encoding="utf-8-sig") as stream:
+        return {"time_s", "displacement_mm", "force_N"} <= {word.strip() for word in stream.readline(4096).split(",")}
+    return False
 
 
 def _moduli(puck: Path, answer: Mapping[str, Any]) -> list[list[object]]:
     """Rows of the resin's modulus at the puck's ratio without and with this puck."""
-    from dummydesign.measurement.trace import read_trace
-    from dummydesign.resin.model.resin_file import load_resin, recording_sha256
-    from dummydesign.resin.update import known_puck, without_puck
-
     name, ratio = answer["name"], float(answer["ratio"])
     resin, sha256 = load_resin(name), recording_sha256(read_trace(puck))
     if known_puck(resin, sha256) is None:
@@ -174,6 +169,4 @@ def _moduli(puck: Path, answer: Mapping[str, Any]) -> list[list[object]]:
 def _last(root: Path) -> dict[str, str]:
     """Choices of the newest command of this page."""
     job = jobs.latest(root, "puck")
-    if job is None:
-        return {}
-    return {"press": job.words[2]} | {word[2:]: value for word, value in zip(job.words[3::2], job.words[4::2])}
+    return {"press": job.words[2], **options_of(job.words)} if job else {}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -16,30 +15,20 @@ from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
-from dummydesign.project.status import things_in
 from dummydesign.report import suggest_facts
 from dummydesign.report.front_page import full_sentence
-from dummydesign.studio import figures, jobs, select_options, widgets
-from dummydesign.studio import slider_model as sliders
+from dummydesign.studio import figures, jobs, select_options, slider_model, widgets
 from dummydesign.studio.file_actions import thing
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.markup import Markup, filled
-from dummydesign.studio.state import (
-    NO_TISSUE,
-    QUESTION_FIELDS,
-    State,
-    design_state,
-    is_design,
-    page_link,
-    punch_of,
-)
+from dummydesign.studio.state import NO_TISSUE, QUESTION_FIELDS, State, designs_of, options_of, page_link, punch_of
 from dummydesign.studio.widgets import html, open_page
 
 
 def question_of(words: Sequence[str], answer: Mapping[str, Any]) -> dict[str, str]:
     """What a command line of ``suggest`` asked, as :attr:`State.question` has it; what it lacks is in its answer."""
     used = answer.get("inputs") or {}
-    given = {name[2:]: value for name, value in pairwise(words) if name.startswith("--")}
+    given = options_of(words)
     usual = {"tissue": str(used.get("tissue") or ""), "aim": "average", "punch": str(used.get("punch") or PUNCH)}
     return {name: given.get(name, usual.get(name, "")) for name in QUESTION_FIELDS}
 
@@ -78,8 +67,8 @@ class Search:
         self.root, self.state, self.take = project.root, state, take
         known = select_options.shapes()
         last = jobs.latest(self.root, "suggest")
-        asked = {f"--{name}": value for name, value in project.asked} | dict(pairwise(last.words if last else ()))
-        wish = asked.get("--shape", "auto").partition(":")[0]
+        asked = dict(project.asked) | options_of(last.words if last else ())
+        wish = asked.get("shape", "auto").partition(":")[0]
         place = ui.element("div").style("width:100%")
         self.kinds = widgets.select("Shapes to search", known, wish if wish in known else "auto", "searched")
         with place:
@@ -92,7 +81,7 @@ class Search:
                 lambda job, words: question_of(job.words, job.answer) == self.state().question,
                 _folder,
                 self.ended,
-                lambda: sliders.stamp_of(self.root, self.state()),
+                lambda: slider_model.stamp_of(self.root, self.state()),
                 "recommendation",
                 found=found,
                 warn=False,
@@ -165,19 +154,17 @@ class DesignList:
         if stamps == self.stamps:
             return
         self.stamps = stamps
-        designs = [one for one in things_in(root, "designs") if is_design(one) and design_state(root, one.folder)]
+        designs = designs_of(root)
         with widgets.fresh(self.box):
             if not designs:
                 html("<p>none yet</p>")
-            for one in reversed(designs):
-                opened = self.state().changed(**design_state(root, one.folder), missing=())
-                verdict = level_name((one.summary or {}).get("verdict", ""))
-                link = page_link("/design", opened.design.partition("/")[2], opened)
-                words = filled("<span>{}: {}: <b>{}</b></span>", link, opened.label, verdict)
+            for one in reversed(designs.values()):
+                opened = self.state().changed(**one.given, missing=())
+                link = page_link("/design", one.folder.partition("/")[2], opened)
+                words = filled("<span>{}: {}: <b>{}</b></span>", link, opened.label, level_name(one.level))
                 thing(words, root, one.folder, "design", self.moved).props('data-test="design"')
-        folders = [one.folder for one in designs]
-        kept = [name for name in self.chosen.value if name in folders]
-        self.chosen.set_options({one: one for one in folders}, value=kept if len(kept) > 1 else folders[-2:])
+        kept = [name for name in self.chosen.value if name in designs]
+        self.chosen.set_options({one: one for one in designs}, value=kept if len(kept) > 1 else [*designs][-2:])
         self.draw()
 
     def draw(self) -> None:
@@ -240,7 +227,7 @@ class SolvedPad:
 
     def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job solved the pad that is chosen."""
-        files = [Path(path) for path, *_ in sliders.stamp_of(self.root, self.state())]
+        files = [Path(path) for path, *_ in slider_model.stamp_of(self.root, self.state())]
         return list(job.words) == words and not jobs.changed_since(files, job.started)
 
     def show(self, job: jobs.Job) -> None:

@@ -13,28 +13,27 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.serialise import parameter_rows
+from dummydesign.design.scoring.press_simulation import Sampling
+from dummydesign.design.scoring.targets import make_targets
 from dummydesign.project.folder import Project, project_of
 from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, file_transfer, jobs, project_index, select_options, widgets
 from dummydesign.studio.file_actions import manage
 from dummydesign.studio.job_panel import JobPanel, Steps
 from dummydesign.studio.markup import Markup, joined
-from dummydesign.studio.state import State, absolute, page_link
+from dummydesign.studio.state import State, absolute, options_of, page_link
 from dummydesign.studio.trash import choose_for_project
-from dummydesign.studio.widgets import html, open_page
+from dummydesign.studio.widgets import html, keep_state, open_page
+from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.maxwell_law import arm_names, parameter_words
-
-OWN = ("presses", "name", "touched", "people", "group")
-"""Choices of this page in the address."""
 
 
 class TissuePage:
     """The page: which tissue is chosen, and what the fits below make."""
 
     def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
-        self.root, self.query = project.root, query
+        self.root, self.state, self.query = project.root, state, query
         self._project = project
-        self.kept = widgets.Kept(state, **{name: query[name] for name in OWN if name in query})
         with widgets.fields():
             self._chosen = widgets.select("Tissue that the dummy imitates", {}, "", "tissue")
             with ui.element("div"):
@@ -44,7 +43,8 @@ class TissuePage:
         if self.tissue.startswith("tissue/"):
             fits = widgets.area()
         self._renew()
-        self._chosen.on_value_change(self._choose_shown)
+        # by the user alone: what is fitted chooses itself
+        self._chosen.on("update:model-value", lambda: self.choose(self._chosen.value))
         if not select_options.traces(self.root):
             html('<p class="note">Your own tissue: {} of presses first.</p>', page_link("/measured", "bring in files"))
             return
@@ -57,27 +57,21 @@ class TissuePage:
     @property
     def tissue(self) -> str:
         """The chosen tissue."""
-        return self.kept.state.tissue
-
-    def _choose_shown(self) -> None:
-        if self._chosen.value != self.tissue:
-            self.choose(self._chosen.value)
+        return self.state.tissue
 
     def choose(self, tissue: str) -> None:
         """Choose a tissue: it is shown, and the address keeps it."""
-        before = self.kept.state
-        self.kept.state = before.changed(tissue=tissue, aim="average")
-        if before.missing:
+        self.state = self.state.changed(tissue=tissue, aim="average")
+        if self.state.missing:
             # what the page says at its top is no longer true
-            open_page("/tissue", self.kept.state)
+            open_page("/tissue", self.state)
         else:
             self._renew()
-            self.kept.keep()
+            keep_state(self.state)
 
     def use(self, tissue: str) -> None:
         """Make a tissue the project's, and go on to the design."""
-        state = self.kept.state
-        after = state if tissue == self.tissue else state.changed(tissue=tissue, aim="average")
+        after = self.state if tissue == self.tissue else self.state.changed(tissue=tissue, aim="average")
         if tissue not in select_options.tissues(self.root) and not (self.root / tissue).is_file():
             # the page says at its top that there is none, or that it is gone
             open_page("/tissue", after)
@@ -93,26 +87,18 @@ class TissuePage:
 
     def _renew(self) -> None:
         widgets.offer(self._chosen, select_options.tissues(self.root), self.tissue)
-        with widgets.fresh(self._shown):
+        with widgets.problems_in(self._shown), self._shown:
             if self.tissue.startswith("tissue/") and (self.root / self.tissue).is_file():
                 manage(self.root, self.tissue, "tissue")
             _show_tissue(self.root, self.tissue)
 
 
 def _show_tissue(root: Path, name: str) -> None:
-    from dummydesign.design.scoring.press_simulation import Sampling
-    from dummydesign.design.scoring.targets import make_targets
-    from dummydesign.tissue import load_tissue
-
     if not name or (name.endswith(".toml") and not (root / name).is_file()):
         return  # said at the top of the page
-    try:
-        tissue = load_tissue(absolute(root, name))
-        targets = make_targets(tissue, "average", Sampling())
-        plot = figures.steady(targets)
-    except InputError as problem:
-        widgets.tell_problem(str(problem))
-        return
+    tissue = load_tissue(absolute(root, name))
+    targets = make_targets(tissue, "average", Sampling())
+    plot = figures.steady(targets)
     subjects, deep = f"{len(tissue.subjects)} subject{'s' * (len(tissue.subjects) != 1)}", figures.depth_text(targets)
     with ui.element("div").classes("pair"):
         html("{}", Markup(plot.html()))
@@ -185,7 +171,8 @@ def fit_panel(page: TissuePage) -> None:
 
     def renew() -> None:
         typed = form.kept()
-        page.kept.keep(presses=SEPARATOR.join(picked.value or []), name=typed["name"], touched=typed["contact"])
+        pressed = SEPARATOR.join(picked.value or [])
+        keep_state(page.state, presses=pressed, name=typed["name"], touched=typed["contact"])
         work.renew()
 
     widgets.on_change(renew, picked, *form.fields.values())
@@ -322,7 +309,7 @@ class _People:
 
     def _renew(self) -> None:
         people = "\n".join(f"{path}\t{name}" for path, name in self._assigned().items())
-        self._page.kept.keep(people=people, group=self._form.values()["name"] or "")
+        keep_state(self._page.state, people=people, group=self._form.values()["name"] or "")
         self._work.renew()
 
     def _guess(self) -> None:
@@ -387,10 +374,8 @@ class _People:
         )
         if last is None:
             return {}, select_options.free_library_name("tissue", "people")
-        persons: dict[str, str] = {}
-        for fit in last.commands[:-1]:
-            persons |= dict.fromkeys(_presses(fit), Path(fit[fit.index("--out") + 1]).stem)
-        return persons, last.words[2]
+        fits = {Path(options_of(fit)["out"]).stem: _presses(fit) for fit in last.commands[:-1]}
+        return {path: person for person, presses in fits.items() for path in presses}, last.words[2]
 
     def _show(self, job: jobs.Job) -> None:
         name = job.answer["name"]

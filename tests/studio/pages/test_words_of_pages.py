@@ -18,7 +18,7 @@ from dummydesign.project.folder import make_project
 from dummydesign.project.status import ProjectFile, status_of
 from dummydesign.studio import select_options, widgets
 from dummydesign.studio.pages import cast, learn, measured, mould, overview, tissue
-from dummydesign.studio.state import State
+from dummydesign.studio.state import Design, State
 from tests.support.refusal import raises_code
 
 PAD = {"thickness_mm": 5.0, "shape": "slab", "ratio": 15.0}
@@ -91,12 +91,10 @@ def test_a_part_has_one_row_with_a_link_to_each_of_its_formats():
 
 @pytest.mark.parametrize(("verdict", "told"), [("not_representative", True), ("not_settled", False), (None, False)])
 def test_a_mould_of_a_red_design_says_why_it_must_not_be_cast(monkeypatch, verdict, told):
-    monkeypatch.setattr(mould.project_index, "design_of_pad", lambda root, state: "designs/a")
-    monkeypatch.setattr(
-        mould.project_index, "design_summary", lambda root, design: {"verdict": verdict, "text": "Reads low."}
-    )
+    design = Design("designs/a", "suggest", {}, str(verdict), "Reads low.")
+    monkeypatch.setattr(mould.project_index, "design_of_pad", lambda root, state: design)
     assert mould.verdict_of(Path(), State("palm")) == ("Reads low." if told else "")
-    monkeypatch.setattr(mould.project_index, "design_of_pad", lambda root, state: "")
+    monkeypatch.setattr(mould.project_index, "design_of_pad", lambda root, state: None)
     assert mould.verdict_of(Path(), State("palm")) == ""
 
 
@@ -136,10 +134,8 @@ def test_the_strip_counts_the_presses_of_all_campaigns_and_links_results_on_peop
     status = replace(status, files={**status.files, "campaigns": plans, "designs": (people,)})
     strip = overview._strip(status, "/design", State("palm"))
     assert "<small>16 of 28 presses</small>" in strip
-    assert (
-        "/cast?cast_tab=people&amp;tissue=palm"
-        in overview.links_of(lab.root, status, State("palm"))["designs/on-person-palm"]
-    )
+    opened = overview.states_of(lab.root, status, State("palm"))[people.folder]
+    assert "/cast?cast_tab=people&amp;tissue=palm" in overview.line_of("/design", people, opened)
 
 
 def test_a_tissue_of_one_subject_has_one_column_of_values(monkeypatch):
@@ -238,4 +234,4 @@ def test_what_is_chosen_and_gone_stands_at_the_head():
     ],
 )
 def test_a_thing_is_named_with_what_is_known_of_it(summary, words):
-    assert overview.line_of(ProjectFile("designs/a", "", "", summary)) == words
+    assert overview.line_of("", ProjectFile("designs/a", "", "", summary), None) == words

@@ -127,7 +127,8 @@ def beside(work: Callable[[], T]) -> Callable[[], T]:
     system copies no process, or has no room for one, or this one has threads, the work is done once its result is
     wanted.
     """
-    if sys.platform != "linux" or threading.active_count() > 1:
+    # typst keeps threads that Python does not count, and waits for them in a copy
+    if sys.platform != "linux" or threading.active_count() > 1 or "typst" in sys.modules:
         return work
     # a copy has none of the threads that the kernel would wait for
     occ.OSD_ThreadPool.DefaultPool_s().Init(1)

@@ -52,6 +52,20 @@ def test_a_process_with_threads_is_not_copied():
 
 
 @ON_LINUX
+def test_a_process_that_has_typeset_is_not_copied_as_typsts_threads_are_not():
+    done = run(
+        """
+print(beside(os.getpid)() == os.getpid())
+import typst
+typeset = lambda: (typst.compile(b"x", format="svg"), os.getpid())[1]
+typeset()
+print(beside(typeset)() == os.getpid())""",
+        timeout=120,
+    )
+    assert done.stdout.split() == ["False", "True"], done.stderr
+
+
+@ON_LINUX
 def test_without_room_for_another_process_the_work_is_done_by_this_one(monkeypatch):
     def full():
         raise BlockingIOError(11, "Resource temporarily unavailable")

@@ -20,7 +20,15 @@ import numpy as np
 from dummydesign.project.folder import make_project
 from tests.support.studio import browser, processor_s, running
 
-MOVE = """([name, value, label]) => new Promise((done) => {
+MOVE = """([name, value, step, before, after]) => new Promise((done) => {
+    const slider = document.querySelector(`[data-test="slide-${name}"]`), low = Number(slider.ariaValueMin);
+    const track = slider.querySelector('.q-slider__track-container'), span = slider.ariaValueMax - low;
+    const { left, width, top } = track.getBoundingClientRect();
+    // a click is on a whole pixel, which may be the next step's
+    const clientX = Math.round(left + width * (value - low) / span);
+    const hit = Number((low + Math.round((clientX - left) / width * span / step) * step).toFixed(2));
+    if (hit === Number(slider.ariaValueNow)) return done(null);
+    const label = before + hit + after;
     const start = performance.now(), times = [NaN, NaN, NaN];
     const since = () => (performance.now() - start) / 1e3;
     const [box, verdict] = ['plots', 'verdict'].map((name) => document.querySelector(`[data-test="${name}"]`));
@@ -38,10 +46,6 @@ MOVE = """([name, value, label]) => new Promise((done) => {
     });
     watch.observe(verdict, {childList: true, subtree: true, characterData: true});
     watch.observe(box, {childList: true, subtree: true, attributeFilter: ['d']});
-    const slider = document.querySelector(`[data-test="slide-${name}"]`), low = Number(slider.ariaValueMin);
-    const track = slider.querySelector('.q-slider__track-container');
-    const { left, width, top } = track.getBoundingClientRect();
-    const clientX = left + width * (value - low) / (slider.ariaValueMax - low);
     track.dispatchEvent(new MouseEvent('mousedown', { clientX, clientY: top + 5, bubbles: true }));
     document.dispatchEvent(new MouseEvent('mouseup', { clientX, clientY: top + 5, bubbles: true })); })"""
 STEPS = ("the verdict", "curve of the large plot", "curves of all plots")
@@ -83,11 +87,11 @@ def main(moves: int = 60, seed: int = 20261123) -> None:
                 for _ in range(moves):
                     name, low, high = ("thickness", 7.0, 10.5) if draw.random() < 0.5 else ("ratio", 14.5, 18.0)
                     step = 0.1 if name == "thickness" else 0.05
-                    value = f"{round(round(float(draw.uniform(low, high)) / step) * step, 2):g}"
-                    if page.locator(f'[data-test="number-{name}"]').input_value() == value:
+                    around = (" ", " mm, ratio") if name == "thickness" else ("ratio ", ",")
+                    moved = page.evaluate(MOVE, [name, float(draw.uniform(low, high)), step, *around])
+                    if moved is None:  # it was there already
                         continue
-                    label = f" {value} mm, ratio" if name == "thickness" else f"ratio {value},"
-                    taken.append(page.evaluate(MOVE, [name, value, label]))
+                    taken.append(moved)
                     # every third move comes while the castings of the one before are counted
                     page.wait_for_timeout(int(draw.choice([30, 300, 700])))
                     slowed.append(fixed_work())

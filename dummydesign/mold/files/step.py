@@ -17,8 +17,9 @@ from dummydesign.mold.cad.solids import rough_bounds
 
 _STATEMENT = re.compile(r"#(\d+)\s*=\s*((?:[^;']++|'(?:[^']|'')*')*);")
 _REFERENCE = re.compile(r"#(\d+)")
+_BREAK = re.compile(r"\n\s*")
 _STYLES = "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION"
-_OCCURRENCE = re.compile(r"(NEXT_ASSEMBLY_USAGE_OCCURRENCE\()'[^']*',\s*('(?:[^']|'')*')")
+_OCCURRENCE = re.compile(r"(NEXT_ASSEMBLY_USAGE_OCCURRENCE\()'[^']*',\s*('(?:[^']|'')*')([^;]*;)")
 # The kernel's writer gives the unit of densities the exponents 3 and 2.
 _DENSITY = re.compile(
     r"(DERIVED_UNIT_ELEMENT\(#\d+,)3\.(\);\s*#\d+ = \( MASS_UNIT\(\)[^;]*;\s*#\d+ = DERIVED_UNIT_ELEMENT\(#\d+,)2\."
@@ -35,7 +36,9 @@ def canonical_step(text: str, name: str, description: str) -> str:
     if start < 0 or schema is None:
         raise ValueError("not a STEP file: no DATA section or no FILE_SCHEMA")
     data = _sorted_styles(_in_ascii(text[start:]))
-    data = _DENSITY.sub(r"\g<1>1.\g<2>-3.", _OCCURRENCE.sub(r"\1\2,\2", data))
+    # where the kernel breaks a line depends on how long its numbers were
+    data = _OCCURRENCE.sub(lambda hit: f"{hit[1]}{hit[2]},{hit[2]}{_BREAK.sub('', hit[3])}", data)
+    data = _DENSITY.sub(r"\g<1>1.\g<2>-3.", data)
     name, description, who = _quoted(name), _quoted(description), _quoted(ORGANISATION)
     head = [
         "ISO-10303-21;",
@@ -67,8 +70,10 @@ def _sorted_styles(data: str) -> str:
         number(old)
     if max(order) != first + len(order) - 1:
         raise ValueError("the colours of the parts are not written one after the other")
+    whole = {old: _BREAK.sub("", hits[old][2]) for old in order}
     lines = [
-        f"#{order[old]} = {_REFERENCE.sub(lambda m: f'#{order.get(int(m[1]), m[1])}', hits[old][2])};" for old in order
+        f"#{order[old]} = {_REFERENCE.sub(lambda m: f'#{order.get(int(m[1]), m[1])}', text)};"
+        for old, text in whole.items()
     ]
     return data[:begin] + "\n".join(lines) + data[hits[max(order)].end() :]
 

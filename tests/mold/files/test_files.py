@@ -36,7 +36,8 @@ STYLES = "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION"
 
 
 def _with_colours_in_another_order(text: str, seed: int) -> str:
-    """The same assembly as the kernel may write it: the colours of its parts in another order under other numbers."""
+    """The same assembly as the kernel may write it: the colours of its parts in another order under other numbers, and,
+    as these may be longer, with lines broken elsewhere."""
     rows = re.findall(r"^#(\d+) = ((?:[^;']|'[^']*')*);\n", text, re.M)
     first = next(at for at, (_, body) in enumerate(rows) if body.startswith(STYLES))
     last = max(at for at, (_, body) in enumerate(rows) if body.startswith(STYLES))
@@ -49,12 +50,15 @@ def _with_colours_in_another_order(text: str, seed: int) -> str:
     random.Random(seed).shuffle(chains)
     new = {old: str(int(rows[first][0]) + n) for n, (old, _) in enumerate(row for chain in chains for row in chain)}
     lines = [
-        f"#{new[old]} = " + re.sub(r"#(\d+)", lambda m: f"#{new.get(m[1], m[1])}", body) + ";\n"
+        f"#{new[old]} = "
+        + re.sub(r"#(\d+)", lambda m: f"#{new.get(m[1], m[1])}", body).replace(",", ",\n  ", seed)
+        + ";\n"
         for chain in chains
         for old, body in chain
     ]
     start, end = text.index(f"#{rows[first][0]} = "), text.index(f"#{rows[last + 1][0]} = ")
     again = text[:start] + "".join(lines) + text[end:]
+    again = re.sub(r"(USAGE_OCCURRENCE.*),\$\);", r"\1,$\n  );", again)
     return again.replace("USAGE_OCCURRENCE('pad'", "USAGE_OCCURRENCE('19'").replace("2000-01-01", "2026-05-04")
 
 

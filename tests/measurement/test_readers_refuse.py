@@ -40,7 +40,9 @@ def damaged(draw: st.DrawFn, text: str) -> bytes:
     return raw[: draw(st.integers(0, len(raw)))] if draw(st.booleans()) else raw
 
 
-@pytest.mark.parametrize("read", [read_trace, read_motion], ids=["trace", "motion"])
+@pytest.mark.parametrize(
+    "read", [pytest.param(read_trace, marks=pytest.mark.slow), read_motion], ids=["trace", "motion"]
+)
 @MANY
 @given(raw=damaged(TRACE))
 def test_a_damaged_table_is_read_or_refused_by_name(tmp_path: Path, read, raw):

@@ -134,6 +134,7 @@ def test_a_new_campaign_is_written_with_its_sheet_and_nothing_is_pressed_yet(tmp
     assert len(asked(capsys, "check", str(folder))["missing"]) == 16
 
 
+@pytest.mark.slow
 def test_what_is_pressed_as_planned_is_ready_and_the_loop_reads_it(mine, capsys):
     status = check_campaign(mine)
     assert status.ready and len(status.pressed) == 16 and not status.warnings

@@ -80,7 +80,9 @@ def verdict_of_pad(
         pours = [castings.pours(thickness, resin[1], tolerances, error, group) for group in ((), RESIN)]
     strain = finite_strain_of(slabs, pad.geometry, pad.base, targets, pad.radius_mm)
     presses = targets, targets.protocol.steady_grid_N, sampling.coarse
-    batches = (PadBatch(curves, np.zeros(len(one.beta), int), one.young_MPa, tau, one.beta, pressed) for one in pours)
+    batches = (
+        replace(slabs, slab=np.zeros(len(one.beta), int), young_MPa=one.young_MPa, beta=one.beta) for one in pours
+    )
     spread, known = (
         strain.judged(readings_along(batch, *presses), one.finite_strain) for batch, one in zip(batches, pours)
     )

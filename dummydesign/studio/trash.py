@@ -194,7 +194,7 @@ def keep_file(root: Path, folder: Path, name: str, content: bytes) -> Taken:
         folder.mkdir(parents=True, exist_ok=True)
     with kept_before(root, f"{path}/{name}") if (folder / name).is_file() else nullcontext() as gone:
         write_bytes(folder / name, content)
-    return Taken(name, f"{name} was added.{' The earlier one is in the bin.' * (gone is not None)}", gone)
+    return Taken(name, f"{name} was added. The earlier one is in the bin." if gone else f"{name} was added.", gone)
 
 
 def twin(folder: Path, name: str, content: bytes) -> str | None:

@@ -253,9 +253,9 @@ class PadBatch:
 
 def join_slabs(slabs: Sequence[PadBatch]) -> PadBatch:
     """Designs of one resin on several sets of curves as one set, in their order; each keeps its own curve only."""
-    curves = [one.curves.take(one.slab) for one in slabs]
+    curves = join_curves([one.curves.take(one.slab) for one in slabs])
     young, beta = (np.concatenate([getattr(one, name) for one in slabs]) for name in ("young_MPa", "beta"))
-    return PadBatch(join_curves(curves), np.arange(len(young)), young, slabs[0].tau_s, beta, slabs[0].pressed_force)
+    return replace(slabs[0], curves=curves, slab=np.arange(len(young)), young_MPa=young, beta=beta)
 
 
 def press_to_depth(slabs: PadBatch, depth_mm: NDArray, velocity_mm_s: ArrayLike, sampling: Sampling) -> SimulatedPress:

@@ -38,7 +38,7 @@ class RateDependentViscosity(PadEffect):
         if values["way_back"] and presses.unloads.any():
             away = presses.time_s > presses.hold_end_s[:, None]
             speed = speed * np.where(away, (presses.back_mm_s[:, None] / speed) ** values["way_back"], 1.0)
-        return self.pressed_arms(arms, depth_mm, speed, values)
+        return self.pressed_arms(arms, depth_mm, speed, values)  # whatever the depth
 
     def pressed_arms(
         self, arms: tuple[Arm, ...], share: NDArray, velocity_mm_s: NDArray, values: Values

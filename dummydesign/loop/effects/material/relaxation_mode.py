@@ -14,6 +14,9 @@ USUAL_FAST_S, USUAL_SLOW_S, LONGEST_FAST_S, USUAL_BETA = 0.05, 1.5, 0.3, 0.2
 FAST_S, SLOW_S, APART = 0.03, 4.0, 2.7
 """A mode is faster or slower than these times, or away from the declared arms by a factor ``APART``."""
 
+LEAST_S, MOST_S = 0.002, 200.0
+"""Times that a mode may have at all."""
+
 VARIANCE = Parameter("variance", "1", 0.0, 0.0, 1.5, 0.3, spread=1.5)
 
 
@@ -68,25 +71,25 @@ def _starts_fast(logs: NDArray) -> list[NDArray]:
 
 def _slower(tau_s: NDArray) -> tuple[float, float]:
     room = tau_s[np.r_[tau_s[1:] > APART**2 * tau_s[:-1], True]] if len(tau_s) else tau_s
-    return min([SLOW_S, *(APART * room[:1])]), 200.0
+    return min([SLOW_S, *(APART * room[:1])]), MOST_S
 
 
 def _faster(tau_s: NDArray) -> tuple[float, float]:
-    return 0.002, max([FAST_S, *(tau_s[:1] / APART)])
+    return LEAST_S, max([FAST_S, *(tau_s[:1] / APART)])
 
 
 MEMBERS = (
     RelaxationMode(
         "slow_relaxation_mode",
         "slow drift of force through the whole hold, proportional to force",
-        Parameter("tau_s", "s", 10.0, 0.002, 200.0, 10.0, log=True, starts=(30.0,)),
+        Parameter("tau_s", "s", 10.0, LEAST_S, MOST_S, 10.0, log=True, starts=(30.0,)),
         _starts_slow,
         _slower,
     ),
     RelaxationMode(
         "fast_relaxation_mode",
         "extra force in the fast ramp that is gone some hundredths of a second after the stop",
-        Parameter("tau_s", "s", 0.01, 0.002, 200.0, 0.01, log=True, starts=(0.02,)),
+        Parameter("tau_s", "s", 0.01, LEAST_S, MOST_S, 0.01, log=True, starts=(0.02,)),
         _starts_fast,
         _faster,
     ),

@@ -144,7 +144,7 @@ def draw(rng: np.random.Generator, kind: str = "") -> Drawn:
     measured = scale * np.interp(time, fine, force, left=0.0) + kinds["drift_N_s"] * (time - time[0])
     noise = rng.standard_normal(len(time)) + kinds["wander"] * wander
     measured += kinds["slope_N_mm"] * (x - x[0]) + kinds["noise_N"] * noise
-    measured = np.round(measured / kinds["digit_N"]) * kinds["digit_N"]
+    measured = np.round(before_digits(time - time[0], measured, kind, rng) / kinds["digit_N"]) * kinds["digit_N"]
     x = np.round(x + rng.normal(0.0, 0.001, len(x)), 4)
     if kind == "stopping":  # it has stopped where a tenth of its speed is left
         stop += kinds["eased"] * stop * (np.log(10.0) - 1.0)
@@ -159,6 +159,16 @@ def draw(rng: np.random.Generator, kind: str = "") -> Drawn:
         kinds["zero_mm"],
         kinds,
     )
+
+
+def before_digits(time: NDArray, force: NDArray, kind: str, rng: np.random.Generator) -> NDArray:
+    """A force as the amplifier's low-pass and a sensor that warms up show it to the converter."""
+    if kind == "lowpass":
+        return Lowpass(float(np.exp(rng.uniform(np.log(20.0), np.log(100.0)))), 2, 1).apply(time, force)
+    if kind == "thermal":
+        size, lasts = float(rng.choice([-1.0, 1.0]) * rng.uniform(0.05, 0.3)), float(rng.uniform(5.0, 60.0))
+        return force + size * (1.0 - np.exp(-time / lasts))
+    return force
 
 
 def forces(law: str, time: NDArray, x: NDArray) -> NDArray:
@@ -180,7 +190,7 @@ def spoiled(press: Drawn, kind: str, rng: np.random.Generator) -> Drawn:
 
     A position in steps or held, a force that is late (half of them begin on the way in, with fewer samples of the
     hold), packets of rows, a force that comes back slowly: by the creep of the load cell, or as an average is shown;
-    stamps that jitter, rows lost in bursts, a low-pass of the force, a sensor that warms up, a zero set at a touch.
+    stamps that jitter, rows lost in bursts, a zero set at a touch.
     """
     time, x, force = press.time_s, press.displacement_mm, press.force_N
     if kind == "steps":
@@ -220,12 +230,6 @@ def spoiled(press: Drawn, kind: str, rng: np.random.Generator) -> Drawn:
         for first in rng.integers(0, len(time), int(rng.integers(2, 8))):
             kept[first : first + int(rng.integers(2, 12))] = False
         return replace(press, time_s=time[kept], displacement_mm=x[kept], force_N=force[kept])
-    if kind == "lowpass":
-        filtered = Lowpass(float(np.exp(rng.uniform(np.log(20.0), np.log(100.0)))), 2, 1).apply(time, force)
-        return replace(press, force_N=filtered)
-    if kind == "thermal":
-        size, lasts = float(rng.choice([-1.0, 1.0]) * rng.uniform(0.05, 0.3)), float(rng.uniform(5.0, 60.0))
-        return replace(press, force_N=force + size * (1.0 - np.exp(-time / lasts)))
     if kind == "touch":
         drawn = press.kinds
         touch = drawn["dwell_s"] + drawn["gap_mm"] / drawn["speed_mm_s"]

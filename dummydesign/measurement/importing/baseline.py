@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.measurement.importing.sign_convention import Span, approach_start
+from dummydesign.measurement.motion import LATE
 from dummydesign.measurement.plateau import noise_of
 
 LEAST_LEAD_IN = 5
@@ -19,8 +20,6 @@ MOSTLY = 0.3
 """Share of the variance from which on the noise mostly wanders: then samples that follow quickly share its error."""
 CLEAR = 2.5
 """Errors that a drift or a slope must exceed to be one; off a line is what exceeds twice as many."""
-SHOWN = 1.0 / 3.0
-"""Share of what drift and slope may do before they are looked at to which the lead-in must narrow it to show them."""
 MATTERS = 0.002
 """Share of the largest force by which drift and slope must change it within the press to be subtracted."""
 
@@ -77,8 +76,8 @@ class Baseline:
     error) that from contact to the end of the hold.
     ``drift_alone_N_s`` and ``slope_alone_N_mm`` are set where a change is clear, but not of which kind.
     ``held_error_N`` is how far (95 %) level, drift and slope that are not seen may move the force by the end of the
-    hold; infinite where the samples before contact show too little of them. ``left_N`` is what the force reads at most
-    after the punch came back, where that is no straight drift.
+    hold, where it reads ``held_N`` by the best line; infinite where the samples before contact show too little of them.
+    ``left_N`` is what the force reads at most after the punch came back, where that is no straight drift.
     """
 
     level_N: float
@@ -97,6 +96,7 @@ class Baseline:
     drift_alone_N_s: float = 0.0
     slope_alone_N_mm: float = 0.0
     comes_back: bool = False
+    held_N: float = 0.0
     held_error_N: float = float("inf")
     left_N: float = 0.0
 
@@ -164,13 +164,13 @@ def _with_changes(
     floors = np.array([0.0, slow / max(float(np.ptp(clock)), 1e-9), slow / max(float(np.ptp(way)), 1e-9)])
     columns = np.stack([np.ones_like(clock), clock, way])
 
-    def fit(*kept: int, of: int = len(parts)) -> tuple[NDArray, NDArray, NDArray]:
+    def fit(*kept: int, of: int = len(parts), force: NDArray = mean) -> tuple[NDArray, NDArray, NDArray]:
         """Level, drift and slope with their errors (those that are left out are 0), and the covariance of these."""
         rows, at = columns[list(kept), :of], list(kept)
         prior = np.array([0.0, DRIFT_N_S**-2, SLOPE_N_MM**-2])[at]
         covariance = np.linalg.inv((rows / variance[:of]) @ rows.T + np.diag(prior))
         value, error = np.zeros(3), np.zeros(3)
-        value[at] = covariance @ (rows @ (mean / variance)[:of])
+        value[at] = covariance @ (rows @ (force / variance)[:of])
         error[at] = np.hypot(np.sqrt(np.diag(covariance)), floors[at])
         return value, error, covariance
 
@@ -186,10 +186,10 @@ def _with_changes(
         return replace(own, left_N=left, held_error_N=2.0 * left)
     end = np.array([1.0, lasts, depth])
     unseen = np.minimum(floors, [0.0, DRIFT_N_S, SLOPE_N_MM]) * end
-    # the force of the hold is rounded as that before contact is
-    spread = float(np.sqrt(end @ covariance @ end + unseen @ unseen + noise.rounding_N**2))
-    if spread < SHOWN * float(np.hypot(DRIFT_N_S * lasts, SLOPE_N_MM * depth)):
-        plain = replace(plain, held_error_N=2.0 * spread)
+    # the force of the hold is rounded as that before contact is, and its mean is of fewer samples
+    read = noise.rounding_N**2 + noise.wander_N**2 + noise.sample_N**2 / max(LATE * (held - deepest), 1.0)
+    spread = float(np.sqrt(end @ covariance @ end + unseen @ unseen + read))
+    plain = replace(plain, held_N=float(end @ whole), held_error_N=2.0 * spread)
     if returns:
         lead, _, known = fit(0, 1, 2, of=leading)
         ahead = np.sqrt(np.einsum("ip,ij,jp->p", columns, known, columns) + variance)
@@ -204,6 +204,9 @@ def _with_changes(
     value, error, _ = fit(0, *clear) if clear else alone[steady.index(True)]
     if not clear and all(steady):  # of which kind it is remains open: a drift, until the user settles it
         plain = replace(plain, drift_alone_N_s=float(alone[0][0][1]), slope_alone_N_mm=float(alone[1][0][2]))
+    # its rate may fall to a third in the time that was recorded, and what the line leaves out may still be there
+    bend = 0.5 * value[1] / (lasts - clock[0]) * np.append(clock, lasts) ** 2
+    off_N = [2.0 * end @ (whole - value), bend[-1] - end @ fit(0, 1, 2, force=bend[:-1])[0]]
     effect = abs(value[1]) * lasts + abs(value[2]) * depth
     before = float(value[1] * -clock[0] + value[2] * -way[0])
     return replace(
@@ -216,6 +219,5 @@ def _with_changes(
         effect_N=float(effect),
         effect_error_N=float(np.hypot(error[1] * lasts, error[2] * depth)),
         comes_back=returns,
-        # a change that the line leaves out may still be there
-        held_error_N=float(np.hypot(plain.held_error_N, 2.0 * end @ (whole - value))),
+        held_error_N=float(np.linalg.norm([plain.held_error_N, *off_N])),
     )

@@ -358,7 +358,7 @@ def find_tares(
     )
     if any(one.effect_N for one in lines):
         log.decide("tare", f"a line, {sign * level:.4g} N at contact", _words_of_line(lines[0], text))
-        return lines
+        return [_stated(one, rest_N) for one in lines]
     # nothing of a tared file is changed
     tared = abs(level) <= 1.5 * first.error_N or abs(level) < 0.1 * first.noise_N
     tare = 0.0 if tared else round(level, FORCE_DIGITS)
@@ -378,7 +378,13 @@ def find_tares(
             f"the force at no load changes from press to press ({text} N); each press is tared by "
             "its own lead-in: let the sensor warm up, or zero it before each press",
         )
-    return [_constant(one, tare) for one, tare in zip(lines, tares)]
+    return [_stated(_constant(one, tare), rest_N) for one, tare in zip(lines, tares)]
+
+
+def _stated(line: Baseline, rest_N: float) -> Baseline:
+    """The same with the change that a constant leaves out in the error of the steady force."""
+    left_out_N = 0.0 if line.effect_N else line.level_N - rest_N - line.held_N
+    return replace(line, held_error_N=math.hypot(line.held_error_N, left_out_N))
 
 
 def force_text(force_N: float) -> str:

@@ -52,9 +52,9 @@ class ImportedPress:
     """One press as it is written: time from 0 at its first sample, zero at contact, tared, compression positive.
 
     ``contact_low_mm`` and ``contact_high_mm`` are the 95 % interval of the contact by the force alone, about the zero
-    that was taken; ``begins_s`` is the time of the file at the first sample. ``steady_error_N`` is how far (95 %) a
-    level, drift or slope of the force that is not seen before contact may move the steady force; None without a hold,
-    or where the samples there show too little of them.
+    that was taken; ``begins_s`` is the time of the file at its first sample. ``steady_error_N`` is how far (95 %)
+    noise, ringing and a level, drift or slope of the force not seen before contact may move the steady force; None
+    without a hold or without samples before contact.
     """
 
     number: int
@@ -137,7 +137,7 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog, shared: Shar
         warn = partial(log.warn, name=name)
         judged = check_press(t, way, force, contact, summary, warn)
         ends = contact.low_mm - at - step_mm, contact.high_mm - at + step_mm, signs.displacement * at
-        error = _steady_error(summary, contact.baseline, warn)
+        error = _steady_error(summary, level, warn)
         presses.append(ImportedPress(number, t, way, force, summary, *ends, float(time[span.start]), error, judged))
     return Imported(path, tuple(presses), tuple(log.decisions), tuple(log.warnings), columns, sheet)
 
@@ -149,7 +149,8 @@ left when the punch is back."""
 
 def _steady_error(summary: Summary, baseline: Baseline, warn: Warn) -> float | None:
     """How far unseen drift and slope may move the steady force (95 %); None where it is not known. [N]"""
-    steady, error_N, left_N = summary.steady_force_N, baseline.held_error_N, baseline.left_N
+    steady, left_N = summary.steady_force_N, baseline.left_N
+    error_N = float(np.hypot(baseline.held_error_N, summary.rings_N))
     if steady is None or not np.isfinite(error_N):
         return None
     if left_N > BACK * abs(steady):
@@ -160,11 +161,11 @@ def _steady_error(summary: Summary, baseline: Baseline, warn: Warn) -> float | N
             "record without averaging, or let the force come back before the next press",
         )
     elif error_N > UNSURE * abs(steady):
-        warn(
-            "steady_uncertain",
-            f"a drift or a slope that is not seen before contact may move the steady force of {steady:.3g} "
-            f"N by {error_N:.2g} N (95 %): record longer and farther before contact, or until the punch is back",
-        )
+        rings = summary.rings_N > baseline.held_error_N
+        cause = "the punch still rings, which" if rings else "a drift or a slope that is not seen before contact"
+        advice = "hold longer" if rings else "record longer and farther before contact, or until the punch is back"
+        moved = f"may move the steady force of {steady:.3g} N by {error_N:.2g} N (95 %)"
+        warn("steady_uncertain", f"{cause} {moved}: {advice}")
     return error_N
 
 

@@ -90,7 +90,7 @@ def reduce_trace(trace: Trace) -> ReducedTrace:
     binning, nodes = cut(time, edges, left_out), _nodes(time, edges, ramp)
     measured, mean = (of(nodes, time, trace.displacement_mm) for of in (between, mean_around))
     motion = Motion(nodes, np.where(nodes > max(settled_s, ramp.settled_s), mean, measured))
-    steady = steady_force(time, trace.displacement_mm, force, ramp)
+    steady, _ = steady_force(time, trace.displacement_mm, force, ramp)
     velocity = trace.commanded_speed_mm_s or ramp.speed.value_mm_s
     return ReducedTrace(
         trace,

@@ -73,8 +73,44 @@ def test_the_error_of_the_steady_force_falls_with_what_is_recorded_before_contac
         warned = "steady_uncertain" in [warning["code"] for warning in found.warnings]
         assert warned == (errors[-1] > 0.05 * found.presses[0].summary.steady_force_N)
     assert errors[0] > 3.0 * errors[1] > 6.0 * errors[2] and errors[0] > 0.32
-    for dwell, gap in ((0.0, 0.0), (0.05, 0.05)):
-        assert imported(tmp_path, press(4, dwell=dwell, gap=gap, release=False)).presses[0].steady_error_N is None
+    barely = imported(tmp_path, press(4, dwell=0.05, gap=0.05, release=False))
+    assert barely.presses[0].steady_error_N > errors[0]
+    assert "steady_uncertain" in [warning["code"] for warning in barely.warnings]
+    assert imported(tmp_path, press(4, dwell=0.0, gap=0.0, release=False)).presses[0].steady_error_N is None
+
+
+def test_a_change_too_small_to_be_subtracted_is_in_the_error_of_the_steady_force(tmp_path):
+    """A slope of 2 mN/mm over 7 mm is less than 0.2 % of the largest force, but far more than the noise."""
+    (one,) = imported(tmp_path, press(6, slope=0.002, noise=0.0005, release=False)).presses
+    off = abs(one.summary.steady_force_N - 6.4)
+    assert 0.01 < off < one.steady_error_N < 2.5 * off
+
+
+def test_a_drift_that_slows_is_within_the_error_of_the_steady_force(tmp_path):
+    """A sensor that warms up, its rate falls to a third in the recording: the line from before contact goes too far."""
+    time, x, force, _ = press(7, noise=0.002, release=False)
+    found = imported(tmp_path, (time, x, force + 0.3 * (1.0 - np.exp(-time / time[-1]))))
+    (one,) = found.presses
+    off = abs(one.summary.steady_force_N - 6.4)
+    assert "force_drifts" in [warning["code"] for warning in found.warnings]
+    assert 0.05 < off < one.steady_error_N < 4.0 * off
+
+
+def test_a_steady_force_that_is_read_while_the_punch_rings_says_how_far_it_may_be_off(tmp_path):
+    """Two periods of 3.3 Hz in a hold of 0.6 s, of a pad that relaxes meanwhile."""
+    time = np.arange(0.0, 3.0, 0.002)
+    rung = np.maximum(time - 2.4, 0.0)
+    x = np.minimum(10.0 * (time - 2.0), 4.0) + 0.3 * np.exp(-2.0 * rung) * np.sin(2.0 * np.pi * 3.3 * rung)
+    elastic = np.maximum(x, 0.0) ** 1.5
+    force, held = 0.5 * elastic, 0.0
+    for at in range(1, len(time)):
+        held = np.exp(-0.002 / 0.05) * (held + elastic[at] - elastic[at - 1])
+        force[at] += 0.5 * held
+    force += np.random.default_rng(8).normal(0.0, 0.01, len(time))
+    found = imported(tmp_path, (time, np.maximum(x, -4.0), force))
+    (one,) = found.presses
+    assert one.summary.rings_N > 0.05 and one.steady_error_N > one.summary.rings_N
+    assert abs(one.summary.steady_force_N - 4.0) < one.steady_error_N
 
 
 def test_a_drift_that_is_seen_before_contact_only_is_named(tmp_path):

@@ -22,12 +22,10 @@ from dummydesign.pad.contact.friction import CombinedSurface, RestingBase, weigh
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Discretisation, Solid
 from dummydesign.pad.force_law import PadCurve
-from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, HyperelasticLaw
+from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, Array, HyperelasticLaw
 from dummydesign.pad.pad_under_punch import SLAB, Pad
 from dummydesign.pad.solve.continuation import ForcePath, cost
 from dummydesign.pad.solve.equilibrium import ContactProblem
-
-Array = np.ndarray
 
 # Stiffness of the film in shear moduli per rim, and how many rims it reaches inwards.
 FILM_STIFFNESS = GLUED_SLAB.contact * GLUED_SLAB.grip_share

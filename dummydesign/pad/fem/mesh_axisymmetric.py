@@ -180,15 +180,18 @@ def cell_nodes(mesh: Discretisation) -> Array:
     return mesh.dofs.reshape(len(mesh.dofs), 9, 2)[:, :, 0] // 2
 
 
-def edges_on(mesh: Discretisation, on: Array) -> Array:
-    """Sides whose three nodes all satisfy ``on`` (bool per node); node numbers, shape (sides, 3), by r or z."""
+def cell_sides(mesh: Discretisation) -> Array:
+    """Sides of all cells but those drawn together to a point; node numbers, shape (sides, 3), by r or z."""
     nodes = cell_nodes(mesh)
-    edges = []
-    for side, i, j in PATCH_SIDES:
-        three = nodes[:, [i, side, j]]
-        length = np.linalg.norm(mesh.nodes[:, three[:, 0]] - mesh.nodes[:, three[:, 2]], axis=0)
-        edges.append(three[on[three].all(axis=1) & (length > 1e-12)])
-    return np.concatenate(edges)
+    three = np.concatenate([nodes[:, [i, side, j]] for side, i, j in PATCH_SIDES])
+    length = np.linalg.norm(mesh.nodes[:, three[:, 0]] - mesh.nodes[:, three[:, 2]], axis=0)
+    return three[length > 1e-12]
+
+
+def edges_on(mesh: Discretisation, on: Array) -> Array:
+    """Sides whose three nodes all satisfy ``on`` (bool per node); see :func:`cell_sides`."""
+    three = cell_sides(mesh)
+    return three[on[three].all(axis=1)]
 
 
 def on_top(mesh: Discretisation) -> Array:

@@ -256,12 +256,7 @@ def _eigen(F: Array) -> tuple[Array, Array, Array | None]:
 class Axisymmetric:
     """Components (rr, rz, zr, zz, tt) of F; the hoop component is 1 + u_r / r."""
 
-    components = 5
     identity = np.array([1.0, 0.0, 0.0, 1.0, 1.0])
-    # Those of the first displacement alone, and where all stand among d/dr, d/dz and 1/r of (u_r, u_z), the two
-    # displacements side by side.
-    first = (0, 1, 4)
-    order = np.array([0, 2, 1, 3, 4])
 
     @staticmethod
     def determinant(F: Array) -> Array:
@@ -289,11 +284,7 @@ class Axisymmetric:
 class Spatial:
     """The nine components of F, row by row."""
 
-    components = 9
     identity = np.eye(3).ravel()
-    # Those of the first displacement alone, and where all stand among the slopes of (u_x, u_y, u_z) side by side.
-    first = (0, 1, 2)
-    order = np.array([0, 3, 6, 1, 4, 7, 2, 5, 8])
     # Signs and places of the products that make up J.
     _terms = tuple((round(np.linalg.det(np.eye(3)[[*p]])), (p[0], 3 + p[1], 6 + p[2])) for p in permutations(range(3)))
 

@@ -141,8 +141,8 @@ def follow(
 
     ``visit`` is called with every wanted depth and the equilibrium found there, ``keep`` with the end of every step.
     Where ``visit`` says why, the path ends before that depth; where ``keep`` does, there. It goes on from the ends of
-    steps ``after``, where there are some. A mesh that moves gives what is expected ``ahead``, at a depth, and how the end
-    of its path is ``explained``.
+    steps ``after``, where there are some. A mesh that moves gives what is expected ``ahead``, at a depth, and how the
+    end of its path is ``explained``.
     """
     began, why = time.perf_counter(), explained or explain
     targets = np.asarray(depths, dtype=float)
@@ -229,8 +229,11 @@ def follow(
         history.append(answer.residuals)
         if answer.iterations <= EASY + EASY_PER_TIE * answer.ties:
             step = min(1.4 * step, largest_step if answer.ties or not lattice else WITHOUT_TIES * largest_step)
+    reached, force, smallest_J = np.array(points).reshape(-1, 3).T
     return ForcePath(
-        *np.array(points).reshape(-1, 3).T,
+        reached,
+        force,
+        smallest_J,
         problem.pattern.n,
         steps,
         iterations,

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core import user_library as json_table
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.core.interpolation import between, locate_on_grid, monotone_cubic
+from dummydesign.core.interpolation import between, between_rows, locate_on_grid, monotone_cubic
 from dummydesign.core.user_library import fill_table
 from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS
 from dummydesign.geometry.interface import BASES
@@ -63,9 +63,7 @@ def sharp_edge_doubt(depth: Array, ratio: Array) -> Array:
     slope = (_DIFFERENCE[:, -1] - _DIFFERENCE[:, -2]) / (_DEPTH[-1] - _DEPTH[-2])
     beyond = np.maximum(x - _DEPTH[-1], 0.0)
     table = np.array([np.interp(x, _DEPTH, row) + steep * beyond for row, steep in zip(_DIFFERENCE, slope)])
-    low, share = locate_on_grid(np.log(_RATIO), at)
-    below, above = (np.take_along_axis(table, (low + k)[None], axis=0)[0] for k in (0, 1))
-    return (1.0 - share) * below + share * above
+    return between_rows(table, np.log(_RATIO), at)
 
 
 def square_doubt(depth: Array, ratio: Array) -> Array:

@@ -67,11 +67,12 @@ def test_energy_does_not_see_a_rotation(law):
 @pytest.mark.parametrize("kinematics", [Axisymmetric, Spatial])
 def test_cofactor_and_second_derivative_are_those_of_the_determinant(kinematics):
     rng = np.random.default_rng(3)
-    F = kinematics.identity + 0.3 * rng.standard_normal((3, kinematics.components))
-    second = np.zeros((3, kinematics.components, kinematics.components))
+    components = len(kinematics.identity)
+    F = kinematics.identity + 0.3 * rng.standard_normal((3, components))
+    second = np.zeros((3, components, components))
     kinematics.add_second(second, np.ones(3), F)
     step = 1e-6
-    for k in range(kinematics.components):
+    for k in range(components):
         up, down = F.copy(), F.copy()
         up[:, k] += step
         down[:, k] -= step

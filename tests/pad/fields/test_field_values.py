@@ -83,7 +83,7 @@ def test_the_cauchy_stress_is_that_of_the_law_in_space_pushed_forward():
     r, z = made.nodes
     u = np.stack([0.03 * r + 0.002 * r * z, 0.05 * z - 0.001 * r**2 * z], axis=1).ravel()
     p = 0.1 * RNG.standard_normal((len(made.weight), 3))
-    stress, stretch = cauchy(solid, u, p, factor)
+    stress, stretch = cauchy(solid, solid.state(u, p), factor)
     F = solid.deformation(u)
     whole = np.zeros((*F.shape[:-1], 3, 3))
     for k, (i, j) in enumerate(((0, 0), (0, 1), (1, 0), (1, 1), (2, 2))):

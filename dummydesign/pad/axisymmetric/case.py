@@ -284,10 +284,9 @@ def held_on(values: Array) -> Array:
 
 def extend_path(path: ForcePath, other: ForcePath, tail: Array) -> ForcePath:
     """Extend a path beyond its end by forces of another one; the cost is that of both."""
-    steps, seconds = path.load_steps + other.load_steps, path.seconds + other.seconds
-    iterations = path.newton_iterations + other.newton_iterations
     longer = replace(other, force=np.concatenate([path.force, tail])) if len(tail) else path
-    return replace(longer, load_steps=steps, newton_iterations=iterations, seconds=seconds)
+    both: dict[str, Any] = cost([path, other]) | {"unknowns": longer.unknowns}
+    return replace(longer, **both)
 
 
 # Load steps end at multiples of this depth over the thickness, halves and less of it at first.

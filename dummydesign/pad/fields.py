@@ -99,12 +99,6 @@ def face_tractions(nodes: Array, u: Array, force: Array, sides: Array) -> dict[s
     return {"node": node, "pressure": pressure, "shear": shear, "down": -pull[1]}
 
 
-def recovered(solid: Solid, solution: Equilibrium, factor: Array) -> tuple[Array, Array]:
-    """Cauchy stress (n, 4) and principal stretches (n, 3) at the nodes of an equilibrium."""
-    both = to_nodes(solid, meshes.POINTS, np.concatenate(cauchy(solid, solution.state, factor), axis=-1))
-    return both[:, :4], both[:, 4:]
-
-
 # State of a place on the tested face.
 FREE, STICKS, SLIPS = 0, 1, 2
 STATES = ("free", "sticks", "slips")
@@ -117,7 +111,6 @@ class PressedFace:
     node: Array
     radius_mm: Array
     height_mm: Array
-    rest_mm: Array
     pressure_MPa: Array
     shear_MPa: Array
     state: Array
@@ -374,11 +367,11 @@ def _pressed(problem: ContactProblem, solution: Equilibrium, depth: float, pad: 
     solid, h = problem.solid, pad.thickness_mm
     mesh = solid.mesh
     factor = np.ones(len(mesh.weight)) if mesh.modulus_factor is None else mesh.modulus_factor
-    stress, stretch = recovered(solid, solution, factor)
     bottom = float(mesh.nodes[1].min())
     lift = np.array([0.0, bottom])
     moved = solution.u.reshape(-1, 2)
     used = np.unique(meshes.cell_nodes(mesh))
+    both = to_nodes(solid, meshes.POINTS, np.concatenate(cauchy(solid, solution.state, factor), axis=-1))[used]
     number = np.full(mesh.nodes.shape[1], -1)
     number[used] = np.arange(len(used))
     face = _face(problem, solution, depth, pad, shear)
@@ -390,8 +383,8 @@ def _pressed(problem: ContactProblem, solution: Equilibrium, depth: float, pad: 
         (mesh.nodes.T - lift)[used] * h,
         moved[used] * h,
         number[meshes.cell_nodes(mesh)],
-        stress[used] * shear,
-        stretch[used],
+        both[:, :4] * shear,
+        both[:, 4:],
         face,
         (outline - lift) * h,
     )
@@ -416,8 +409,8 @@ def _face(problem: ContactProblem, solution: Equilibrium, depth: float, pad: Pad
     (reach, at_edge), punch = shaped.radius_touched(problem, depth, solution.u), problem.punch
     if not pad.edge_radius_mm and at_edge and isinstance(punch, FlatPunch):
         reach = punch.radius  # the fillet stands for a sharp edge, which is reached
-    height, rest = position[1] - float(solid.mesh.nodes[1].min()), solid.mesh.nodes[0, node]
-    return PressedFace(node, position[0] * h, height * h, rest * h, pressure * shear, drag * shear, state, reach * h)
+    height = position[1] - float(solid.mesh.nodes[1].min())
+    return PressedFace(node, position[0] * h, height * h, pressure * shear, drag * shear, state, reach * h)
 
 
 def face_sides(problem: ContactProblem) -> Array:

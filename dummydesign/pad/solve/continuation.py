@@ -51,7 +51,6 @@ class ForcePath:
     newton_iterations: int
     seconds: float
     stop: str | None
-    residuals: tuple[tuple[float, ...], ...] = ()
     doubt: Array | None = None
 
 
@@ -161,7 +160,6 @@ def follow(
     on_the_way = GROWING_TOLERANCE if grows else PATH_TOLERANCE
     wasted, since = 0, depth
     points: list[tuple[float, float, float]] = []
-    history: list[tuple[float, ...]] = []
     while len(points) < len(targets) and stop is None:
         if lattice:
             trial_depth = _on_lattice(depth, step, largest_step, targets[-1])
@@ -226,7 +224,6 @@ def follow(
         if problem.surface is not None:
             problem.surface.settle(u, problem.punch, depth)
         steps += 1
-        history.append(answer.residuals)
         if answer.iterations <= EASY + EASY_PER_TIE * answer.ties:
             step = min(1.4 * step, largest_step if answer.ties or not lattice else WITHOUT_TIES * largest_step)
     reached, force, smallest_J = np.array(points).reshape(-1, 3).T
@@ -239,7 +236,6 @@ def follow(
         iterations,
         time.perf_counter() - began,
         stop,
-        tuple(history),
     )
 
 

@@ -47,7 +47,7 @@ def pressed(scale: float = 1.0) -> Pressed:
     radius = places[top, 0]
     state = np.where(radius < 3.0, STICKS, np.where(radius <= 5.0, SLIPS, FREE))
     pressure = np.where(state == FREE, 0.0, scale * (0.01 + 0.004 * np.sin(radius) + 0.05 * (radius > 4.6)))
-    face = PressedFace(top, radius, 0.0 * radius + 5.0, radius, pressure, 0.2 * pressure, state, 5.0)
+    face = PressedFace(top, radius, 0.0 * radius + 5.0, pressure, 0.2 * pressure, state, 5.0)
     stress = scale * 0.01 * np.random.default_rng(3).standard_normal((len(places), 4))
     return Pressed(
         1.0,

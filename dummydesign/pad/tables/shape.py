@@ -46,7 +46,6 @@ class ShapeTable:
     """Response surface of one kind of shaped pad, what it is right for and how near it is."""
 
     kind: str
-    condition: str
     response: Surface
     low: Array
     high: Array

@@ -211,8 +211,6 @@ DAMPING = 1e-4
 class FilletedTable(ResponseTable):
     """Response table of one fillet; a series in sqrt(d / h), with the error of its own solves."""
 
-    fillet: float = 0.0
-
     def _coordinates(self, x: Array, ratio: Array) -> tuple[Array, Array]:
         _, v = super()._coordinates(x, ratio)
         return 2.0 * np.sqrt(np.maximum(x, 0.0) / self.depth_range[1]) - 1.0, v
@@ -247,7 +245,6 @@ def between_fillets(data: dict[str, Any], fillet: float) -> FilletedTable:
         depth,
         np.zeros(values.shape),
         provenance,
-        fillet,
     )
     coefficients, misfit = _series(table, values, depth)
     # What the series leaves is part of the error; beyond a solve's end the last one holds.

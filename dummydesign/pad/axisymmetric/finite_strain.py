@@ -5,6 +5,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -171,9 +172,7 @@ def _of_shape(case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Ar
     step = (FLAT_STEP if flat else LARGEST_STEP) * 16.0 / cells
 
     def follow(twin: bool, rims: Sequence[float]) -> RatioPath:
-        def problem(own: Case, rim: float) -> ContactProblem:
-            return shaped_problem(own, cells, rim, twin, refinement=1.0)
-
+        problem = partial(shaped_problem, cells=cells, twin=twin, refinement=1.0)
         return _ratio_path(problem, case, prony, time_s, depth, rims, step, not (twin or flat))
 
     path = follow(False, (case.edge / case.scale,) if case.edge else RIMS[::-1])
@@ -188,7 +187,7 @@ def _of_shape(case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Ar
 
 
 def _ratio_path(
-    problem: Callable[[Case, float], ContactProblem],
+    problem: Callable[..., ContactProblem],
     case: Case,
     prony: tuple[PronyTerm, ...],
     time_s: Array,
@@ -201,7 +200,7 @@ def _ratio_path(
     for rim in rims:
         paths, why = [], None
         for arms in ((), prony):
-            made = problem(replace(case, law=Viscoelastic(case.law, arms)), rim)
+            made = problem(replace(case, law=Viscoelastic(case.law, arms)), rim=rim)
             watch = FoldWatch(RoundFace(made, case.thickness_mm)) if folds else None
             path = follow_motion(made, time_s, depth, largest_step, watch.check if watch else None)
             paths.append(path)

@@ -17,7 +17,8 @@ _GAUSS = 0.5 + 0.5 * np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])
 POINTS = np.stack([np.repeat(_GAUSS, 3), np.tile(_GAUSS, 3)])
 """Points of Gauss on the unit square, shape (2, 9), exact for polynomials of order five along each side."""
 WEIGHTS = np.outer([5.0, 8.0, 5.0], [5.0, 8.0, 5.0]).ravel() / 18.0**2
-SIDES = ((0, 1), (1, 2), (2, 3), (0, 3))
+# Middle and ends of the sides among the nine nodes of a cell.
+PATCH_SIDES = ((4, 0, 1), (5, 1, 2), (6, 2, 3), (7, 3, 0))
 # Which of the three parabolas along x and y make each of the nine functions: at 0, at 1, at 1/2.
 _ALONG = ((0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (1, 2), (2, 1), (0, 2), (2, 2))
 
@@ -45,7 +46,7 @@ def functions(places: Array) -> tuple[Array, Array]:
 def nine_nodes(points: Array, quads: Array) -> tuple[Array, Array]:
     """Places (2, n) of all nodes of straight quadrilaterals, and those of each, shape (elements, 9)."""
     vertices, elements = points.shape[1], quads.shape[1]
-    ends = np.sort(np.concatenate([quads[list(side)].T for side in SIDES]), axis=1)
+    ends = np.sort(np.concatenate([quads[[i, j]].T for _, i, j in PATCH_SIDES]), axis=1)
     sides, number = np.unique(ends, axis=0, return_inverse=True)
     middle = vertices + len(sides) + np.arange(elements)
     node = np.column_stack([quads.T, vertices + number.reshape(4, elements).T, middle])
@@ -152,9 +153,6 @@ def discretise(
         kinematics=Axisymmetric,
         reference=(np.concatenate([functions(POINTS)[1].transpose(1, 0, 2), at.value[None]]), at.turn),
     )
-
-
-PATCH_SIDES = ((4, 0, 1), (5, 1, 2), (6, 2, 3), (7, 3, 0))
 
 
 def _to_quarter(places: Array, quads: Array, node: Array, centre: Array) -> Array:

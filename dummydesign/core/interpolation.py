@@ -82,7 +82,11 @@ def locate_on_grid(grid: NDArray, value: NDArray) -> tuple[NDArray, NDArray]:
 
 def between(x: NDArray, y: NDArray, columns: NDArray, rows: NDArray, values: NDArray) -> NDArray:
     """Bilinear interpolation of a table; its ends are held."""
-    by_row = np.array([np.interp(x, columns, row) for row in values])
+    return between_rows(np.array([np.interp(x, columns, row) for row in values]), rows, y)
+
+
+def between_rows(by_row: NDArray, rows: NDArray, y: NDArray) -> NDArray:
+    """Values between those of neighbouring rows, shape (rows, ...); the ends are held."""
     low, part = locate_on_grid(rows, y)
     first = np.take_along_axis(by_row, low[None], axis=0)[0]
     second = np.take_along_axis(by_row, low[None] + 1, axis=0)[0]

@@ -78,7 +78,7 @@ class Conic:
         grown = 2 * r * 2 * (half_length_mm + slope * z)
         return float(np.sum(grown * self.height_mm * root * weight))
 
-    def check(self, what: str, steepest_deg: float) -> None:
+    def check_cap(self, what: str, steepest_deg: float) -> None:
         """Refuse what is no cap or too steep."""
         if not all(np.isfinite(value) for value in (self.radius_mm, self.height_mm, self.foot_mm)):
             raise InputError(f"{what}: radius, height and foot must be finite numbers", "out_of_range", what)
@@ -109,11 +109,9 @@ FOOT_SHARES = np.geomspace(0.4, 1.7, 9)
 
 
 @dataclass(frozen=True)
-class ConicProfile(PadShape):
-    """A conic profile of apex radius, height and foot radius (0: that of a sphere)."""
+class ConicProfile(Conic, PadShape):
+    """A shape with a conic profile: apex radius, height and foot radius (0: that of a sphere)."""
 
-    radius_mm: float
-    height_mm: float
     foot_mm: float = 0.0
 
     def __post_init__(self) -> None:
@@ -141,14 +139,9 @@ class ConicProfile(PadShape):
         return self.along
 
     @property
-    def conic(self) -> Conic:
-        """The profile."""
-        return Conic(self.radius_mm, self.height_mm, self.foot_mm)
-
-    @property
     def steepest_deg(self) -> float:
         """The slope at the foot."""
-        return self.conic.foot_slope_deg
+        return self.foot_slope_deg
 
     def lines_mm(self) -> tuple[float, ...]:
         """The foot."""
@@ -160,12 +153,11 @@ class ConicProfile(PadShape):
 
     def volume_mm3(self, block: PadBlock) -> float:
         """Volume under the profile. [mm3]"""
-        return self.conic.ridge_volume_mm3(*self.ends(block)) if self.along else self.conic.cap_volume_mm3()
+        return self.ridge_volume_mm3(*self.ends(block)) if self.along else self.cap_volume_mm3()
 
-    def sag_mm(self, x_mm: Array, y_mm: Array) -> Array:
-        """Drop below the apex. [mm]"""
-        across = np.hypot(0.0 * np.asarray(x_mm), y_mm) if self.along else np.hypot(x_mm, y_mm)
-        return self.conic.sag_mm(across)
+    def across_mm(self, x_mm: Array, y_mm: Array) -> Array:
+        """Distance from the apex, or from the line of apices. [mm]"""
+        return np.hypot(0.0 * np.asarray(x_mm), y_mm) if self.along else np.hypot(x_mm, y_mm)
 
     @classmethod
     def in_proportion(cls, k: Array) -> dict[str, Array]:

@@ -53,19 +53,13 @@ class Similarity:
         The numbers, in words; the first is thickness over punch radius.
     logarithms : tuple of bool
         Which of them enter a table by their logarithm.
-    over : str
-        What the force is divided by: ``tip``, Hertz's force of the highest tip, or ``slab``, the force of the slab
-        of the upper resin.
+    over_tip : bool
+        Whether the force is divided by Hertz's force of the highest tip, else by that of the slab of the upper resin.
     """
 
     names: tuple[str, ...]
     logarithms: tuple[bool, ...]
-    over: str
-
-    @property
-    def over_tip(self) -> bool:
-        """Whether the force is counted against Hertz's force of the highest tip."""
-        return self.over == "tip"
+    over_tip: bool
 
 
 def grid(*axes: Array) -> list[Array]:

@@ -9,9 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.interpolation import locate_on_grid
 from dummydesign.geometry.dimensions import EXTENT_OVER_RADIUS, MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
+from dummydesign.pad import force_source
+from dummydesign.pad.first_touch import low_end, solvable_depths
 from dummydesign.pad.force_law import Array, ForceLaw
 from dummydesign.pad.pad_under_punch import Pad
 
@@ -95,9 +99,7 @@ class FeForceLaw(ForceLaw):
 
 def corners_known(pad: Pad, fidelity: str) -> bool:
     """Whether this fidelity knows what the corners of the punch do; true for a round one."""
-    from dummydesign.pad.force_source import has_square_factor
-
-    return pad.sides_mm is None or fidelity == "3d" or has_square_factor(pad)
+    return pad.sides_mm is None or fidelity == "3d" or force_source.has_square_factor(pad)
 
 
 def solve_slab(pad: Pad, fidelity: str = "axisymmetric") -> SolvedSlab:
@@ -105,8 +107,6 @@ def solve_slab(pad: Pad, fidelity: str = "axisymmetric") -> SolvedSlab:
 
     With ``axisymmetric`` a glued square on a neo-Hookean slab carries its tabulated factor; ``3d`` solves it.
     """
-    from dummydesign.pad.force_source import elastic_curve, solve_points
-
     if pad.sides_mm is not None and not corners_known(pad, fidelity):
         sides = "x".join(f"{side:g}" for side in pad.sides_mm)
         raise InputError(
@@ -117,9 +117,9 @@ def solve_slab(pad: Pad, fidelity: str = "axisymmetric") -> SolvedSlab:
         )
     depth = np.array(SLAB_SHARES) * pad.thickness_mm
     if pad.condition != "bonded" and fidelity != "3d":
-        solved = solve_points(pad, depth)
+        solved = force_source.solve_points(pad, depth)
         return SolvedSlab(pad, solved.depth_mm, solved.force_N, solved.error_N / solved.force_N, tuple(solved.notes))
-    curve = elastic_curve(pad, fidelity, float(depth[-1]), depth)
+    curve = force_source.elastic_curve(pad, fidelity, float(depth[-1]), depth)
     depth = depth[depth <= curve.limit_mm * (1.0 + 1e-9)]
     return SolvedSlab(pad, depth, curve.force(depth), curve.relative_error(depth), tuple(curve.notes))
 
@@ -220,10 +220,8 @@ class SlabLawForTest(ForceLaw):
         rows = [_along(one, share, name) for one in self.solved]
         if len(rows) == 1:
             return rows[0]
-        nodes = np.log([one.thickness_mm for one in self.solved])
-        position = np.interp(np.log(thickness), nodes, np.arange(len(nodes)))
-        left = np.minimum(position.astype(int), len(nodes) - 2)
-        stack, part = np.stack(rows), position - left
+        left, part = locate_on_grid(np.log([one.thickness_mm for one in self.solved]), np.log(thickness))
+        stack = np.stack(rows)
         low, high = (np.take_along_axis(stack, at[None], 0)[0] for at in (left, left + 1))
         return low + part * (high - low)
 
@@ -261,16 +259,11 @@ def solve_over_table(table: ForceLaw, pad: Pad, thickness_mm: float) -> Solved:
     own = replace(pad, thickness_mm=thickness_mm, young_MPa=1.0, sides_mm=None)
     if in_table(pad):
         inputs = {"radius": pad.radius_mm, "extent": pad.extent_mm, "base": pad.base, "thickness": thickness_mm}
-        from dummydesign.core.cache import cached
-
         made = cached("rim", inputs, lambda: _by_rim(own, share))
         depth_share, factor, error = (np.asarray(made[name], float) for name in ("share", "log_factor", "error"))
         error = error + table.relative_error(depth_share * thickness_mm, thickness_mm, pad.radius_mm)
     else:
-        from dummydesign.pad.first_touch import low_end, solvable_depths
-        from dummydesign.pad.force_source import solve_points
-
-        curve = solve_points(own, solvable_depths(own, share * thickness_mm))
+        curve = force_source.solve_points(own, solvable_depths(own, share * thickness_mm))
         depth, force, error = curve.depth_mm, curve.force_N, curve.error_N / curve.force_N
         if len(depth) > 1:
             end = low_end(own, depth, force, error)

@@ -13,9 +13,7 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import unwritable, write_bytes, write_text
-from dummydesign.pad.fields import Pressed
-
-Array = np.ndarray
+from dummydesign.pad.fields import Array, Pressed
 
 SUFFIXES = (".png", ".svg", ".pdf")
 # Colours end at this percentile of the stress under the punch: at the punch's edge it has no bound.
@@ -123,18 +121,27 @@ def grid(pressed: Pressed) -> Any:
     made = pyvista.UnstructuredGrid(cells, np.full(len(pressed.cells), BIQUADRATIC_QUAD), _three(pressed.rest_mm))
     rr, zz, tt, rz = pressed.cauchy_MPa.T
     nothing = np.zeros(count)
-    made.point_data["displacement_mm"] = _three(pressed.displacement_mm)
-    made.point_data["cauchy_MPa"] = np.stack([rr, zz, tt, rz, nothing, nothing], axis=1)
-    made.point_data["principal_MPa"] = pressed.principal_MPa
-    made.point_data["pressure_MPa"] = pressed.pressure_MPa
-    made.point_data["von_mises_MPa"] = pressed.von_mises_MPa
-    made.point_data["stretch"] = pressed.stretch
-    on_face = {name: nothing.copy() for name in ("contact_pressure_MPa", "contact_shear_MPa", "contact_state")}
-    for name, values in zip(on_face, (pressed.face.pressure_MPa, pressed.face.shear_MPa, pressed.face.state)):
-        on_face[name][pressed.face.node] = values
-        made.point_data[name] = on_face[name]
-    made.field_data["depth_mm"] = [pressed.depth_mm]
-    made.field_data["force_N"] = [pressed.force_N]
+    face = pressed.face
+
+    def on_face(values: Array) -> Array:
+        all_points = np.zeros(count)
+        all_points[face.node] = values
+        return all_points
+
+    made.point_data.update(
+        {
+            "displacement_mm": _three(pressed.displacement_mm),
+            "cauchy_MPa": np.stack([rr, zz, tt, rz, nothing, nothing], axis=1),
+            "principal_MPa": pressed.principal_MPa,
+            "pressure_MPa": pressed.pressure_MPa,
+            "von_mises_MPa": pressed.von_mises_MPa,
+            "stretch": pressed.stretch,
+            "contact_pressure_MPa": on_face(face.pressure_MPa),
+            "contact_shear_MPa": on_face(face.shear_MPa),
+            "contact_state": on_face(face.state),
+        }
+    )
+    made.field_data.update({"depth_mm": np.array([pressed.depth_mm]), "force_N": np.array([pressed.force_N])})
     return made
 
 

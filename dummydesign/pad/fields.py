@@ -30,7 +30,7 @@ from dummydesign.pad.axisymmetric.profile_punch import edge_problem, load_steps,
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace
 from dummydesign.pad.contact.axisymmetric import Array, FlatPunch, ProfilePunch
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
-from dummydesign.pad.fem.mixed_solid import Solid
+from dummydesign.pad.fem.mixed_solid import Solid, SolidState
 from dummydesign.pad.pad_under_punch import SLAB, Pad, Puck
 from dummydesign.pad.solve.continuation import ForcePath, VisitedState, follow, state_between
 from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium
@@ -39,17 +39,14 @@ from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium
 NODES = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5], [0.5, 0.5]])
 
 
-def cauchy(solid: Solid, u: Array, p: Array, factor: Array) -> tuple[Array, Array]:
-    """Cauchy stress (rr, zz, tt, rz) and principal stretches at the quadrature points.
+def cauchy(solid: Solid, state: SolidState, factor: Array) -> tuple[Array, Array]:
+    """Cauchy stress (rr, zz, tt, rz) and principal stretches at the quadrature points of a state.
 
     sigma = P F^T / J with the first Piola stress P of :mod:`dummydesign.pad.fem.mixed_solid`.
     """
-    kinematics, law = solid.mesh.kinematics, solid.law
-    F = solid.deformation(u)
-    J = kinematics.determinant(F)
-    slope = -law.reference_stress_MPa / J + solid.stabilisation * (J - 1.0) + p @ solid.mesh.pressure_basis.T
-    P = law.stress(F) + slope[..., None] * kinematics.cofactor(F)
-    P = P * (factor[:, None] / J)[..., None]
+    F, cofactor, slope = state.at
+    P = solid.law.stress(F) + slope[..., None] * cofactor
+    P = P * (factor[:, None] / state.J)[..., None]
     pairs = ((0, 0), (1, 1)), ((2, 2), (3, 3)), ((4, 4),), ((0, 2), (1, 3))
     stress = np.stack([sum(P[..., i] * F[..., j] for i, j in pair) for pair in pairs], axis=-1)
     plane = np.linalg.svd(F[..., :4].reshape(*F.shape[:-1], 2, 2), compute_uv=False)
@@ -102,12 +99,6 @@ def face_tractions(nodes: Array, u: Array, force: Array, sides: Array) -> dict[s
     return {"node": node, "pressure": pressure, "shear": shear, "down": -pull[1]}
 
 
-def recovered(solid: Solid, solution: Equilibrium, factor: Array) -> tuple[Array, Array]:
-    """Cauchy stress (n, 4) and principal stretches (n, 3) at the nodes of an equilibrium."""
-    both = to_nodes(solid, meshes.POINTS, np.concatenate(cauchy(solid, solution.u, solution.p, factor), axis=-1))
-    return both[:, :4], both[:, 4:]
-
-
 # State of a place on the tested face.
 FREE, STICKS, SLIPS = 0, 1, 2
 STATES = ("free", "sticks", "slips")
@@ -120,7 +111,6 @@ class PressedFace:
     node: Array
     radius_mm: Array
     height_mm: Array
-    rest_mm: Array
     pressure_MPa: Array
     shear_MPa: Array
     state: Array
@@ -377,11 +367,11 @@ def _pressed(problem: ContactProblem, solution: Equilibrium, depth: float, pad: 
     solid, h = problem.solid, pad.thickness_mm
     mesh = solid.mesh
     factor = np.ones(len(mesh.weight)) if mesh.modulus_factor is None else mesh.modulus_factor
-    stress, stretch = recovered(solid, solution, factor)
     bottom = float(mesh.nodes[1].min())
     lift = np.array([0.0, bottom])
     moved = solution.u.reshape(-1, 2)
     used = np.unique(meshes.cell_nodes(mesh))
+    both = to_nodes(solid, meshes.POINTS, np.concatenate(cauchy(solid, solution.state, factor), axis=-1))[used]
     number = np.full(mesh.nodes.shape[1], -1)
     number[used] = np.arange(len(used))
     face = _face(problem, solution, depth, pad, shear)
@@ -393,8 +383,8 @@ def _pressed(problem: ContactProblem, solution: Equilibrium, depth: float, pad: 
         (mesh.nodes.T - lift)[used] * h,
         moved[used] * h,
         number[meshes.cell_nodes(mesh)],
-        stress[used] * shear,
-        stretch[used],
+        both[:, :4] * shear,
+        both[:, 4:],
         face,
         (outline - lift) * h,
     )
@@ -419,24 +409,22 @@ def _face(problem: ContactProblem, solution: Equilibrium, depth: float, pad: Pad
     (reach, at_edge), punch = shaped.radius_touched(problem, depth, solution.u), problem.punch
     if not pad.edge_radius_mm and at_edge and isinstance(punch, FlatPunch):
         reach = punch.radius  # the fillet stands for a sharp edge, which is reached
-    height, rest = position[1] - float(solid.mesh.nodes[1].min()), solid.mesh.nodes[0, node]
-    return PressedFace(node, position[0] * h, height * h, rest * h, pressure * shear, drag * shear, state, reach * h)
+    height = position[1] - float(solid.mesh.nodes[1].min())
+    return PressedFace(node, position[0] * h, height * h, pressure * shear, drag * shear, state, reach * h)
 
 
 def face_sides(problem: ContactProblem) -> Array:
     """Sides of the tested face: those of one cell only that lie neither on the axis, the base nor the rim."""
     mesh = problem.solid.mesh
-    node = meshes.cell_nodes(mesh)
-    three = np.concatenate([node[:, [i, side, j]] for side, i, j in meshes.PATCH_SIDES])
+    three = meshes.cell_sides(mesh)
     middle, counts = np.unique(three[:, 1], return_counts=True)
     once = np.isin(three[:, 1], middle[counts == 1])
     r = mesh.nodes[0]
-    length = np.linalg.norm(mesh.nodes[:, three[:, 0]] - mesh.nodes[:, three[:, 2]], axis=0)
     base = np.zeros(mesh.nodes.shape[1], dtype=bool)
     base[problem.base // 2] = True
     near = 1e-9
     elsewhere = base[three].all(axis=1) | (r[three] < near).all(axis=1) | (r[three] > r.max() - near).all(axis=1)
-    return three[once & ~elsewhere & (length > 1e-12)]
+    return three[once & ~elsewhere]
 
 
 def _outline(problem: ContactProblem, depth: float, radius: float) -> Array:

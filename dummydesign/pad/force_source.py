@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
 from dummydesign.core.quantity import Quantity
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
@@ -137,7 +138,6 @@ def _tabulated(pad: Pad) -> bool:
 
 def _in_space(pad: Pad, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
     """The axisymmetric curve of the circle of equal area, times the ratio solved in space on twin cells."""
-    from dummydesign.core.cache import cached
     from dummydesign.pad.solve.continuation import add_costs
     from dummydesign.pad.spatial.square_punch import FactorCurve, SquareProblem, solve_factor
 
@@ -257,8 +257,6 @@ def _of_unit_modulus(
     kind: str, pad: Pad, inputs: dict[str, Any], solve: Callable[[Pad], PadCurve], young_MPa: float = 1.0
 ) -> PadCurve:
     """Solve a pad with another modulus, kept in the cache, and scale its force."""
-    from dummydesign.core.cache import cached
-
     own = replace(pad, young_MPa=young_MPa, prony=())
     made = cached(kind, {"pad": own, **inputs}, lambda: vars(solve(own)))
     scale = pad.young_MPa / young_MPa

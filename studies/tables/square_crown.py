@@ -156,7 +156,7 @@ def fit(lines: list[dict[str, Any]]) -> dict[str, Any]:
     rows = rows_of(lines, "fit")
 
     def table(numbers: Array) -> CrownTable:
-        return CrownTable(numbers, ERROR, FOOT_ERROR, {})
+        return CrownTable(numbers, ERROR, FOOT_ERROR)
 
     found = least_squares(lambda x: misfit(table(x), rows)[0] / 0.01, np.zeros(6), loss="soft_l1", diff_step=1e-4)
     checks = {}

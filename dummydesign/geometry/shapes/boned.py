@@ -35,7 +35,7 @@ class Boned(ConicProfile):
     similarity: ClassVar[Similarity | None] = Similarity(
         ("thickness over punch radius", "bone height over thickness", "foot over punch radius"),
         (True, False, True),
-        "slab",
+        over_tip=False,
     )
     sliders: ClassVar[tuple[str, ...]] = ("height", "foot")
 
@@ -54,7 +54,7 @@ class Boned(ConicProfile):
 
     def bone_mm(self, x_mm: Array, y_mm: Array) -> Array:
         """How far the bone reaches above the base."""
-        return self.height_mm - self.sag_mm(x_mm, y_mm)
+        return self.height_mm - self.sag_mm(self.across_mm(x_mm, y_mm))
 
     def ends(self, block: PadBlock) -> tuple[float, float]:
         """The bar ends a little before the drafted walls."""
@@ -68,7 +68,7 @@ class Boned(ConicProfile):
     def check(self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM) -> None:
         """Refuse bones that are too steep for the mesh and covers too thin to last."""
         limits.check_flag("bar", self.bar)
-        self.conic.check("bone", limits.STEEPEST_BONE_DEG)
+        self.check_cap("bone", limits.STEEPEST_BONE_DEG)
         limits.check_left("bone", self.height_mm, thickness_mm, limits.THINNEST_COVER_MM)
         limits.check_inside("bone", self.foot_mm, width_mm if self.bar else min(length_mm, width_mm))
 

@@ -41,7 +41,7 @@ class Crowned(ConicProfile):
     similarity: ClassVar[Similarity | None] = Similarity(
         ("thickness over punch radius", "crown height over thickness", "foot over punch radius", "R c / b^2"),
         (True, False, True, True),
-        "tip",
+        over_tip=True,
     )
     ridge: float = 0.0
     sites_along: float = 1.0
@@ -88,7 +88,7 @@ class Crowned(ConicProfile):
 
     def drop_mm(self, x_mm: Array, y_mm: Array) -> Array:
         """How far the crown has fallen."""
-        return self.sag_mm(x_mm, y_mm)
+        return self.sag_mm(self.across_mm(x_mm, y_mm))
 
     def ends(self, block: PadBlock) -> tuple[float, float]:
         """The ridge meets the end walls, which lean outwards from the flat of the tested face."""
@@ -102,7 +102,7 @@ class Crowned(ConicProfile):
     def check(self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM) -> None:
         """Refuse tips, slopes and rests that cannot be cast."""
         limits.check_flag("ridge", self.ridge)
-        self.conic.check("crown", limits.STEEPEST_TOP_DEG)
+        self.check_cap("crown", limits.STEEPEST_TOP_DEG)
         limits.check_left("crown", self.height_mm, thickness_mm, limits.THINNEST_GEL_MM)
         self._check_sites(length_mm, width_mm)
 

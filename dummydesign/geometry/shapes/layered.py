@@ -26,7 +26,9 @@ class Layered(PadShape):
     open_mould_only: ClassVar[str] = "a layered pad is poured twice and its spacer needs an open mould"
     required_warnings: ClassVar[frozenset[str]] = frozenset({"layer_bond"})
     similarity: ClassVar[Similarity | None] = Similarity(
-        ("thickness over punch radius", "upper layer over thickness", "modulus ratio"), (True, False, True), "slab"
+        ("thickness over punch radius", "upper layer over thickness", "modulus ratio"),
+        (True, False, True),
+        over_tip=False,
     )
     top_mm: float
     modulus_ratio: float

@@ -22,12 +22,10 @@ from dummydesign.pad.contact.friction import CombinedSurface, RestingBase, weigh
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Discretisation, Solid
 from dummydesign.pad.force_law import PadCurve
-from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, HyperelasticLaw
+from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, Array, HyperelasticLaw
 from dummydesign.pad.pad_under_punch import SLAB, Pad
 from dummydesign.pad.solve.continuation import ForcePath, cost
 from dummydesign.pad.solve.equilibrium import ContactProblem
-
-Array = np.ndarray
 
 # Stiffness of the film in shear moduli per rim, and how many rims it reaches inwards.
 FILM_STIFFNESS = GLUED_SLAB.contact * GLUED_SLAB.grip_share
@@ -286,10 +284,9 @@ def held_on(values: Array) -> Array:
 
 def extend_path(path: ForcePath, other: ForcePath, tail: Array) -> ForcePath:
     """Extend a path beyond its end by forces of another one; the cost is that of both."""
-    steps, seconds = path.load_steps + other.load_steps, path.seconds + other.seconds
-    iterations = path.newton_iterations + other.newton_iterations
     longer = replace(other, force=np.concatenate([path.force, tail])) if len(tail) else path
-    return replace(longer, load_steps=steps, newton_iterations=iterations, seconds=seconds)
+    both: dict[str, Any] = cost([path, other]) | {"unknowns": longer.unknowns}
+    return replace(longer, **both)
 
 
 # Load steps end at multiples of this depth over the thickness, halves and less of it at first.

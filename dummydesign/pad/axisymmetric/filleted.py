@@ -8,7 +8,6 @@ that slides without friction has a mesh that moves with the fillet; one with fri
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -16,9 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.errors import out_of_range
-from dummydesign.core.progress import tell_depth
 from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS
 from dummydesign.geometry.interface import FACES, Interface
 from dummydesign.pad.axisymmetric.case import (
@@ -37,8 +34,8 @@ from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Discretisation, Solid
 from dummydesign.pad.force_law import Array, PadCurve
 from dummydesign.pad.pad_under_punch import Pad
-from dummydesign.pad.solve.continuation import EASY, ForcePath, cost, follow
-from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium, Failure, find_equilibrium
+from dummydesign.pad.solve.continuation import ForcePath, VisitedState, cost, follow
+from dummydesign.pad.solve.equilibrium import ContactProblem, Equilibrium
 
 # Fine mesh: cells over the fillet, growth away from it, largest cell (thicknesses); the coarse one has half the cells.
 CELLS, GROWTH, LARGEST = 3.0, 1.5, 0.2
@@ -163,6 +160,8 @@ class SlidingMesh:
             np.nonzero(top & (r <= flat + 1e-9))[0],
             STABILISATION,
         )
+        self._ends = [(0.0, flat, mesh.nodes.T, self.problem.start()[1])]
+        self._stretched = 1.0
 
     def _radii(self, edge: float) -> Array:
         """Radii of the columns when the fillet's first one is at ``edge`` in the undeformed slab."""
@@ -205,6 +204,36 @@ class SlidingMesh:
         grid += np.gradient(grid, before, axis=0) * (self._middles(moved) - before)[:, None, None]
         return moved, grid[self._column, self._row]
 
+    def ahead(self, depth: float) -> tuple[Array, Array]:
+        """Displacements and pressures that are expected at a depth, on columns that are put where the fillet will be.
+
+        They are extrapolated from the last two states in the frame of the punch, in which it hardly changes.
+        """
+        here, edge, places, p = self._ends[-1]
+        if len(self._ends) == 1:
+            rate = self.problem.direction()
+            guess, pressure = places + (depth - here) * rate[0].reshape(-1, 2), p + (depth - here) * rate[1]
+        else:
+            earlier = self._ends[-2]
+            part = min((depth - here) / (here - earlier[0]), 5.0)
+            guess, pressure = places + part * (places - earlier[2]), p + part * (p - earlier[3])
+            edge, guess = self.nearer(edge + part * (edge - earlier[1]), guess, depth)
+        self.move(edge)
+        return (guess - self.problem.solid.mesh.nodes.T).ravel(), pressure
+
+    def keep(self, end: VisitedState) -> None:
+        """Take the end of a step as what the next one goes on from."""
+        places = self.problem.solid.mesh.nodes.T + end.u.reshape(-1, 2)
+        self._ends = [self._ends[-1], (end.depth, self.edge, places, end.p)]
+        self._stretched = self.stretch(end.u, end.depth)
+
+    def explain(self, problem: ContactProblem, u: Array, p: Array, depth: float, reason: str) -> str:
+        """Why a path ends: with how far the face is drawn out where it slides round the fillet."""
+        return (
+            f"{reason}; at relative depth {depth:.3f} the face is {self._stretched:.1f} times as long where it "
+            "slides round the fillet; under a larger fillet it gets further"
+        )
+
     def stretch(self, u: Array, depth: float) -> float:
         """Largest stretch of the face along the outline, of the cells over the fillet and next to it."""
         nodes = self.problem.solid.mesh.nodes[:, self.face].T
@@ -224,60 +253,20 @@ def solve_sliding(case: Case, nodes: Array) -> dict[str, Any]:
     return of_two_meshes(coarse, fine, nodes, SLIDING_ERROR)
 
 
-@one_blas_thread()
 def follow_sliding(
     mesh: SlidingMesh, depths: Array, visit: Callable[[float, Equilibrium], None] | None = None
 ) -> ForcePath:
-    """Follow the slab through depths while the mesh's columns follow the fillet.
-
-    The next state is extrapolated from the last two in the frame of the punch, in which it hardly changes.
-    """
-    began = time.perf_counter()
-    problem = mesh.problem
-    u, p = problem.start()
-    rate = problem.direction()
-    places = problem.solid.mesh.nodes.T + u.reshape(-1, 2)
-    earlier: tuple[float, float, Array, Array] | None = None
-    depth, here, step, stop, stretch = 0.0, mesh.edge, float(depths[0]), None, 1.0
-    points: list[tuple[float, float, float]] = []
-    steps = iterations = 0
-    while len(points) < len(depths) and stop is None:
-        remaining = depths[len(points)] - depth
-        goal = float(depths[len(points)] if remaining <= 1.25 * step else depth + min(step, 0.5 * remaining))
-        if earlier is None:
-            ahead = goal - depth
-            edge, guess, pressure = here, places + ahead * rate[0].reshape(-1, 2), p + ahead * rate[1]
-        else:
-            ahead = min((goal - depth) / (depth - earlier[0]), 5.0)
-            edge = here + ahead * (here - earlier[1])
-            guess, pressure = places + ahead * (places - earlier[2]), p + ahead * (p - earlier[3])
-            edge, guess = mesh.nearer(edge, guess, goal)
-        mesh.move(edge)
-        nodes = problem.solid.mesh.nodes.T
-        answer = find_equilibrium(problem, (guess - nodes).ravel(), pressure, goal)
-        iterations += answer.iterations
-        if isinstance(answer, Failure):
-            step = 0.5 * (goal - depth)
-            if step < SMALLEST_SLIDE:
-                stop = (
-                    f"{answer.reason}; at relative depth {depth:.3f} the face is {stretch:.1f} times as long where it "
-                    "slides round the fillet; under a larger fillet it gets further"
-                )
-            continue
-        earlier = (depth, here, places, p)
-        depth, here, p, places = goal, edge, answer.p, nodes + answer.u.reshape(-1, 2)
-        stretch = mesh.stretch(answer.u, depth)
-        steps += 1
-        if goal >= depths[len(points)] * (1.0 - 1e-12):
-            points.append((goal, problem.force(answer.state), float(answer.state.J.min())))
-            if visit:
-                visit(goal, answer)
-            tell_depth(goal)
-        if answer.iterations <= EASY:
-            step = min(1.4 * step, LATTICE)
-    table = np.array(points).reshape(-1, 3)
-    return ForcePath(
-        table[:, 0], table[:, 1], table[:, 2], problem.pattern.n, steps, iterations, time.perf_counter() - began, stop
+    """Follow the slab through depths while the mesh's columns follow the fillet."""
+    return follow(
+        mesh.problem,
+        depths,
+        float(depths[0]),
+        LATTICE,
+        SMALLEST_SLIDE,
+        visit=visit,
+        keep=mesh.keep,
+        ahead=mesh.ahead,
+        explained=mesh.explain,
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,28 +18,10 @@ from dummydesign.pad.axisymmetric.shaped_problem import FLAT_STEP, LARGEST_STEP,
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.material.relaxation import PronyTerm, Viscoelastic, relaxed_force
 from dummydesign.pad.pad_under_punch import SLAB
-from dummydesign.pad.solve.continuation import add_costs, cost
+from dummydesign.pad.solve.continuation import ForcePath, add_costs, cost
 from dummydesign.pad.solve.equilibrium import ContactProblem, Failure, explain, find_equilibrium
 
 SMALLEST_SHARE = 1e-3
-
-
-@dataclass(frozen=True)
-class MotionPath:
-    """Forces at the times that were reached, in the units of the problem, and what the solve cost.
-
-    ``refused`` says whether ``check`` of the states ended the path.
-    """
-
-    time_s: Array
-    depth: Array
-    force: Array
-    unknowns: int
-    load_steps: int
-    newton_iterations: int
-    seconds: float
-    stop: str | None
-    refused: bool = False
 
 
 def follow_motion(
@@ -47,16 +30,15 @@ def follow_motion(
     depth: Array,
     largest_step: float,
     check: Callable[[float, Array], str | None] | None = None,
-) -> MotionPath:
-    """Follow a motion, piecewise linear in time, from the undeformed state."""
+) -> ForcePath:
+    """Follow a motion, piecewise linear in time, from the undeformed state; forces at the times that were reached."""
     began = clock.perf_counter()
     law = problem.solid.law if isinstance(problem.solid.law, Viscoelastic) else None
     u, p = problem.start()
     now, here, steps, iterations, stop = float(time_s[0]), 0.0, 0, 0, None
     direction = problem.direction()
     earlier: tuple[Array, Array] | None = None
-    moved, refused = 0.0, False
-    forces = [0.0]
+    moved, points = 0.0, [(0.0, 0.0, 1.0)]
     for goal_time, goal in zip(time_s[1:], depth[1:]):
         parts = max(1, int(np.ceil(abs(goal - here) / largest_step - 1e-9)))
         todo = [1.0 / parts] * parts
@@ -77,7 +59,7 @@ def follow_motion(
                     break
                 continue
             if check and (why := check(to, answer.u)):
-                stop, refused = f"{why}; at {to_time:.4g} s", True
+                stop = f"{why}; at {to_time:.4g} s"
                 break
             if to != here:
                 earlier, moved = (u, p), to - here
@@ -92,20 +74,11 @@ def follow_motion(
         if stop:
             break
         assert state is not None
-        forces.append(problem.force(state))
+        points.append((here, problem.force(state), float(state.J.min())))
         tell_depth(here)
-    count = len(forces)
-    return MotionPath(
-        time_s[:count],
-        depth[:count],
-        np.array(forces),
-        problem.pattern.n,
-        steps,
-        iterations,
-        clock.perf_counter() - began,
-        stop,
-        refused,
-    )
+    reached, force, smallest_J = np.array(points).T
+    seconds = clock.perf_counter() - began
+    return ForcePath(reached, force, smallest_J, problem.pattern.n, steps, iterations, seconds, stop)
 
 
 def _guess(
@@ -199,9 +172,7 @@ def _of_shape(case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Ar
     step = (FLAT_STEP if flat else LARGEST_STEP) * 16.0 / cells
 
     def follow(twin: bool, rims: Sequence[float]) -> RatioPath:
-        def problem(own: Case, rim: float) -> ContactProblem:
-            return shaped_problem(own, cells, rim, twin, refinement=1.0)
-
+        problem = partial(shaped_problem, cells=cells, twin=twin, refinement=1.0)
         return _ratio_path(problem, case, prony, time_s, depth, rims, step, not (twin or flat))
 
     path = follow(False, (case.edge / case.scale,) if case.edge else RIMS[::-1])
@@ -216,7 +187,7 @@ def _of_shape(case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Ar
 
 
 def _ratio_path(
-    problem: Callable[[Case, float], ContactProblem],
+    problem: Callable[..., ContactProblem],
     case: Case,
     prony: tuple[PronyTerm, ...],
     time_s: Array,
@@ -229,14 +200,14 @@ def _ratio_path(
     for rim in rims:
         paths, why = [], None
         for arms in ((), prony):
-            made = problem(replace(case, law=Viscoelastic(case.law, arms)), rim)
+            made = problem(replace(case, law=Viscoelastic(case.law, arms)), rim=rim)
             watch = FoldWatch(RoundFace(made, case.thickness_mm)) if folds else None
             path = follow_motion(made, time_s, depth, largest_step, watch.check if watch else None)
             paths.append(path)
             why = watch.stop_reason(path.stop) if watch else path.stop
             if why:
                 break
-        if why is None or paths[-1].refused:
+        if why is None or (watch is not None and watch.folded):
             break
     if why:
         raise unsolved(why, "the motion of the viscoelastic pad")

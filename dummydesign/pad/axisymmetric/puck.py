@@ -29,10 +29,10 @@ from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import FACES, FRICTION, Interface
-from dummydesign.pad.axisymmetric.case import unsolved
+from dummydesign.pad.axisymmetric.case import Case, round_problem, unsolved
 from dummydesign.pad.contact.axisymmetric import PUCK_PLATES, RigidPunch, SideContact
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
-from dummydesign.pad.fem.mixed_solid import Solid
+from dummydesign.pad.fem.mixed_solid import STABILISATION
 from dummydesign.pad.force_law import NO_COST, PadCurve
 from dummydesign.pad.material.hyperelastic import Array, HyperelasticLaw
 from dummydesign.pad.pad_under_punch import Puck
@@ -123,21 +123,16 @@ def puck_problem(
     mesh = meshes.discretise(points, quads)
     top = np.nonzero(meshes.on_top(mesh))[0]
     middle = np.nonzero(meshes.on_base(mesh, 0.5))[0]
-    held = np.zeros(mesh.size, dtype=bool)
-    held[2 * np.nonzero(meshes.on_axis(mesh))[0]] = True
-    held[2 * middle + 1] = True
-    solid = Solid(mesh, law, poisson)
+    # By symmetry the middle plane slides as on a base.
+    case = Case(puck.radius, puck.radius, "sliding", puck.plates, law, poisson)
     if puck.friction == 0.0:
-        return ContactProblem(solid, held, 2 * top + 1, 2 * middle + 1)
-    sides, driven = meshes.edges_on(mesh, np.abs(mesh.nodes[0] - puck.radius) < 1e-9), np.array([], dtype=int)
-    if puck.plates == "bonded":
-        held[2 * top] = True
-        driven = 2 * top + 1
-    else:
-        sides = np.concatenate([meshes.edges_on(mesh, meshes.on_top(mesh)), sides])
+        return round_problem(mesh, case, top, stabilisation=STABILISATION, base=middle)
+    sides, glued = meshes.edges_on(mesh, np.abs(mesh.nodes[0] - puck.radius) < 1e-9), top
+    if puck.plates != "bonded":
+        sides, glued = np.concatenate([meshes.edges_on(mesh, meshes.on_top(mesh)), sides]), top[:0]
     stiffness = PUCK_PLATES.contact * law.shear_MPa
     plate = RoughPlate(mesh.nodes, sides, stiffness, puck.friction, slip_scale)
-    return ContactProblem(solid, held, driven, 2 * middle + 1, plate, None, 2 * top + 1)
+    return round_problem(mesh, case, glued, plate, None, top, STABILISATION, middle)
 
 
 def solve_puck(puck: Puck, compression_mm: Sequence[float] | Array) -> PadCurve:

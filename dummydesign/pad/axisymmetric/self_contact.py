@@ -12,10 +12,8 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
-from dummydesign.pad.solve.continuation import ForcePath
+from dummydesign.pad.solve.continuation import Array, ForcePath
 from dummydesign.pad.solve.equilibrium import ContactProblem
-
-Array = np.ndarray
 
 # The reason of a path that ends with a notch narrower than this names the notch.
 NARROW_DEG = 30.0

@@ -198,8 +198,8 @@ class Climb:
         """Forces at the depths that were reached, between the ends of steps."""
         kept = depths[depths <= self.reached * (1.0 + 1e-9)]
         force, doubt = force_between(self.ends, kept) if len(kept) else (kept, kept)
-        own = [end.smallest_J for end in self.ends[:1]]
-        J = np.interp(kept, [end.depth for end in self.ends], [end.smallest_J for end in self.ends]) if own else kept
+        smallest = [end.smallest_J for end in self.ends]
+        J = np.interp(kept, [end.depth for end in self.ends], smallest) if len(kept) else kept
         stop = None if len(kept) == len(depths) else self.path.stop
         return replace(self.path, depth=kept, force=force, smallest_J=J, stop=stop, doubt=doubt)
 

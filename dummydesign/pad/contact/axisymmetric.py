@@ -15,6 +15,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from dummydesign.core.interpolation import true_runs
+
 Array = np.ndarray
 
 
@@ -86,18 +88,17 @@ def closure(r: Array, held: Array, touching: Array, room: Array, *, grown: float
     new = touching & ~held
     if not new.any():
         return share
-    edges = np.diff(np.concatenate([[0], new.astype(int), [0]]))
-    for first, last in zip(np.nonzero(edges == 1)[0], np.nonzero(edges == -1)[0] - 1):
-        inside = slice(first, last + 1)
+    for first, after in true_runs(new):
+        inside = slice(first, after)
         left = first > 0 and held[first - 1] and touching[first - 1]
-        right = last + 1 < len(r) and held[last + 1] and touching[last + 1]
+        right = after < len(r) and held[after] and touching[after]
         start = 0.5 * (r[first] + r[first - 1]) if first > 0 else r[first]
-        stop = 0.5 * (r[last] + r[last + 1]) if last + 1 < len(r) else r[last]
+        stop = 0.5 * (r[after - 1] + r[after]) if after < len(r) else r[after - 1]
         if left != right and stop > start:
             along = (r[inside] - start) / (stop - start)
             share[inside] = grown * (along if left else 1.0 - along)
         else:
-            ends = [room[k] for k in (first - 1, last + 1) if 0 <= k < len(r) and not touching[k]]
+            ends = [room[k] for k in (first - 1, after) if 0 <= k < len(r) and not touching[k]]
             widest = max([*ends, room[inside].max(), 1e-300])
             share[inside] = np.clip(room[inside] / widest, 0.0, 1.0)
     return share

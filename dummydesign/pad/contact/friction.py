@@ -66,43 +66,35 @@ class RestingBase(SideContact):
 
 
 class CombinedSurface(ContactSurface):
-    """Two surfaces in contact at once, such as face and base."""
+    """The face that the punch presses and the base that rests, in contact at once; only the face remembers."""
 
-    def __init__(self, one: ContactSurface, other: RestingBase) -> None:
-        self._parts: tuple[ContactSurface, ...] = (one, other)
-        self.dofs = np.concatenate([part.dofs for part in self._parts])
-
-    @property
-    def face(self) -> ContactSurface:
-        """The surface that the punch presses."""
-        return self._parts[0]
+    def __init__(self, face: ContactSurface, base: RestingBase) -> None:
+        self.face, self._base = face, base
+        self.dofs = np.concatenate([face.dofs, base.dofs])
 
     def begin(self) -> None:
-        """As of each."""
-        for part in self._parts:
-            part.begin()
+        """As of the face."""
+        self.face.begin()
 
     def memory(self) -> Any:
-        """As of each."""
-        return [part.memory() for part in self._parts]
+        """As of the face."""
+        return self.face.memory()
 
     def restore(self, memory: Any) -> None:
-        """As of each."""
-        for part, kept in zip(self._parts, memory):
-            part.restore(kept)
+        """As of the face."""
+        self.face.restore(memory)
 
     def tie(self, u: Array, punch: RigidPunch, depth: float) -> bool:
-        """As of each."""
-        return any([part.tie(u, punch, depth) for part in self._parts])
+        """As of the face."""
+        return self.face.tie(u, punch, depth)
 
     def settle(self, u: Array, punch: RigidPunch, depth: float) -> None:
-        """As of each."""
-        for part in self._parts:
-            part.settle(u, punch, depth)
+        """As of the face."""
+        self.face.settle(u, punch, depth)
 
     def forces(self, u: Array, punch: RigidPunch, depth: float) -> tuple[Array, Array]:
         """Sum of the forces, and all matrices in the order of ``dofs``."""
-        parts = [part.forces(u, punch, depth) for part in self._parts]
+        parts = [part.forces(u, punch, depth) for part in (self.face, self._base)]
         return parts[0][0] + parts[1][0], np.concatenate([matrix for _, matrix in parts])
 
 

@@ -17,7 +17,8 @@ _GAUSS = 0.5 + 0.5 * np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])
 POINTS = np.stack([np.repeat(_GAUSS, 3), np.tile(_GAUSS, 3)])
 """Points of Gauss on the unit square, shape (2, 9), exact for polynomials of order five along each side."""
 WEIGHTS = np.outer([5.0, 8.0, 5.0], [5.0, 8.0, 5.0]).ravel() / 18.0**2
-SIDES = ((0, 1), (1, 2), (2, 3), (0, 3))
+# Middle and ends of the sides among the nine nodes of a cell.
+PATCH_SIDES = ((4, 0, 1), (5, 1, 2), (6, 2, 3), (7, 3, 0))
 # Which of the three parabolas along x and y make each of the nine functions: at 0, at 1, at 1/2.
 _ALONG = ((0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (1, 2), (2, 1), (0, 2), (2, 2))
 
@@ -45,7 +46,7 @@ def functions(places: Array) -> tuple[Array, Array]:
 def nine_nodes(points: Array, quads: Array) -> tuple[Array, Array]:
     """Places (2, n) of all nodes of straight quadrilaterals, and those of each, shape (elements, 9)."""
     vertices, elements = points.shape[1], quads.shape[1]
-    ends = np.sort(np.concatenate([quads[list(side)].T for side in SIDES]), axis=1)
+    ends = np.sort(np.concatenate([quads[[i, j]].T for _, i, j in PATCH_SIDES]), axis=1)
     sides, number = np.unique(ends, axis=0, return_inverse=True)
     middle = vertices + len(sides) + np.arange(elements)
     node = np.column_stack([quads.T, vertices + number.reshape(4, elements).T, middle])
@@ -154,9 +155,6 @@ def discretise(
     )
 
 
-PATCH_SIDES = ((4, 0, 1), (5, 1, 2), (6, 2, 3), (7, 3, 0))
-
-
 def _to_quarter(places: Array, quads: Array, node: Array, centre: Array) -> Array:
     places = places.copy()
     corner = places[:, centre[0]][:, None]
@@ -180,15 +178,18 @@ def cell_nodes(mesh: Discretisation) -> Array:
     return mesh.dofs.reshape(len(mesh.dofs), 9, 2)[:, :, 0] // 2
 
 
-def edges_on(mesh: Discretisation, on: Array) -> Array:
-    """Sides whose three nodes all satisfy ``on`` (bool per node); node numbers, shape (sides, 3), by r or z."""
+def cell_sides(mesh: Discretisation) -> Array:
+    """Sides of all cells but those drawn together to a point; node numbers, shape (sides, 3), by r or z."""
     nodes = cell_nodes(mesh)
-    edges = []
-    for side, i, j in PATCH_SIDES:
-        three = nodes[:, [i, side, j]]
-        length = np.linalg.norm(mesh.nodes[:, three[:, 0]] - mesh.nodes[:, three[:, 2]], axis=0)
-        edges.append(three[on[three].all(axis=1) & (length > 1e-12)])
-    return np.concatenate(edges)
+    three = np.concatenate([nodes[:, [i, side, j]] for side, i, j in PATCH_SIDES])
+    length = np.linalg.norm(mesh.nodes[:, three[:, 0]] - mesh.nodes[:, three[:, 2]], axis=0)
+    return three[length > 1e-12]
+
+
+def edges_on(mesh: Discretisation, on: Array) -> Array:
+    """Sides whose three nodes all satisfy ``on`` (bool per node); see :func:`cell_sides`."""
+    three = cell_sides(mesh)
+    return three[on[three].all(axis=1)]
 
 
 def on_top(mesh: Discretisation) -> Array:

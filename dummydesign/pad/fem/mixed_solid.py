@@ -23,9 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.pad.material.hyperelastic import HyperelasticLaw, Spatial, Yeoh
-
-Array = np.ndarray
+from dummydesign.pad.material.hyperelastic import Array, HyperelasticLaw, Spatial, Yeoh
 
 # Pairs of what is summed up: slopes along both sides of the unit square (0, 1) and value (2); of a symmetric tangent,
 # whose axial part has the first three, and of radial with axial displacements.
@@ -199,45 +197,38 @@ class Solid:
         self.compliance = mass / (ratio * law.shear_MPa)
         self.inverse = -np.linalg.inv(self.compliance)
         elements, _, _, width = mesh.gradient.shape
-        # Components that come from displacements along the first direction alone; the others are alike.
-        self._along = mesh.nodes.shape[0]
-        rows = mesh.gradient[:, :, list(mesh.kinematics.first), 0 :: self._along]
-        self._rows = np.ascontiguousarray(rows.reshape(elements, -1, width // self._along))
-        self._back = np.ascontiguousarray(self._rows.transpose(0, 2, 1))
         self._weighted_basis = mesh.weight[:, :, None] * mesh.pressure_basis
-        self._same: Array | None = None
         self._section = None if mesh.reference is None else SectionElements(mesh, self.inverse, law.shear_MPa)
         # The law's own tangent is the same at every state.
         self._constant = isinstance(law, Yeoh) and not law.c2_MPa
-        if self._constant:
-            if self._section is None:
-                self._same = self._of_law(law.shear_MPa * mesh.weight)
-        else:
+        if self._section is None:
+            # In space, slopes of the nodes along x, y and z: those of displacements along each are alike.
+            self._rows = np.ascontiguousarray(mesh.gradient[:, :, :3, 0::3].reshape(elements, -1, width // 3))
+            self._back = np.ascontiguousarray(self._rows.transpose(0, 2, 1))
+            self._same = self._of_law(law.shear_MPa * mesh.weight) if self._constant else None
+        if not self._constant:
             # Kept, as making such large arrays anew takes as long as filling them.
             self._flat = np.ascontiguousarray(mesh.gradient.reshape(elements, -1, width))
             self._moduli = np.empty((*mesh.weight.shape, mesh.gradient.shape[2], mesh.gradient.shape[2]))
             self._work = np.empty(mesh.gradient.shape)
 
     def _of_law(self, moduli: Array) -> Array:
-        """Tangent of each element for stresses of ``moduli``, shape (elements, points), times the slopes."""
-        elements, points = moduli.shape
-        stiffness = np.zeros((elements, self._rows.shape[-1], self._along, self._rows.shape[-1], self._along))
-        rows = self._rows.reshape(elements, points, -1, self._rows.shape[-1])
-        for direction in range(self._along):
-            here = [entry // self._along for entry in self.mesh.kinematics.order if entry % self._along == direction]
-            part = np.ascontiguousarray(rows[:, :, here]).reshape(elements, -1, rows.shape[-1])
-            weighted = part * np.repeat(moduli, len(here), axis=1)[..., None]
-            stiffness[:, :, direction, :, direction] = part.transpose(0, 2, 1) @ weighted
-        return stiffness.reshape(elements, self.mesh.gradient.shape[-1], -1)
+        """Tangent of each element in space for stresses of ``moduli``, shape (elements, points), times the slopes."""
+        elements, nodes = len(moduli), self._rows.shape[-1]
+        stiffness = np.zeros((elements, nodes, 3, nodes, 3))
+        same = self._rows.transpose(0, 2, 1) @ (self._rows * np.repeat(moduli, 3, axis=1)[..., None])
+        for direction in range(3):
+            stiffness[:, :, direction, :, direction] = same
+        return stiffness.reshape(elements, 3 * nodes, -1)
 
     def deformation(self, u: Array) -> Array:
         """Components of F at the quadrature points, shape (elements, points, components)."""
         if self._section is not None:
             return self._section.deformation(u)
         elements, points = self.mesh.weight.shape
-        local = u[self.mesh.dofs].reshape(elements, -1, self._along)
-        F = (self._rows @ local).reshape(elements, points, -1)[:, :, self.mesh.kinematics.order]
-        F += self.mesh.kinematics.identity
+        slopes = (self._rows @ u[self.mesh.dofs].reshape(elements, -1, 3)).reshape(elements, points, 3, 3)
+        F = slopes.swapaxes(2, 3).reshape(elements, points, 9)
+        F += Spatial.identity
         return F
 
     def _forces(self, stress: Array) -> Array:
@@ -245,9 +236,8 @@ class Solid:
         if self._section is not None:
             return self._section.forces(stress)
         elements, points, _ = stress.shape
-        both = np.zeros((elements, points, self._rows.shape[1] // points * self._along))
-        both[:, :, self.mesh.kinematics.order] = stress
-        force = (self._back @ both.reshape(elements, -1, self._along)).ravel()
+        turned = stress.reshape(elements, points, 3, 3).swapaxes(2, 3)
+        force = (self._back @ turned.reshape(elements, -1, 3)).ravel()
         return np.bincount(self.mesh.dofs.ravel(), force, minlength=self.mesh.size)
 
     def state(self, u: Array, p: Array) -> SolidState | None:
@@ -273,7 +263,7 @@ class Solid:
         curvature = (self.law.reference_stress_MPa / state.J**2 + self.stabilisation) * mesh.weight
         if self._section is not None and self._constant:
             return Tangent(*self._section.tangent(F, slope * mesh.weight, curvature))
-        if self._same is not None:
+        if self._section is None and self._same is not None:
             stiffness = self._same.copy()
             self._add_second(stiffness, slope * mesh.weight, F)
         else:

@@ -189,23 +189,21 @@ class Ogden:
     def stress(self, F: Array) -> Array:
         """First Piola stress F 2 w'(C)."""
         values, vectors, hoop = _eigen(F)
-        pushed = _block(F) @ vectors
-        stress = _rows((pushed * 2.0 * self._slope(values)[..., None, :]) @ np.swapaxes(vectors, -1, -2))
-        if hoop is None:
-            return stress
-        return np.concatenate([stress, (2.0 * self._slope(hoop**2) * hoop)[..., None]], axis=-1)
+        pushed = parts(F)[0] @ vectors
+        stress = (pushed * 2.0 * self._slope(values)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
+        return join([stress] if hoop is None else [stress, (2.0 * self._slope(hoop**2) * hoop)[..., None, None]])
 
     def tangent(self, F: Array) -> Array:
         """Second derivative: 1 x S + sum over pairs of w'[c_a, c_b] D_ab x D_ab, D_ab = f_a N_b + f_b N_a."""
         values, vectors, hoop = _eigen(F)
         size = vectors.shape[-1]
-        pushed = _block(F) @ vectors
+        pushed = parts(F)[0] @ vectors
         second_piola = (vectors * 2.0 * self._slope(values)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
         modes, factors = [], []
         for a, b in _PAIRS_3 if size == 3 else _PAIRS_2:
             one = pushed[..., :, None, a] * vectors[..., None, :, b]
             other = pushed[..., :, None, b] * vectors[..., None, :, a]
-            modes.append(_rows(one + other))
+            modes.append(join([one + other]))
             factors.append(self._divided(values[..., a], values[..., b]) * (1.0 if a == b else 2.0))
         D, factor = np.stack(modes, axis=-2), np.stack(factors, axis=-1)
         block = np.swapaxes(D, -1, -2) @ (factor[..., None] * D)
@@ -224,20 +222,21 @@ class Ogden:
         return Ogden([m * factor for m in self.mu_MPa], self.alpha)
 
 
-def _block(F: Array) -> Array:
-    """The square matrix in F: 2 x 2 in axisymmetry, 3 x 3 in space."""
-    if F.shape[-1] == 5:
-        return F[..., :4].reshape(*F.shape[:-1], 2, 2)
-    return F.reshape(*F.shape[:-1], 3, 3)
+def parts(F: Array) -> list[Array]:
+    """The matrices in the components of F: a 2 x 2 block and the hoop in axisymmetry, the 3 x 3 matrix in space."""
+    if F.shape[-1] == 9:
+        return [F.reshape(*F.shape[:-1], 3, 3)]
+    return [F[..., :4].reshape(*F.shape[:-1], 2, 2), F[..., 4:, None]]
 
 
-def _rows(matrix: Array) -> Array:
-    return matrix.reshape(*matrix.shape[:-2], -1)
+def join(matrices: Sequence[Array]) -> Array:
+    """The components of F from its matrices."""
+    return np.concatenate([part.reshape(*part.shape[:-2], -1) for part in matrices], axis=-1)
 
 
 def _eigen(F: Array) -> tuple[Array, Array, Array | None]:
     """Eigenvalues and vectors of the block of C, and the hoop stretch in axisymmetry."""
-    block = _block(F)
+    block = parts(F)[0]
     C = np.swapaxes(block, -1, -2) @ block
     if F.shape[-1] == 9:
         values, vectors = np.linalg.eigh(C)
@@ -256,12 +255,7 @@ def _eigen(F: Array) -> tuple[Array, Array, Array | None]:
 class Axisymmetric:
     """Components (rr, rz, zr, zz, tt) of F; the hoop component is 1 + u_r / r."""
 
-    components = 5
     identity = np.array([1.0, 0.0, 0.0, 1.0, 1.0])
-    # Those of the first displacement alone, and where all stand among d/dr, d/dz and 1/r of (u_r, u_z), the two
-    # displacements side by side.
-    first = (0, 1, 4)
-    order = np.array([0, 2, 1, 3, 4])
 
     @staticmethod
     def determinant(F: Array) -> Array:
@@ -289,11 +283,7 @@ class Axisymmetric:
 class Spatial:
     """The nine components of F, row by row."""
 
-    components = 9
     identity = np.eye(3).ravel()
-    # Those of the first displacement alone, and where all stand among the slopes of (u_x, u_y, u_z) side by side.
-    first = (0, 1, 2)
-    order = np.array([0, 3, 6, 1, 4, 7, 2, 5, 8])
     # Signs and places of the products that make up J.
     _terms = tuple((round(np.linalg.det(np.eye(3)[[*p]])), (p[0], 3 + p[1], 6 + p[2])) for p in permutations(range(3)))
 

@@ -33,7 +33,7 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.core.serialise import Serialised
-from dummydesign.pad.material.hyperelastic import Array, Axisymmetric, HyperelasticLaw, Spatial
+from dummydesign.pad.material.hyperelastic import Array, Axisymmetric, HyperelasticLaw, Spatial, join, parts
 
 
 @dataclass(frozen=True)
@@ -114,21 +114,10 @@ def arms_in_ramp_and_hold(
     return held
 
 
-def _parts(F: Array) -> list[Array]:
-    """The matrices in the components of F: a 2 x 2 block and the hoop, or the 3 x 3 matrix."""
-    if F.shape[-1] == 9:
-        return [F.reshape(*F.shape[:-1], 3, 3)]
-    return [F[..., :4].reshape(*F.shape[:-1], 2, 2), F[..., 4:, None]]
-
-
-def _join(parts: Sequence[Array]) -> Array:
-    return np.concatenate([part.reshape(*part.shape[:-2], -1) for part in parts], axis=-1)
-
-
 def _product(A: Array, B: Array, transposed: bool = False) -> Array:
     """Components of A B, or of A^T B."""
     turn = (lambda a: np.swapaxes(a, -1, -2)) if transposed else (lambda a: a)
-    return _join([turn(a) @ b for a, b in zip(_parts(A), _parts(B))])
+    return join([turn(a) @ b for a, b in zip(parts(A), parts(B))])
 
 
 class Isochoric:
@@ -236,7 +225,7 @@ class Viscoelastic:
             tangent = tangent + self._strength * self.isochoric.tangent(F)
         if self._history is not None:
             start = 0
-            for part in _parts(self._history):
+            for part in parts(self._history):
                 size = part.shape[-1]
                 for i in range(size):
                     at = slice(start + size * i, start + size * (i + 1))

@@ -51,7 +51,6 @@ class ForcePath:
     newton_iterations: int
     seconds: float
     stop: str | None
-    residuals: tuple[tuple[float, ...], ...] = ()
     doubt: Array | None = None
 
 
@@ -126,6 +125,8 @@ def follow(
     keep: Callable[[VisitedState], str | None] | None = None,
     most_wasted: float = math.inf,
     after: Sequence[VisitedState] = (),
+    ahead: Callable[[float], tuple[Array, Array]] | None = None,
+    explained: Callable[[ContactProblem, Array, Array, float, str], str] | None = None,
 ) -> ForcePath:
     """Follow the equilibrium from first touch through ``depths`` (increasing, in the mesh's unit of length).
 
@@ -139,9 +140,10 @@ def follow(
 
     ``visit`` is called with every wanted depth and the equilibrium found there, ``keep`` with the end of every step.
     Where ``visit`` says why, the path ends before that depth; where ``keep`` does, there. It goes on from the ends of
-    steps ``after``, where there are some.
+    steps ``after``, where there are some. A mesh that moves gives what is expected ``ahead``, at a depth, and how the
+    end of its path is ``explained``.
     """
-    began = time.perf_counter()
+    began, why = time.perf_counter(), explained or explain
     targets = np.asarray(depths, dtype=float)
     u, p = problem.start()
     direction = problem.direction()
@@ -158,7 +160,6 @@ def follow(
     on_the_way = GROWING_TOLERANCE if grows else PATH_TOLERANCE
     wasted, since = 0, depth
     points: list[tuple[float, float, float]] = []
-    history: list[tuple[float, ...]] = []
     while len(points) < len(targets) and stop is None:
         if lattice:
             trial_depth = _on_lattice(depth, step, largest_step, targets[-1])
@@ -166,7 +167,9 @@ def follow(
             remaining = targets[len(points)] - depth
             # Do not leave a sliver before the next wanted depth.
             trial_depth = targets[len(points)] if remaining <= step * 1.25 else depth + min(step, remaining / 2.0)
-        if earlier is None:
+        if ahead is not None:
+            guess = ahead(trial_depth)
+        elif earlier is None:
             guess = u + (trial_depth - depth) * direction[0], p + (trial_depth - depth) * direction[1]
         else:
             # After a very small step its direction is mostly rounding: do not stretch it far.
@@ -185,7 +188,7 @@ def follow(
             wasted += answer.iterations
             step = 0.5 * (trial_depth - depth)
             if step < smallest_step or wasted > most_wasted:
-                stop = explain(problem, u, p, depth, answer.reason)
+                stop = why(problem, u, p, depth, answer.reason)
             continue
         passed = [goal for goal in targets[len(points) :] if goal <= trial_depth * (1.0 + 1e-12)]
         tied = problem.surface.memory() if problem.surface is not None and passed else None
@@ -203,13 +206,13 @@ def follow(
             points.append((goal, problem.force(between.state), float(between.state.J.min())))
             tell_depth(goal)
             if points[-1][2] < sound_J:
-                stop = explain(problem, answer.u, answer.p, goal, f"a volume ratio fell below {sound_J:g}")
+                stop = why(problem, answer.u, answer.p, goal, f"a volume ratio fell below {sound_J:g}")
                 break
         if isinstance(between, Failure):
             # A wanted depth that cannot be met from here is met from nearer by.
             step = 0.5 * (trial_depth - depth)
             if step < smallest_step:
-                stop = explain(problem, u, p, depth, between.reason)
+                stop = why(problem, u, p, depth, between.reason)
             continue
         if tied is not None and problem.surface is not None:
             problem.surface.restore(tied)
@@ -221,20 +224,18 @@ def follow(
         if problem.surface is not None:
             problem.surface.settle(u, problem.punch, depth)
         steps += 1
-        history.append(answer.residuals)
         if answer.iterations <= EASY + EASY_PER_TIE * answer.ties:
             step = min(1.4 * step, largest_step if answer.ties or not lattice else WITHOUT_TIES * largest_step)
-    table = np.array(points).reshape(-1, 3)
+    reached, force, smallest_J = np.array(points).reshape(-1, 3).T
     return ForcePath(
-        table[:, 0],
-        table[:, 1],
-        table[:, 2],
+        reached,
+        force,
+        smallest_J,
         problem.pattern.n,
         steps,
         iterations,
         time.perf_counter() - began,
         stop,
-        tuple(history),
     )
 
 

@@ -45,11 +45,6 @@ class BandLayout:
         # LAPACK's lower band storage, column by column.
         self._slot = self._to[column[lower]] * (self.width + 1) + below[lower]
 
-    @property
-    def narrow(self) -> bool:
-        """Whether the band is worth its work."""
-        return self.width <= WIDEST
-
     def factorise(self, groups: list[Array]) -> Callable[[Array], Array] | None:
         """Give what solves for a load, shape (n,); None when the matrix is not positive definite.
 
@@ -159,7 +154,7 @@ class Pattern:
             self._onto = self._inner_inverse @ coupling
             self._condensed = whole[:, :shared, :shared] - coupling.transpose(0, 2, 1) @ self._onto
         groups = [self._condensed, *matrices[1:]]
-        factor = self._band.factorise(groups) if self._band.narrow and symmetric(matrices[1:]) else None
+        factor = self._band.factorise(groups) if self._band.width <= WIDEST and symmetric(matrices[1:]) else None
         self._factor = factor or self._sparse(np.concatenate([matrix.ravel() for matrix in groups])[self._keep])
         return self.again(load)
 

@@ -41,7 +41,7 @@ class PuckTable:
     log_factor: Array
 
     def check_shape(self, diameter_mm: float, height_mm: float) -> None:
-        """Refuse a puck of another shape (InputError); :func:`build` makes a table for it."""
+        """Refuse a puck of another shape (InputError); :func:`table_for` has its table."""
         shape = 0.5 * diameter_mm / height_mm
         if abs(shape / self.radius_over_height - 1.0) > 0.005:
             raise out_of_range("puck radius over height", shape, self.radius_over_height, self.radius_over_height)

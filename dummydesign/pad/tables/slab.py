@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core import user_library as json_table
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.core.interpolation import between, locate_on_grid, monotone_cubic
+from dummydesign.core.interpolation import between, between_rows, locate_on_grid, monotone_cubic
 from dummydesign.core.user_library import fill_table
 from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS
 from dummydesign.geometry.interface import BASES
@@ -63,9 +63,7 @@ def sharp_edge_doubt(depth: Array, ratio: Array) -> Array:
     slope = (_DIFFERENCE[:, -1] - _DIFFERENCE[:, -2]) / (_DEPTH[-1] - _DEPTH[-2])
     beyond = np.maximum(x - _DEPTH[-1], 0.0)
     table = np.array([np.interp(x, _DEPTH, row) + steep * beyond for row, steep in zip(_DIFFERENCE, slope)])
-    low, share = locate_on_grid(np.log(_RATIO), at)
-    below, above = (np.take_along_axis(table, (low + k)[None], axis=0)[0] for k in (0, 1))
-    return (1.0 - share) * below + share * above
+    return between_rows(table, np.log(_RATIO), at)
 
 
 def square_doubt(depth: Array, ratio: Array) -> Array:
@@ -213,8 +211,6 @@ DAMPING = 1e-4
 class FilletedTable(ResponseTable):
     """Response table of one fillet; a series in sqrt(d / h), with the error of its own solves."""
 
-    fillet: float = 0.0
-
     def _coordinates(self, x: Array, ratio: Array) -> tuple[Array, Array]:
         _, v = super()._coordinates(x, ratio)
         return 2.0 * np.sqrt(np.maximum(x, 0.0) / self.depth_range[1]) - 1.0, v
@@ -249,7 +245,6 @@ def between_fillets(data: dict[str, Any], fillet: float) -> FilletedTable:
         depth,
         np.zeros(values.shape),
         provenance,
-        fillet,
     )
     coefficients, misfit = _series(table, values, depth)
     # What the series leaves is part of the error; beyond a solve's end the last one holds.

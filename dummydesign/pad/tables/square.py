@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -72,7 +71,6 @@ class CrownTable:
     coefficients: Array
     error: float
     foot_error: float
-    provenance: dict[str, Any]
 
 
 @lru_cache(maxsize=1)

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.core.errors import out_of_range
 from dummydesign.core.toml_schema import TomlTable
 
 Parameters = Mapping[str, ArrayLike]
@@ -116,12 +115,6 @@ LAWS = {
     )
 }
 """Known laws by the name used in resin files."""
-
-
-def check_young(young_kPa: float) -> None:
-    """Refuse a modulus that is not positive and finite."""
-    if not (np.isfinite(young_kPa) and young_kPa > 0):
-        raise out_of_range("Young's modulus in kPa", young_kPa, "above 0", "any finite value")
 
 
 RATIO_BY = ("weight", "volume")

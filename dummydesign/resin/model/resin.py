@@ -15,7 +15,7 @@ from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.core.quantity import HALF_WIDTH, Quantity, value_at
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.pad.material.relaxation import PressedForce, PronyTerm
-from dummydesign.resin.model.modulus_laws import ModulusLaw, check_young
+from dummydesign.resin.model.modulus_laws import ModulusLaw
 
 WRITTEN = (
     "name",
@@ -340,7 +340,8 @@ class Resin:
         InputError
             When the modulus is not reached inside the resin's ratio range.
         """
-        check_young(young_MPa * 1e3)
+        if not (math.isfinite(young_MPa) and young_MPa > 0):
+            raise out_of_range("Young's modulus in kPa", young_MPa * 1e3, "above 0", "any finite value")
         ratio = float(self.law.ratio(young_MPa * 1e3, self.central))
         if not self.ratio_min - 1e-9 <= ratio <= self.ratio_max + 1e-9:
             ends = sorted(1e3 * self.young_MPa(end) for end in (self.ratio_min, self.ratio_max))

@@ -67,11 +67,12 @@ def test_energy_does_not_see_a_rotation(law):
 @pytest.mark.parametrize("kinematics", [Axisymmetric, Spatial])
 def test_cofactor_and_second_derivative_are_those_of_the_determinant(kinematics):
     rng = np.random.default_rng(3)
-    F = kinematics.identity + 0.3 * rng.standard_normal((3, kinematics.components))
-    second = np.zeros((3, kinematics.components, kinematics.components))
+    components = len(kinematics.identity)
+    F = kinematics.identity + 0.3 * rng.standard_normal((3, components))
+    second = np.zeros((3, components, components))
     kinematics.add_second(second, np.ones(3), F)
     step = 1e-6
-    for k in range(kinematics.components):
+    for k in range(components):
         up, down = F.copy(), F.copy()
         up[:, k] += step
         down[:, k] -= step
@@ -159,8 +160,13 @@ def test_bonded_pucks_have_the_published_apparent_modulus(shape_factor, apparent
 
 def test_newtons_method_with_a_new_tangent_each_time_converges_quadratically(monkeypatch):
     monkeypatch.setattr(equilibrium, "REUSE_BELOW", 0.0)
-    path = follow(cylinder(Yeoh(1.0, 0.2), held_ends=True, slabs=2), [0.2], 0.2, 0.2, 0.05)
-    last = [r for r in path.residuals[-1] if r > 1e-13]
+    residuals = []
+
+    def visit(depth, solution):
+        residuals.extend(solution.residuals)
+
+    path = follow(cylinder(Yeoh(1.0, 0.2), held_ends=True, slabs=2), [0.2], 0.2, 0.2, 0.05, visit=visit)
+    last = [r for r in residuals if r > 1e-13]
     orders = [np.log(c) / np.log(b) for b, c in zip(last[-2:-1], last[-1:])]
     assert path.stop is None
     assert max(orders) > 1.7

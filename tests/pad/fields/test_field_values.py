@@ -47,7 +47,7 @@ def pressed(scale: float = 1.0) -> Pressed:
     radius = places[top, 0]
     state = np.where(radius < 3.0, STICKS, np.where(radius <= 5.0, SLIPS, FREE))
     pressure = np.where(state == FREE, 0.0, scale * (0.01 + 0.004 * np.sin(radius) + 0.05 * (radius > 4.6)))
-    face = PressedFace(top, radius, 0.0 * radius + 5.0, radius, pressure, 0.2 * pressure, state, 5.0)
+    face = PressedFace(top, radius, 0.0 * radius + 5.0, pressure, 0.2 * pressure, state, 5.0)
     stress = scale * 0.01 * np.random.default_rng(3).standard_normal((len(places), 4))
     return Pressed(
         1.0,
@@ -83,7 +83,7 @@ def test_the_cauchy_stress_is_that_of_the_law_in_space_pushed_forward():
     r, z = made.nodes
     u = np.stack([0.03 * r + 0.002 * r * z, 0.05 * z - 0.001 * r**2 * z], axis=1).ravel()
     p = 0.1 * RNG.standard_normal((len(made.weight), 3))
-    stress, stretch = cauchy(solid, u, p, factor)
+    stress, stretch = cauchy(solid, solid.state(u, p), factor)
     F = solid.deformation(u)
     whole = np.zeros((*F.shape[:-1], 3, 3))
     for k, (i, j) in enumerate(((0, 0), (0, 1), (1, 0), (1, 1), (2, 2))):

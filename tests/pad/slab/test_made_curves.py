@@ -14,7 +14,7 @@ from dummydesign.pad.axisymmetric import case as cases
 from dummydesign.pad.axisymmetric import filleted, finite_strain, profile_punch, puck
 from dummydesign.pad.axisymmetric.case import Case, first_stiffness, solve_on_lattice
 from dummydesign.pad.axisymmetric.filleted import LEAST_ERROR, MESH_LEFT, solve_filleted
-from dummydesign.pad.axisymmetric.finite_strain import MotionPath, RatioPath, nodes_of_motion, ratio_error, solve_ratio
+from dummydesign.pad.axisymmetric.finite_strain import RatioPath, nodes_of_motion, ratio_error, solve_ratio
 from dummydesign.pad.axisymmetric.profile_punch import load_steps, profile, relative_punch, solve_profile
 from dummydesign.pad.axisymmetric.puck import CORNER_CELLS, MESH_ERROR, RoughPlate, UnitPuck, puck_problem, solve_puck
 from dummydesign.pad.force_law import NO_COST
@@ -235,7 +235,7 @@ def motions(monkeypatch, ends, over=lambda rim: 1.0 + rim):
         elastic = 2.0 * depth
         force = over(rim if kind == "slab" else -rim) * relaxed_force(time, elastic, ARMS) if relaxing else elastic
         stop = ends.get((kind, rim, relaxing))
-        return MotionPath(time, depth, force, 9, 2, 5, 0.5, stop)
+        return ForcePath(depth, force, np.ones(len(depth)), 9, 2, 5, 0.5, stop)
 
     monkeypatch.setattr(finite_strain, "follow_motion", follow)
     monkeypatch.setattr(finite_strain, "rimmed_problem", lambda case, rim, resolution: ("slab", case, rim / case.scale))

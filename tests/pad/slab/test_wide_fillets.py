@@ -28,6 +28,7 @@ from dummydesign.pad.axisymmetric.filleted import (
 )
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.solve import continuation
 from dummydesign.pad.solve.continuation import ForcePath
 from dummydesign.pad.solve.equilibrium import Failure, find_equilibrium
 from tests.support.rubbing import tractions
@@ -141,13 +142,13 @@ def test_the_stretch_of_the_face_is_the_largest_over_the_fillet_and_beside_it(po
 def test_a_sliding_path_that_cannot_go_on_halves_its_steps_and_says_how_far_it_got(monkeypatch):
     failed = []
 
-    def walled(problem, u, p, depth):
+    def walled(problem, u, p, depth, *how, **more):
         if depth <= 0.0213:
-            return find_equilibrium(problem, u, p, depth)
+            return find_equilibrium(problem, u, p, depth, *how, **more)
         failed.append(depth)
         return Failure("a wall", 3)
 
-    monkeypatch.setattr(filleted, "find_equilibrium", walled)
+    monkeypatch.setattr(continuation, "find_equilibrium", walled)
     path = follow_sliding(SlidingMesh(case(), COARSE), DEPTHS)
     assert path.depth == pytest.approx(DEPTHS[:2])
     assert all(one in path.stop for one in ("a wall", "0.021", "1.0"))

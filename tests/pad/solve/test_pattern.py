@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.pad.solve.sparse import BandLayout, Pattern
+from dummydesign.pad.solve import sparse
+from dummydesign.pad.solve.sparse import Pattern
 
 ELEMENTS, WIDTH = 40, 4
 DOFS = np.arange(ELEMENTS)[:, None] * 2 + np.arange(WIDTH)
@@ -45,7 +46,7 @@ def test_band_and_sparse_solve_what_a_dense_solve_gives(kind):
 def test_a_narrow_symmetric_matrix_needs_no_sparse_factorisation(monkeypatch):
     monkeypatch.setattr(Pattern, "_sparse", None)
     Pattern([DOFS], np.arange(SIZE), SIZE).solve([stiffness(1)], np.ones(SIZE))
-    monkeypatch.setattr(BandLayout, "narrow", property(lambda self: False))
+    monkeypatch.setattr(sparse, "WIDEST", -1)
     with pytest.raises(TypeError):
         Pattern([DOFS], np.arange(SIZE), SIZE).solve([stiffness(1)], np.ones(SIZE))
 

@@ -18,7 +18,7 @@ class BonedSolids(FlatSolids):
         shape = pad.shape
         assert isinstance(shape, Boned)
         low = pad.thickness_mm - shape.height_mm
-        return ridge_solid(shape.conic, *shape.ends(pad), low) if shape.along else cap_solid(shape.conic, z_mm=low)
+        return ridge_solid(shape, *shape.ends(pad), low) if shape.along else cap_solid(shape, z_mm=low)
 
 
 SOLIDS = BonedSolids()

@@ -18,8 +18,8 @@ class CrownedSolids(FlatSolids):
         shape = pad.shape
         assert isinstance(shape, Crowned)
         if shape.along:
-            return [ridge_solid(shape.conic, *shape.ends(pad))]
-        cap = cap_solid(shape.conic)
+            return [ridge_solid(shape, *shape.ends(pad))]
+        cap = cap_solid(shape)
         return [cap.translate((x, y, 0.0)) if x or y else cap for x, y in shape.places_mm]
 
 

@@ -45,14 +45,14 @@ def test_a_bone_stands_on_the_free_face():
     pad = shape_spec("boned:20,6", 15.0).pad
     bone = boned.SOLIDS.bone(pad)
     # its tip lies below the tested face by what is left of the gel
-    assert bone.kind == "cap" and bone.given == (pad.shape.conic, pytest.approx(9.0))
+    assert bone.kind == "cap" and bone.given == (pad.shape, pytest.approx(9.0))
     assert boned.SOLIDS.tops(pad) == [] and crowned.SOLIDS.bone(pad) is None
 
 
 def test_crowns_stand_at_their_sites_and_are_made_once(made):
     single = shape_spec("crowned:10,2", 12.0).pad
     (cap,) = crowned.SOLIDS.tops(single)
-    assert cap.at == (0.0, 0.0, 0.0) and cap.given == (single.shape.conic,)
+    assert cap.at == (0.0, 0.0, 0.0) and cap.given == (single.shape,)
     made.clear()
     several = shape_spec("crowned:10,2,6,0,2,1,20", 12.0).pad
     caps = crowned.SOLIDS.tops(several)
@@ -63,7 +63,7 @@ def test_crowns_stand_at_their_sites_and_are_made_once(made):
 def test_a_ridge_is_one_solid_to_the_walls():
     pad = shape_spec("crowned:10,2,6,1", 12.0).pad
     (ridge,) = crowned.SOLIDS.tops(pad)
-    assert ridge.kind == "ridge" and ridge.given == (pad.shape.conic, *pad.shape.ends(pad))
+    assert ridge.kind == "ridge" and ridge.given == (pad.shape, *pad.shape.ends(pad))
 
 
 def test_a_slab_adds_nothing_and_each_shape_has_its_own():

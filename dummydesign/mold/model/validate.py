@@ -11,9 +11,9 @@ from typing import Any
 from dummydesign.core.errors import InputError, out_of_range, quantity_name, unknown_name
 from dummydesign.geometry.dimensions import RIM_FREE_MM
 from dummydesign.mold.model import formulas as formula
-from dummydesign.mold.model.layout import Layout, Outline, check_face_sheet, layout
+from dummydesign.mold.model.layout import Layout, Outline, layout, plug_top_mm, sheet_outline
 from dummydesign.mold.model.printed_parts import part_title, printed_parts, tray_covers
-from dummydesign.mold.model.products import check_surface
+from dummydesign.mold.model.products import Surface
 from dummydesign.mold.model.spec import MouldSpec, PadGeometry
 
 THICKNESS_MM = (3.0, 30.0)
@@ -21,6 +21,8 @@ CORNER_MM = 0.5
 MOST_CAVITIES = 20
 DEGAS_PLACES = ("cup", "mould", "none")
 SMALLEST_MM = {"open": 20.0, "lidded": 50.0, "printed": 20.0}
+# The sheet let in as the tested face: thicknesses, least side, least plastic under it.
+SHEET_MM, LEAST_SHEET_MM, LEAST_FLOOR_MM = (1.0, 8.0), 20.0, 3.0
 
 
 def validate(spec: MouldSpec) -> Layout:
@@ -56,13 +58,13 @@ def _check_makeable(spec: MouldSpec) -> Layout:
     if spec.body.style == "lidded":
         _check_closure(spec)
     if spec.is_printed:
-        check_surface(spec.surface, spec.pad.draft_deg)
+        _check_surface(spec.surface, spec.pad.draft_deg)
     _check_process(spec)
     if spec.base is not None:
         _check_process(replace(spec, pour=spec.base.pour))
     _check_count(spec)
     plan = layout(spec)
-    check_face_sheet(spec, plan)
+    _check_face_sheet(spec, plan)
     return plan
 
 
@@ -92,17 +94,23 @@ def _between(name: str, value: float, low: float, high: float, advice: str = "")
         raise out_of_range(name, f"{value:g}", f"{low:g}", f"{high:g}", advice)
 
 
+def _all_between(table: object, before: str = "", /, **limits: tuple[float, float]) -> None:
+    """Check fields of a table against their limits, one after the other; ``before`` stands before their names."""
+    for name, ends in limits.items():
+        _between(before + name, getattr(table, name), *ends)
+
+
 def _check_pad(spec: MouldSpec) -> None:
     pad = spec.pad
     if spec.body.style not in SMALLEST_MM:
         raise unknown_name("style of mould", spec.body.style, tuple(SMALLEST_MM))
-    _between("thickness_mm", pad.thickness_mm, *THICKNESS_MM)
+    _all_between(pad, thickness_mm=THICKNESS_MM)
     least = SMALLEST_MM[spec.body.style]
     for name, value in (("length_mm", pad.length_mm), ("width_mm", pad.width_mm)):
         if value < least:
             message = f"{name} = {value:g} is below {least:g}, the least for a mould of style {spec.body.style}"
             raise InputError(message, "out_of_range", name, value, (least, None))
-    _between("draft_deg", pad.draft_deg, 0.0, 10.0)
+    _all_between(pad, draft_deg=(0.0, 10.0))
     if pad.is_puck:
         if pad.length_mm != pad.width_mm:
             given = f"length_mm = {pad.length_mm:g} and width_mm = {pad.width_mm:g}"
@@ -139,28 +147,36 @@ def _check_shape(spec: MouldSpec, pad: PadGeometry) -> None:
 
 def _check_body(spec: MouldSpec) -> None:
     body, box, aids = spec.body, spec.box, spec.aids
-    _between("wall_mm", body.wall_mm, 6.0, 50.0)
-    _between("floor_mm", body.floor_mm, 5.0, 50.0)
-    _between("outer_draft_deg", body.outer_draft_deg, 0.0, 3.0)
     height = spec.pad.thickness_mm * 1.02 + body.freeboard_mm + body.floor_mm
     shrink = height * math.tan(math.radians(body.outer_draft_deg))
-    _between("outer_corner_radius_mm", body.outer_corner_radius_mm, shrink + 0.5, body.wall_mm + 10.0)
+    _all_between(
+        body,
+        wall_mm=(6.0, 50.0),
+        floor_mm=(5.0, 50.0),
+        outer_draft_deg=(0.0, 3.0),
+        outer_corner_radius_mm=(shrink + 0.5, body.wall_mm + 10.0),
+    )
     if body.style != "lidded":
-        _between("brim_step_mm", body.brim_step_mm, 0.5, body.wall_mm / 2)
-        _between("freeboard_mm", body.freeboard_mm, 1.0, 20.0)
-        _between("plate_clearance_mm", aids.plate_clearance_mm, 0.2, body.brim_step_mm)
+        _all_between(body, brim_step_mm=(0.5, body.wall_mm / 2), freeboard_mm=(1.0, 20.0))
+        _all_between(aids, plate_clearance_mm=(0.2, body.brim_step_mm))
     elif body.brim_step_mm or body.freeboard_mm:
         message = "brim_step_mm and freeboard_mm must be 0 for a lidded mould: its lid closes the fill plane"
         raise InputError(message, "not_applicable", "brim_step_mm" if body.brim_step_mm else "freeboard_mm", allowed=0)
-    _between("label_depth_mm", body.label_depth_mm, 0.2, body.floor_mm / 4)
-    _between("label_height_mm", body.label_height_mm, 2.5, body.wall_mm - 3.0)
-    _between("label_stroke_mm", body.label_stroke_mm, 0.4, body.label_height_mm / 5)
-    _between("base_mm", box.base_mm, 4.0, 30.0)
-    _between("frame_wall_mm", box.frame_wall_mm, 2.0, 20.0)
-    _between("flange_mm", box.flange_mm, box.bolt_hole_mm + 2.0, 40.0)
-    _between("rim_mm", box.rim_mm, 2.0, 30.0)
-    _between("rim_step_mm", box.rim_step_mm, 0.3, box.frame_wall_mm - 1.0)
-    _between("tray_rim_height_mm", aids.tray_rim_height_mm, 1.0, body.floor_mm)
+    _all_between(
+        body,
+        label_depth_mm=(0.2, body.floor_mm / 4),
+        label_height_mm=(2.5, body.wall_mm - 3.0),
+        label_stroke_mm=(0.4, body.label_height_mm / 5),
+    )
+    _all_between(
+        box,
+        base_mm=(4.0, 30.0),
+        frame_wall_mm=(2.0, 20.0),
+        flange_mm=(box.bolt_hole_mm + 2.0, 40.0),
+        rim_mm=(2.0, 30.0),
+        rim_step_mm=(0.3, box.frame_wall_mm - 1.0),
+    )
+    _all_between(aids, tray_rim_height_mm=(1.0, body.floor_mm))
 
 
 def _check_closure(spec: MouldSpec) -> None:
@@ -184,23 +200,25 @@ def _check_closure(spec: MouldSpec) -> None:
             c.gutter_distance_mm,
             (least_distance, None),
         )
-    _between("key_clearance_mm", c.key_clearance_mm, 0.05, 0.5)
-    _between("key_shift_mm", c.key_shift_mm, socket + 1.0, pad.length_mm / 2)
-    _between("key_radius_mm", c.key_radius_mm, 1.5, min(c.lid_mm, body.floor_mm) - 2.0)
-    _between("sprue_large_mm", c.sprue_large_mm, c.sprue_small_mm, 2 * c.sprue_inset_mm - 2.0)
-    _between("vent_large_mm", c.vent_large_mm, c.vent_small_mm, 2 * c.vent_inset_mm - 2.0)
-    _between("sprue_inset_mm", c.sprue_inset_mm, 4.0, pad.length_mm / 4)
-    _between("vent_inset_mm", c.vent_inset_mm, 3.0, min(pad.length_mm, pad.width_mm) / 4)
+    _all_between(
+        c,
+        key_clearance_mm=(0.05, 0.5),
+        key_shift_mm=(socket + 1.0, pad.length_mm / 2),
+        key_radius_mm=(1.5, min(c.lid_mm, body.floor_mm) - 2.0),
+        sprue_large_mm=(c.sprue_small_mm, 2 * c.sprue_inset_mm - 2.0),
+        vent_large_mm=(c.vent_small_mm, 2 * c.vent_inset_mm - 2.0),
+        sprue_inset_mm=(4.0, pad.length_mm / 4),
+        vent_inset_mm=(3.0, min(pad.length_mm, pad.width_mm) / 4),
+    )
 
 
 def _check_process(spec: MouldSpec) -> None:
     pour, silicone = spec.pour, spec.silicone
-    _between("density_g_per_cm3", pour.density_g_per_cm3, 0.5, 3.0)
-    _between("shrinkage_percent", pour.shrinkage_percent, 0.0, 5.0)
+    _all_between(pour, density_g_per_cm3=(0.5, 3.0), shrinkage_percent=(0.0, 5.0))
     if silicone is not None:
         _between("density_g_per_cm3 of the silicone", silicone.density_g_per_cm3, 0.8, 2.0)
         _between("shrinkage_percent of the silicone", silicone.shrinkage_percent, 0.0, 3.0)
-    _between("cure_temperature_C", pour.cure_temperature_C, 0.0, 150.0)
+    _all_between(pour, cure_temperature_C=(0.0, 150.0))
     plastic, hot = spec.plastic, spec.pour.cure_temperature_C
     if plastic is not None and hot > plastic.service_temperature_C:
         raise InputError(
@@ -211,9 +229,8 @@ def _check_process(spec: MouldSpec) -> None:
             plastic.service_temperature_C,
             (hot, None),
         )
-    for name, value in asdict(spec.acceptance).items():
-        _between(f"acceptance {name}", value, 0.1, 50.0)
-    _between("foam_factor", pour.foam_factor, 1.5, 8.0)
+    _all_between(spec.acceptance, "acceptance ", **dict.fromkeys(asdict(spec.acceptance), (0.1, 50.0)))
+    _all_between(pour, foam_factor=(1.5, 8.0))
     if pour.degas not in DEGAS_PLACES:
         raise unknown_name("place to degas", pour.degas, DEGAS_PLACES)
     if pour.degas == "mould" and spec.body.style != "open":
@@ -232,7 +249,60 @@ def _check_process(spec: MouldSpec) -> None:
         )
     if not pour.components or not math.isclose(sum(share for _, share in pour.components), 1.0, abs_tol=1e-9):
         raise InputError("the mass fractions of the resin's components must sum to 1", "inconsistent", "components")
-    _between("balance_resolution_g", spec.machines.balance_resolution_g, 0.001, 10.0)
+    _all_between(spec.machines, balance_resolution_g=(0.001, 10.0))
+
+
+def _check_surface(surface: Surface | None, draft_deg: float) -> None:
+    """Refuse a printed mould that would not let go."""
+    if surface is None:
+        message = "a printed mould needs the table [surface] in its preset: depth_mm and the draft it asks for"
+        raise InputError(message, "missing", "surface")
+    _all_between(surface, "surface ", depth_mm=(0.001, 0.2), least_draft_deg=(0.0, 5.0), draft_deg_per_mm=(0.0, 200.0))
+    if draft_deg < surface.draft_needed_deg:
+        deep = max(0.0, (draft_deg - surface.least_draft_deg) / surface.draft_deg_per_mm)
+        raise InputError(
+            f"draft_deg = {draft_deg:g} of a printed mould: valleys of {surface.depth_mm:g} mm need at least "
+            f"{surface.draft_needed_deg:.2f} deg; give more draft, or finish it to {deep:.3f} mm (surface depth_mm)",
+            "out_of_range",
+            "draft_deg",
+            draft_deg,
+            (surface.draft_needed_deg, None),
+        )
+
+
+def _check_face_sheet(spec: MouldSpec, plan: Layout) -> None:
+    """Refuse a sheet that cannot be the tested face."""
+    box, shape = spec.box, spec.pad.shape
+    if not box.face_sheet_mm:
+        return
+    if shape.relief_mm:
+        raise InputError(
+            f"face_sheet_mm = {box.face_sheet_mm:g}: the tested face of {shape} is curved, a sheet is flat; use 0",
+            "not_applicable",
+            "face_sheet_mm",
+            box.face_sheet_mm,
+            0,
+        )
+    under = spec.body.floor_mm if spec.is_printed else plug_top_mm(plan) + box.base_mm
+    most = min(SHEET_MM[1], under - LEAST_FLOOR_MM - box.sheet_bond_mm)
+    if not SHEET_MM[0] <= box.face_sheet_mm <= most:
+        raise out_of_range(
+            "face_sheet_mm",
+            f"{box.face_sheet_mm:g}",
+            f"{SHEET_MM[0]:g}",
+            f"{most:.3g}",
+            f"{LEAST_FLOOR_MM:g} mm of plastic stay under it",
+        )
+    _all_between(box, sheet_bond_mm=(0.0, 0.5), sheet_rim_mm=(2.0, 20.0))
+    sheet = sheet_outline(spec, plan)
+    if min(sheet.length_mm, sheet.width_mm) < LEAST_SHEET_MM:
+        raise InputError(
+            f"a sheet of {sheet.length_mm:g} x {sheet.width_mm:g} mm is all that fits on the tested face inside its "
+            f"rim; at least {LEAST_SHEET_MM:g} mm each way are of use: leave face_sheet_mm at 0 or take a larger pad",
+            "cannot_be_made",
+            "face_sheet_mm",
+            box.face_sheet_mm,
+        )
 
 
 def footprint(spec: MouldSpec) -> Outline:

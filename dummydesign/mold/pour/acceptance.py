@@ -142,25 +142,45 @@ def points_rows(points: Sequence[GaugePoint], blank: str, first_pad: int = 1, pa
     return [head, *map(row, points)]
 
 
-def force_at_thickness(spec: MouldSpec, shares: tuple[float, ...]) -> tuple[float, ...] | None:
-    """Force at a given depth of pads whose thickness is a share of the designed one, over that of the designed one.
-
-    At a quarter of the designed thickness, glued, under a square punch of 14 mm, by the response table.
-    """
+@lru_cache(maxsize=512)
+def _force(shape: PadShape, thicknesses_mm: tuple[float, ...], designed_mm: float) -> np.ndarray:
+    """Force over modulus of glued pads at a quarter of the designed thickness, under a square punch of 14 mm. [mm2]"""
     from dummydesign.pad.tables.shape import TabulatedShapeLaw
     from dummydesign.pad.tables.slab import load_table
 
-    pad = spec.pad
-    if pad.is_puck or not (pad.shape.plain or pad.shape.tabulated):
+    law = load_table("bonded") if shape.plain else TabulatedShapeLaw(shape)
+    return law.force(COMPARED_DEPTH * designed_mm, np.array(thicknesses_mm), 1.0, PUNCH_RADIUS_MM)
+
+
+def change_percent(pad: PadGeometry, made: PadShape, thickness_mm: float) -> float | None:
+    """Change of the force at a given depth when a pad has another shape and thickness than designed. [%]
+
+    None for a puck, and where the response table does not hold one of the two pads.
+    """
+    if pad.is_puck:
         return None
     h = pad.thickness_mm
     try:
-        law = load_table("bonded") if pad.shape.plain else TabulatedShapeLaw(pad.shape)
-        force = law.force(COMPARED_DEPTH * h, np.array([1.0, *shares]) * h, 1.0, PUNCH_RADIUS_MM)
+        change = 100 * float(_force(made, (thickness_mm,), h)[0] / _force(pad.shape, (h,), h)[0] - 1)
     except InputError:
         return None
-    over = force[1:] / force[0]
-    return tuple(float(one) for one in over) if np.all(np.isfinite(over)) else None
+    return change if math.isfinite(change) else None
+
+
+def force_at_thickness(spec: MouldSpec, shares: tuple[float, ...]) -> tuple[float, ...] | None:
+    """Force at a given depth of pads whose thickness is a share of the designed one, over that of the designed one.
+
+    None as :func:`change_percent`.
+    """
+    pad, h = spec.pad, spec.pad.thickness_mm
+    if pad.is_puck:
+        return None
+    try:
+        designed, *others = _force(pad.shape, (h, *(share * h for share in shares)), h)
+    except InputError:
+        return None
+    over = tuple(float(one / designed) for one in others)
+    return over if all(map(math.isfinite, over)) else None
 
 
 def force_change_percent(spec: MouldSpec, share: float) -> float | None:
@@ -354,24 +374,10 @@ def crown_change_percent(
 
     None for a pad without a crown, and where the response table does not hold one of the two pads.
     """
-    if pad.is_puck or not pad.shape.crowned:
+    if not pad.shape.crowned:
         return None
-    h, made = pad.thickness_mm, crown_shape(pad.shape, higher_mm, blunter)
-    try:
-        designed, cast = _force(pad.shape, h, h), _force(made, h + higher_mm + thicker_mm, h)
-    except InputError:
-        return None
-    change = 100 * (cast / designed - 1)
-    return change if math.isfinite(change) else None
-
-
-@lru_cache(maxsize=512)
-def _force(shape: PadShape, thickness_mm: float, designed_mm: float) -> float:
-    """Force over modulus at a quarter of the designed thickness. [mm2]"""
-    from dummydesign.pad.tables.shape import TabulatedShapeLaw
-
-    depth = COMPARED_DEPTH * designed_mm
-    return float(TabulatedShapeLaw(shape).force(depth, np.array([thickness_mm]), 1.0, PUNCH_RADIUS_MM)[0])
+    made = crown_shape(pad.shape, higher_mm, blunter)
+    return change_percent(pad, made, pad.thickness_mm + higher_mm + thicker_mm)
 
 
 @lru_cache(maxsize=64)

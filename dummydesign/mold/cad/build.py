@@ -39,11 +39,9 @@ def build(spec: MouldSpec) -> Parts:
     boxes lie next to them in the assembly.
     """
     plan = layout(spec)
-    whole, bone = cavity_solid(spec.pad), bone_solid(spec.pad)
-    nominal = whole if bone is None else single_solid(whole.cut(bone))
-    made = Parts(spec, plan, nominal)
-    made.with_bone = None if bone is None else single_solid(whole.scale(plan.scale))
-    made.add("pad", plan.at_places(single_solid(nominal.scale(plan.scale)))[0], "resin")
+    made, bone = Parts(spec, plan, pad_solid(spec.pad)), bone_solid(spec.pad)
+    made.with_bone = None if bone is None else single_solid(cavity_solid(spec.pad).scale(plan.scale))
+    made.add("pad", plan.at_places(single_solid(made.pad_nominal.scale(plan.scale)))[0], "resin")
     shift = plan.flange.length_mm / 2 + plan.top.length_mm / 2 + 40.0
     if spec.is_printed:
         _add_printed(made)

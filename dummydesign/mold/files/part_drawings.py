@@ -209,7 +209,7 @@ def sheets(made: Parts, views: dict[str, list[View]], date: str = "", paper: str
         title = Title(
             pad.title,
             f"{names.get(name, name)}, {made.spec.preset} mould",
-            _material(made, name),
+            made.parts[name].material.drawn,
             f"ISO 2768-m{thickness if name == 'pad' else ''}",
             made.spec.hash,
             date or "-",
@@ -237,17 +237,6 @@ def _profile(made: Parts, name: str) -> list[str]:
         f"{profile_words(shape, factor, zone)} Height over the flat {low:.2f} to {high:.2f}: "
         f"{MOST_PERCENT:g} % of force."
     ]
-
-
-def _material(made: Parts, name: str) -> str:
-    spec, kind = made.spec, made.parts[name].material.kind
-    if kind == "rigid":
-        return spec.plastic.name.upper() if spec.plastic else "rigid plastic"
-    if kind == "glass":
-        return "float glass or acrylic"
-    if kind == "silicone" and spec.silicone is not None:
-        return f"silicone {spec.silicone.name}"
-    return f"{spec.pour.resin}, ratio {spec.pour.ratio:g}"
 
 
 def _notes(made: Parts, name: str) -> list[str]:

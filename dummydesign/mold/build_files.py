@@ -6,6 +6,7 @@ import hashlib
 import json
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +48,7 @@ def produce(spec: MouldSpec, folder: Path, foot: Foot) -> dict[str, Any]:
         return _write_and_check(made, meshes, folder, foot, picture)
     finally:
         if picture.poll() is None:
-            # A check failed or the user stopped: nobody waits for it any more.
+            # It takes too long, a check failed or the user stopped: nobody waits for it any more.
             picture.kill()
             picture.wait()
 
@@ -140,11 +141,8 @@ def finish_picture(
     process: subprocess.Popen[bytes], folder: Path, spec: MouldSpec, warnings: list[dict[str, str]]
 ) -> dict[str, str]:
     """Wait for the picture; without one the mould is as good, with a warning."""
-    try:
+    with suppress(subprocess.TimeoutExpired):
         process.wait(PICTURE_S)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
     (folder / ".picture.pickle").unlink(missing_ok=True)
     picture = folder / f"mould_{spec.tag}.png"
     if picture.is_file():

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import asdict, fields, is_dataclass, replace
 from typing import Any
 
-from dummydesign.core.errors import InputError, out_of_range, quantity_name, unknown_name
+from dummydesign.core.errors import InputError, accepts, out_of_range, quantity_name, unknown_name
 from dummydesign.geometry.dimensions import RIM_FREE_MM
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import Layout, Outline, layout, plug_top_mm, sheet_outline
@@ -40,14 +40,13 @@ def validate(spec: MouldSpec) -> Layout:
             "count",
             spec.count,
             (1, fewer),
-        ) from InputError(fault[0], "cannot_be_made", fault[1])
-    message, quantity, value, allowed = fault
+        ) from fault
     advice = "name other machines in a preset file"
     if turned_fits(spec):
         advice = f"turned by 90 degrees, {spec.pad.width_mm:g} x {spec.pad.length_mm:g} mm, it fits"
     elif (size := largest_pad_mm(replace(spec, count=1))) is not None:
         advice = f"a pad of {size[0]:g} x {size[1]:g} mm fits, or {advice}"
-    raise InputError(f"{message}; {advice}", "cannot_be_made", quantity, value, allowed)
+    raise InputError(f"{fault}; {advice}", fault.code, fault.quantity, fault.value, fault.allowed)
 
 
 def _check_makeable(spec: MouldSpec) -> Layout:
@@ -319,17 +318,18 @@ def chamber_spare_mm(spec: MouldSpec) -> float:
     return min(m.chamber_diameter_mm - plan.top.diagonal_mm, m.chamber_height_mm - tall)
 
 
-def _machine_fault(spec: MouldSpec) -> tuple[str, str, Any, Any] | None:
-    """Why the machines do not take the mould: message, quantity, what is needed and what is there."""
+def _machine_fault(spec: MouldSpec) -> InputError | None:
+    """Why the machines do not take the mould, with what is needed and what is there."""
     m, plan = spec.machines, layout(spec)
     for part in printed_parts(spec):
         name = part_title(part.name, spec.is_printed)
         if part.outline.spare_mm(m.bed_mm) < 0:
             return _too_large("printer bed", f"the {name}", part.outline, m.bed_mm, spec)
         if part.height_mm > m.printer_height_mm:
-            message = f"the {name} is {part.height_mm:.0f} mm high as it is printed, the printer of machines"
-            return (
-                f"{message} '{m.name}' prints up to {m.printer_height_mm:g} mm",
+            return InputError(
+                f"the {name} is {part.height_mm:.0f} mm high as it is printed, the printer of machines '{m.name}' "
+                f"prints up to {m.printer_height_mm:g} mm",
+                "cannot_be_made",
                 "printer_height_mm",
                 part.height_mm,
                 (None, m.printer_height_mm),
@@ -339,20 +339,17 @@ def _machine_fault(spec: MouldSpec) -> tuple[str, str, Any, Any] | None:
         return _too_large("oven shelf", "the mould" if spec.is_printed else "the tray", footprint(spec), shelf, spec)
     if spec.pour.degas == "mould" and chamber_spare_mm(spec) < 0:
         high = plan.height_mm + formula.collar_height_mm(plan.depth_mm, spec.pour.foam_factor)
-        return (
+        return InputError(
             f"the mould with its collar ({plan.top.diagonal_mm:.0f} mm across, {high:.0f} mm high) does not fit "
             f"the vacuum chamber of machines '{m.name}' ({m.chamber_diameter_mm:g} x {m.chamber_height_mm:g} mm); "
             "degas in the cup or use a smaller pad",
+            "cannot_be_made",
             "vacuum_chamber",
-            None,
-            None,
         )
     return None
 
 
-def _too_large(
-    machine: str, part: str, size: Outline, room_mm: tuple[float, ...], spec: MouldSpec
-) -> tuple[str, str, Any, Any]:
+def _too_large(machine: str, part: str, size: Outline, room_mm: tuple[float, ...], spec: MouldSpec) -> InputError:
     """What is wrong with a part larger than a machine."""
     pad, room = spec.pad, tuple(sorted(room_mm, reverse=True))
     usable = " x ".join(f"{side:g}" for side in room) + (" mm across" if len(room) == 1 else " mm")
@@ -361,7 +358,12 @@ def _too_large(
         f"mm does not fit the {machine} of machines '{spec.machines.name}' ({usable} "
         "usable)"
     )
-    return message, quantity_name(machine), (size.length_mm, size.width_mm), room
+    return InputError(message, "cannot_be_made", quantity_name(machine), (size.length_mm, size.width_mm), room)
+
+
+def _can_be_made(spec: MouldSpec) -> bool:
+    """Whether nothing is wrong with a mould, nor with its size; tried."""
+    return accepts(_check_makeable, spec) and _machine_fault(spec) is None
 
 
 def turned_fits(spec: MouldSpec) -> bool:
@@ -371,11 +373,7 @@ def turned_fits(spec: MouldSpec) -> bool:
     if pad.length_mm == pad.width_mm or len(pad.shape.places_mm) > 1:
         return False
     turned = replace(spec, pad=replace(pad, length_mm=pad.width_mm, width_mm=pad.length_mm))
-    try:
-        _check_makeable(turned)
-    except InputError:
-        return False
-    return _machine_fault(turned) is None
+    return _can_be_made(turned)
 
 
 def largest_pad_mm(spec: MouldSpec) -> tuple[float, float] | None:
@@ -405,8 +403,4 @@ def largest_pad_mm(spec: MouldSpec) -> tuple[float, float] | None:
     if not pad.is_puck:
         found = largest(lambda one: (float(one), found[1]), int(found[0]), asked[0])
         found = largest(lambda one: (found[0], float(one)), int(found[1]), asked[1])
-    try:
-        _check_makeable(sized(*found))
-    except InputError:
-        return None
-    return found if _machine_fault(sized(*found)) is None else None
+    return found if _can_be_made(sized(*found)) else None

@@ -391,12 +391,19 @@ def crown_limits(pad: PadGeometry, thickness_percent: float) -> CrownLimits | No
     shape: Any = pad.shape
     h, most = pad.thickness_mm, pad.thickness_mm * thickness_percent / 100
     height, tip = shape.height_mm, shape.radius_mm
-    off = [_reach(lambda x: crown_change_percent(pad, higher_mm=x), side * SOUGHT * height) for side in (-1, 1)]
-    thick = [_reach(lambda x: crown_change_percent(pad, thicker_mm=x), side * most) for side in (-1, 1)]
-    blunt = [_reach(lambda x: crown_change_percent(pad, blunter=1 + x / tip), side * SOUGHT * tip) for side in (-1, 1)]
     return CrownLimits(
-        _inwards(height, off, STEP_MM), _inwards(h, thick, STEP_MM), _inwards(tip, blunt, RADIUS_STEP_MM)
+        _allowed(lambda x: crown_change_percent(pad, higher_mm=x), height, SOUGHT * height, STEP_MM),
+        _allowed(lambda x: crown_change_percent(pad, thicker_mm=x), h, most, STEP_MM),
+        _allowed(lambda x: crown_change_percent(pad, blunter=1 + x / tip), tip, SOUGHT * tip, RADIUS_STEP_MM),
     )
+
+
+def _allowed(change: Callable[[float], float | None], nominal: float, most: float, step: float) -> tuple[float, float]:
+    """Limits of a length that is off by ``most`` at most, rounded to steps that are read, never outwards."""
+    low, high = (nominal + _reach(change, side * most) for side in (-1, 1))
+    inner = math.ceil(low / step - 1e-6) * step, math.floor(high / step + 1e-6) * step
+    # never beyond the nominal
+    return min(round(inner[0], 6), nominal), max(round(inner[1], 6), nominal)
 
 
 def _reach(change: Callable[[float], float | None], most: float) -> float:
@@ -413,13 +420,6 @@ def _reach(change: Callable[[float], float | None], most: float) -> float:
         middle = 0.5 * (good + bad)
         good, bad = (middle, bad) if kept(middle) else (good, middle)
     return good
-
-
-def _inwards(nominal: float, off: list[float], step: float) -> tuple[float, float]:
-    """Limits rounded to steps that are read, never outwards nor beyond the nominal."""
-    low, high = (nominal + one for one in off)
-    inner = math.ceil(low / step - 1e-6) * step, math.floor(high / step + 1e-6) * step
-    return min(round(inner[0], 6), nominal), max(round(inner[1], 6), nominal)
 
 
 @dataclass(frozen=True)

@@ -75,7 +75,7 @@ def _add_silicone(made: Parts, shift_mm: float) -> None:
     if bars:
         mould = mould.cut(*bars)
     made.add("mould", single_solid(mould), "silicone")
-    master, frame = casting_box(spec, made.solid("mould"), made.hull, plan.land_mm, True)
+    master, frame = casting_box(spec, made.solid("mould"), made.hull, True)
     if spec.box.face_sheet_mm:
         # The casting frame is the mould's turned over about x, and larger by the silicone's shrinkage.
         places = [(point.x_mm * plan.silicone_scale, -point.y_mm * plan.silicone_scale, 0.0) for point in plan.places]

@@ -154,13 +154,13 @@ def check_boxes(made: Parts) -> list[Check]:
     """The silicone a casting box holds is the part scaled by the silicone's shrinkage, and the box is empty of it."""
     spec, plan = made.spec, made.plan
     checks = []
-    boxes = [] if spec.is_printed else [("mould", "master", "frame", made.solid("mould"), plan.land_mm, True)]
+    boxes = [] if spec.is_printed else [("mould", "master", "frame", made.solid("mould"), True)]
     if "lid" in made.parts:
         funnels = [*made.tools["sprue"], *made.tools["vents"]]
         whole = made.solid("lid").fuse(*[tool.intersect(made.tools["lid_hull"][0]) for tool in funnels])
-        boxes.append(("lid", "lid_master", "lid_frame", whole, plan.land_mm, False))
-    for name, master, frame, part, parting, turned in boxes:
-        cast = to_casting(part, parting, turned, plan.silicone_scale)
+        boxes.append(("lid", "lid_master", "lid_frame", whole, False))
+    for name, master, frame, part, turned in boxes:
+        cast = to_casting(part, plan, turned)
         box = cast.BoundingBox()
         # From the bottom of the base plate to the fill mark, outside half-way into the frame's wall.
         inside = plan.top.scaled(plan.silicone_scale).grown(spec.box.frame_wall_mm / 2)

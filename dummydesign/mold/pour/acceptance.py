@@ -53,13 +53,11 @@ def gauge_points(spec: MouldSpec) -> tuple[GaugePoint, ...]:
     either side: a plate that lies too high adds as much at every point. At a crown's tip and beside it, it is also that
     of the force (:func:`dummydesign.mold.pour.acceptance.crown_limits`). Points without room on a flat are left out.
     """
-    pad, stands = spec.pad, spec.pad.shape.places_mm
-    places = gauge_places(spec)
-    points = tuple(_point(spec, name, point, stands) for name, point in places.items() if point is not None)
-    limits = crown_limits(pad, spec.acceptance.thickness_percent)
+    points = tuple(_point(spec, name, at) for name, at in gauge_places(spec).items() if at is not None)
+    limits = crown_limits(spec.pad, spec.acceptance.thickness_percent)
     if limits is None:
         return points
-    low, high = (one - pad.thickness_mm for one in limits.thickness_mm)
+    low, high = (one - spec.pad.thickness_mm for one in limits.thickness_mm)
     return tuple(
         replace(one, low_mm=one.nominal_mm + low, high_mm=one.nominal_mm + high)
         if one.pressed or one.name == SHOULDER
@@ -108,9 +106,9 @@ def _drop_mm(pad: PadGeometry, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return np.min([pad.shape.drop_mm(x - a, y - b) for a, b in pad.shape.places_mm], axis=0)
 
 
-def _point(spec: MouldSpec, name: str, at: tuple[float, float], stands: Sequence[tuple[float, float]]) -> GaugePoint:
+def _point(spec: MouldSpec, name: str, at: tuple[float, float]) -> GaugePoint:
     pad, shape = spec.pad, spec.pad.shape
-    x, y = np.array([at[0] - x for x, _ in stands]), np.array([at[1] - y for _, y in stands])
+    x, y = (np.array(at) - shape.places_mm).T
     nominal = pad.thickness_mm - float(_drop_mm(pad, np.array(at[0]), np.array(at[1])))
     gel = nominal - float(np.max(shape.bone_mm(x, y)))
     middle = pad.thickness_mm - shape.bone_height_mm

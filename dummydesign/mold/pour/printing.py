@@ -137,7 +137,7 @@ def face_factor(spec: MouldSpec) -> float:
 
 def print_words(spec: MouldSpec) -> str:
     """How the parts lie on the bed; elephant's foot, shrinkage and gap of the machine's prints, where known."""
-    fit, sentences = spec.machines.fit, []
+    fit, sentences = spec.machines.fit, [lying_words(spec)]
     if fit is not None:
         foot = f"take {fit.elephant_foot_mm:g} mm off the first layer (elephant's foot compensation)"
         size = "print a bar of 150 mm, measure it and let the slicer compensate the shrinkage"
@@ -147,7 +147,6 @@ def print_words(spec: MouldSpec) -> str:
         sentences.append(f"In the slicer {foot}; {size}. {gap}")
     if words := layer_words(spec):
         sentences.append(f"{words[0].upper()}{words[1:]}.")
-    sentences.insert(0, lying_words(spec))
     return f" {' '.join(sentences)}"
 
 

@@ -6,7 +6,6 @@ turned over and scaled by the silicone's shrinkage, so that no feature can be fo
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Any
 
@@ -247,9 +246,9 @@ def carrier(spec: MouldSpec, plan: Layout, finished: Any) -> Any:
     """
     low, high = plan.depth_mm - 1.0, plan.land_mm + spec.aids.plate_mm + 1.0
     # The corners of the fill plane are the last to be reached when the carrier is lowered.
-    vents = _corners(plan.fill_outline, VENT_INSET_MM + CARRIER_VENT_MM / 2)[:CARRIER_VENTS]
+    vents = plan.fill_outline.corners(VENT_INSET_MM + CARRIER_VENT_MM / 2)[:CARRIER_VENTS]
     # Half-way between the cavity and the rim.
-    screws = _corners(plan.top, (plan.top.length_mm - plan.opening.length_mm) / 4)
+    screws = plan.top.corners((plan.top.length_mm - plan.opening.length_mm) / 4)
     tools = cylinders(vents, CARRIER_VENT_MM / 2, high - low, low)
     tools += cylinders(screws, spec.box.bolt_hole_mm / 2, high - low, low)
     return single_solid(single_solid(strike_off(spec, plan).cut(*tools)).fuse(finished.scale(plan.scale)))
@@ -281,10 +280,3 @@ def marked_carrier(spec: MouldSpec, plan: Layout) -> Any:
         for x, y, dx, dy in grooves
     ]
     return single_solid(solid.cut(*tools))
-
-
-def _corners(outline: Outline, inset_mm: float) -> tuple[PlanPoint, ...]:
-    # On a rounded corner the parallel line runs at 45 degrees inside the square one.
-    cut = (1 - math.sqrt(0.5)) * max(0.0, outline.radius_mm - inset_mm)
-    x, y = outline.length_mm / 2 - inset_mm - cut, outline.width_mm / 2 - inset_mm - cut
-    return PlanPoint(x, y), PlanPoint(x, -y), PlanPoint(-x, -y), PlanPoint(-x, y)

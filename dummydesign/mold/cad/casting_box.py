@@ -62,10 +62,7 @@ def bolt_holes(spec: MouldSpec, flange: Outline, z_mm: float, height_mm: float) 
     """Eight bolts through base and flange: corners and middles of the sides."""
     inset = spec.box.flange_mm / 2
     x, y = flange.length_mm / 2 - inset, flange.width_mm / 2 - inset
-    # On a rounded corner the flange's middle line runs at 45 degrees inside the square one.
-    cut = (1 - math.sqrt(0.5)) * (flange.radius_mm - inset)
-    corners = [PlanPoint(sx * (x - cut), sy * (y - cut)) for sx in (1, -1) for sy in (1, -1)]
-    places = [*corners, PlanPoint(x, 0), PlanPoint(-x, 0), PlanPoint(0, y), PlanPoint(0, -y)]
+    places = [*flange.corners(inset), PlanPoint(x, 0), PlanPoint(-x, 0), PlanPoint(0, y), PlanPoint(0, -y)]
     return cylinders(places, spec.box.bolt_hole_mm / 2, height_mm, z_mm)
 
 

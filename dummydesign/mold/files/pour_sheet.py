@@ -165,7 +165,6 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[SheetBlock]:
     digits = max(0, -math.floor(math.log10(resolution)))
     batch = batch_of(spec, pour, plan)
     mixes = [batch.mix] if batch.holds_witness else [batch.mix, batch.with_witness]
-    rows = weight_rows(mixes, digits)
     cup = cup_words(pour, CUP_FACTOR * mixes[-1].total_g / pour.density_g_per_cm3 * 1e-3)
     diameter, height = WITNESS_MM
     witness = (
@@ -181,7 +180,7 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[SheetBlock]:
             f"{pour.resin}, ratio {pour.ratio:.6g} ({ratio_text(pour)}){_made(mixes)}; balance step "
             f"{resolution:g} g, each reading within half of it.",
         ),
-        SheetBlock("table", rows=tuple(rows)),
+        SheetBlock("table", rows=tuple(weight_rows(mixes, digits))),
         *volume_blocks(pour),
         SheetBlock("text", " ".join((*_batch_words(spec, pour, plan, batch, digits), cup))),
         SheetBlock("text", witness),

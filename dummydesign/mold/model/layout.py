@@ -58,6 +58,13 @@ class Outline:
         """Return the outline with all lengths multiplied."""
         return Outline(self.length_mm * factor, self.width_mm * factor, self.radius_mm * factor)
 
+    def corners(self, inset_mm: float) -> tuple[PlanPoint, ...]:
+        """Return the four places on the diagonals of its corners that lie ``inset_mm`` inside of it."""
+        # On a rounded corner the parallel line runs at 45 degrees inside the square one.
+        cut = (1 - math.sqrt(0.5)) * max(0.0, self.radius_mm - inset_mm)
+        x, y = self.length_mm / 2 - inset_mm - cut, self.width_mm / 2 - inset_mm - cut
+        return PlanPoint(x, y), PlanPoint(x, -y), PlanPoint(-x, y), PlanPoint(-x, -y)
+
 
 def drafted_volume_mm3(base: Outline, height_mm: float, draft_deg: float) -> float:
     """Volume of a drafted prism whose outline moves outwards by z tan(draft). [mm3]"""
@@ -201,8 +208,7 @@ def layout(spec: MouldSpec) -> Layout:
     grow = 1.0 if spec.silicone is None else 1.0 / (1.0 - spec.silicone.shrinkage_percent / 100)
     depth = scale * pad.thickness_mm
     k = math.tan(math.radians(pad.draft_deg))
-    nominal = Outline(pad.length_mm, pad.width_mm, pad.corner_radius_mm)
-    floor = nominal.scaled(scale)
+    floor = Outline(pad.length_mm, pad.width_mm, pad.corner_radius_mm).scaled(scale)
     face = scale * pad.face_height_mm
     fill = floor.grown(k * (depth - face))
     brim = fill.grown(body.brim_step_mm)

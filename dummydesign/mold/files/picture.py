@@ -8,6 +8,7 @@ finds nothing to draw with, there is no picture. PyVista itself would load matpl
 
 from __future__ import annotations
 
+import importlib.util
 import pickle
 import sys
 from collections.abc import Mapping, Sequence
@@ -184,16 +185,22 @@ def _rgb(colour: str) -> tuple[float, ...]:
 def _write(pixels: Any, labels: Sequence[tuple[tuple[float, float], str]], title: str, path: Path) -> None:
     from PIL import Image, ImageDraw, ImageFont
 
-    from dummydesign.mold.files.drawing_layout import font_file
-
     picture = Image.fromarray(np.asarray(pixels))
-    drawing, font = ImageDraw.Draw(picture), font_file("DejaVuSans")
+    drawing, font = ImageDraw.Draw(picture), _font_file()
     sizes = (LABEL_PX, TITLE_PX)
     small, large = (ImageFont.truetype(str(font), size) if font else ImageFont.load_default(size) for size in sizes)
     for corner, text in labels:
         drawing.text((corner[0] - 10, corner[1]), text, LETTERS, small, anchor="rm")
     drawing.text((24, 40), title, LETTERS, large, anchor="lm")
     picture.save(path, "PNG", compress_level=4)
+
+
+def _font_file() -> Path | None:
+    """DejaVu Sans, found without loading matplotlib, or None where it is not installed."""
+    spec = importlib.util.find_spec("matplotlib")
+    places = spec.submodule_search_locations if spec is not None else None
+    file = Path(next(iter(places), "")) / "mpl-data/fonts/ttf/DejaVuSans.ttf" if places else Path()
+    return file if file.is_file() else None
 
 
 def scene_of(source: Path) -> Scene:

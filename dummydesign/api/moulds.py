@@ -176,7 +176,10 @@ def _make_one(
         inputs["count"] = spec.count
     if spec.box.face_sheet_mm:
         inputs["face_sheet_mm"] = spec.box.face_sheet_mm
-    return Result(*_made(make_mold, spec, folder, inputs, resin, preset, replace), "make_mould")
+    mould, result = _made(make_mold, spec, folder, inputs, resin, preset, replace)
+    # Memory differs from run to run; the same question shall get the same answer but for seconds.
+    del result["memory_MB"]
+    return Result(mould, result, "make_mould")
 
 
 def _make_pucks(
@@ -226,8 +229,6 @@ def _made(
         output.extra["hash"] = spec.hash
         output.extra["summary"] = {name: inputs[name] for name in SUMMED_UP if name in inputs}
         result = output.answer({**head, **made.to_dict(), "spec": spec.to_dict()})
-    # Memory differs from run to run; the same question shall get the same answer but for seconds.
-    del result["memory_MB"]
     return made, result
 
 

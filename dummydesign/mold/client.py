@@ -176,7 +176,6 @@ class PuckResult(Made):
     printing_h: float
     filament_g: float
     seconds: float = field(default=0.0, compare=False)
-    memory_MB: float = field(default=0.0, compare=False)
 
 
 def make_puck_rings(spec: PuckSpec, folder: Path, paper: str = "A4") -> PuckResult:

@@ -100,7 +100,7 @@ def built(spec: MouldSpec, folder: Path) -> Iterator[dict[str, Any]]:
     made, bed = build(spec), sorted(spec.machines.bed_mm)
     for part in printed_parts(spec):
         solid = made.parts[part.name].solid
-        mesh = lying(tessellate(solid), part.turned, made.print_scale(part.name))
+        mesh = lying(tessellate(solid), part.turned, spec.machines.print_scale)
         stl, threemf = folder / f"{part.name}.stl", folder / f"{part.name}.3mf"
         mesh.export(stl)
         write_3mf(mesh, threemf)

@@ -6,6 +6,7 @@ import hashlib
 import json
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -20,16 +21,16 @@ from dummydesign.mold.checks import files as check_files
 from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.checks.solids import check_shape, check_solids
 from dummydesign.mold.files import picture as view
-from dummydesign.mold.files.meshes import lying, tessellate, write_3mf
+from dummydesign.mold.files.meshes import tessellate, write_prints
 from dummydesign.mold.files.part_drawings import part_views, sheets
 from dummydesign.mold.files.picture import turned_over
 from dummydesign.mold.files.pour_sheet import Foot, pour_sheet, write_papers
 from dummydesign.mold.files.solid_view import mould_view
-from dummydesign.mold.files.step import step_text
+from dummydesign.mold.files.step import write_steps
 from dummydesign.mold.model.printed_parts import printed_parts
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.acceptance import gauge_points
-from dummydesign.mold.pour.plan import PourPlan, batches_of, pour_plan
+from dummydesign.mold.pour.plan import PourPlan, pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 
 PICTURE_S = 600
@@ -47,7 +48,7 @@ def produce(spec: MouldSpec, folder: Path, foot: Foot) -> dict[str, Any]:
         return _write_and_check(made, meshes, folder, foot, picture)
     finally:
         if picture.poll() is None:
-            # A check failed or the user stopped: nobody waits for it any more.
+            # It takes too long, a check failed or the user stopped: nobody waits for it any more.
             picture.kill()
             picture.wait()
 
@@ -85,8 +86,6 @@ def _write_and_check(
         "volumes_mm3": volumes,
         "checks": listed,
         "warnings": warnings,
-        "pour": plan.to_dict(),
-        "batch": batches_of(spec, plan),
         "step_sha256": hashlib.sha256((folder / files["assembly"]).read_bytes()).hexdigest(),
     }
 
@@ -94,7 +93,12 @@ def _write_and_check(
 def _write_and_read(made: Parts, meshes: dict[str, Any], folder: Path) -> tuple[dict[str, str], list[Check]]:
     """Write the STEP and print files, and check what is read from them again; role to file name, and the checks."""
     spec = made.spec
-    files, mesh_files = _write_steps(made, folder), _write_meshes(made, meshes, folder)
+    files = {name: f"{name}_{spec.tag}.step" for name in (*made.parts, "assembly")}
+    words = f"{spec.preset} mould for a {spec.pad.title}, specification {spec.hash}, lengths in mm"
+    write_steps(folder, made.parts, files, words)
+    mesh_files = {name: folder / f"{name}_{spec.tag}.3mf" for name, part in made.parts.items() if part.is_printed}
+    turned = [part.name for part in printed_parts(spec) if part.turned]
+    write_prints(meshes, mesh_files, spec.machines.print_scale, turned)
     assembly = folder / files["assembly"]
     single = {name: folder / files[name] for name in made.parts}
     checks = check_files.check_step(made.parts, single, assembly)
@@ -106,35 +110,10 @@ def _write_and_read(made: Parts, meshes: dict[str, Any], folder: Path) -> tuple[
     return files | {f"{name}_3mf": path.name for name, path in mesh_files.items()}, checks
 
 
-def _write_steps(made: Parts, folder: Path) -> dict[str, str]:
-    """One STEP file per part and one assembly; return role to file name."""
-    files, spec = {}, made.spec
-    for name in (*made.parts, "assembly"):
-        parts = list(made.parts.values()) if name == "assembly" else [made.parts[name]]
-        files[name] = f"{name}_{spec.tag}.step"
-        text = step_text(parts, f"{name}_{spec.tag}", description(spec, name))
-        (folder / files[name]).write_text(text, encoding="utf-8")
-    return files
-
-
-def description(spec: MouldSpec, name: str) -> str:
-    """What a STEP file says of itself."""
-    return f"{name} of the {spec.preset} mould for a {spec.pad.title}, specification {spec.hash}, lengths in mm"
-
-
-def _write_meshes(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str, Path]:
-    """3MF of what is printed, as it lies on the bed."""
-    turned = {part.name: part.turned for part in printed_parts(made.spec)}
-    files = {name: folder / f"{name}_{made.spec.tag}.3mf" for name, part in made.parts.items() if part.is_printed}
-    for name, path in files.items():
-        write_3mf(lying(meshes[name], turned[name], made.print_scale(name)), path)
-    return files
-
-
 def _start_picture(made: Parts, meshes: dict[str, Any], folder: Path) -> subprocess.Popen[bytes]:
     spec = made.spec
     title = f"{spec.preset} mould, {spec.pad.title}   #{spec.hash}"
-    packed = folder / ".picture.npz"
+    packed = folder / ".picture.pickle"
     view.pack(*_shown(made, meshes), title, packed)
     picture = str(folder / f"mould_{spec.tag}.png")
     command = [sys.executable, "-m", "dummydesign.mold.files.picture", str(packed), picture]
@@ -162,12 +141,9 @@ def finish_picture(
     process: subprocess.Popen[bytes], folder: Path, spec: MouldSpec, warnings: list[dict[str, str]]
 ) -> dict[str, str]:
     """Wait for the picture; without one the mould is as good, with a warning."""
-    try:
+    with suppress(subprocess.TimeoutExpired):
         process.wait(PICTURE_S)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
-    (folder / ".picture.npz").unlink(missing_ok=True)
+    (folder / ".picture.pickle").unlink(missing_ok=True)
     picture = folder / f"mould_{spec.tag}.png"
     if picture.is_file():
         return {"picture": picture.name}

@@ -19,7 +19,7 @@ from dummydesign.core.blas_threads import HUNG_S, ran_out, surroundings
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import output_folder, writing
 from dummydesign.core.manifest import COMMAND_LINE
-from dummydesign.core.serialise import Serialised
+from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.model.validate import validate
 from dummydesign.mold.pour.acceptance import GaugePoint, gauge_points
@@ -109,11 +109,6 @@ def _answered(
         child.close()
 
 
-def _last_line(done: subprocess.CompletedProcess[str], without: str) -> str:
-    """Last line that a child wrote of its error."""
-    return (done.stderr.strip().splitlines() or [without])[-1]
-
-
 PROCESSOR_S = 900.0
 """Processor time after which the CAD kernel is given up; the largest moulds take a tenth of it. [s]"""
 
@@ -155,29 +150,16 @@ def make_mold(spec: MouldSpec, folder: Path, processor_s: float = PROCESSOR_S, p
         "papers": papers(paper),
     }
     what = f"preset {spec.preset}, {spec.pad.title}, specification {spec.hash}"
-
-    def result(answer: dict[str, Any]) -> MouldResult:
-        return MouldResult(
-            **answer, masses_g=masses_g(answer["pour"]), spec_hash=spec.hash, gauge_points=gauge_points(spec)
-        )
-
-    return _build(folder, ".mould-", asked, what, without_cad(spec), result)
+    return _build(MouldResult, folder, ".mould-", asked, what, without_cad(spec))
 
 
-def _build(
-    folder: Path,
-    prefix: str,
-    asked: dict[str, Any],
-    what: str,
-    known: dict[str, Any],
-    result_of: Callable[[dict[str, Any]], M],
-) -> M:
+def _build(kind: type[M], folder: Path, prefix: str, asked: dict[str, Any], what: str, known: dict[str, Any]) -> M:
     """Let the child make all files in a place of their own; they are moved when no check failed."""
     target = output_folder(folder)
     with tempfile.TemporaryDirectory(prefix=prefix, dir=target, ignore_cleanup_errors=True) as work:
-        answer = _made({**asked, "folder": work}, what, known)
+        answer = {**known, **_made({**asked, "folder": work}, what, known)}
         files = answer["files"]
-        result = result_of({**answer, "files": {role: str(target / name) for role, name in files.items()}})
+        result = kind(**{**answer, "files": {role: str(target / name) for role, name in files.items()}})
         failed = [item for item in result.checks if item["status"] == "fail"]
         if failed:
             names = "; ".join(f"{item['id']} = {item['value']} (limit {item['limit']})" for item in failed)
@@ -211,11 +193,7 @@ def make_puck_rings(spec: PuckSpec, folder: Path, paper: str = "A4") -> PuckResu
         "warnings": warnings_of(spec, plan),
     }
     asked = {"puck": spec.to_dict(), "processor_s": PROCESSOR_S, "papers": papers(paper)}
-
-    def result(answer: dict[str, Any]) -> PuckResult:
-        return PuckResult(**{name: value for name, value in answer.items() if name != "memory_MB"})
-
-    return _build(folder, ".puck-", asked, f"{spec.title}, specification {spec.hash}", known, result)
+    return _build(PuckResult, folder, ".puck-", asked, f"{spec.title}, specification {spec.hash}", known)
 
 
 def _move(work: Path, target: Path, files: dict[str, str]) -> None:
@@ -238,7 +216,7 @@ def without_cad(spec: MouldSpec) -> dict[str, Any]:
         "pour": plan.to_dict(),
         "batch": batches_of(spec, plan),
         "spec_hash": spec.hash,
-        "gauge_points": [point.to_dict() for point in gauge_points(spec)],
+        "gauge_points": gauge_points(spec),
         "warnings": pour_warnings(spec, plan),
     }
 
@@ -262,7 +240,7 @@ def _made(asked: dict[str, Any], what: str, known: dict[str, Any]) -> dict[str, 
     elif ran_out(done.returncode):
         how = f"did not finish within {processor_s:g} s of processor time"
     elif not answer:
-        last = _last_line(done, "no message")
+        last = (done.stderr.strip().splitlines() or ["no message"])[-1]
         status = f"signal {-done.returncode}" if done.returncode < 0 else f"exit status {done.returncode}: {last}"
         how = f"ended without an answer ({status})"
     elif "error" not in answer:
@@ -272,7 +250,7 @@ def _made(asked: dict[str, Any], what: str, known: dict[str, Any]) -> dict[str, 
     message = f"the CAD kernel {how} ({what}); nothing was written"
     if code == "cad_unavailable":
         message = answer["error"]["message"]
-    raise NoAnswerError(code, message, known, "mould")
+    raise NoAnswerError(code, message, to_plain(known), "mould")
 
 
 def papers(paper: str) -> dict[str, str]:

@@ -6,7 +6,6 @@ turned over and scaled by the silicone's shrinkage, so that no feature can be fo
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Any
 
@@ -39,11 +38,9 @@ def build(spec: MouldSpec) -> Parts:
     boxes lie next to them in the assembly.
     """
     plan = layout(spec)
-    whole, bone = cavity_solid(spec.pad), bone_solid(spec.pad)
-    nominal = whole if bone is None else single_solid(whole.cut(bone))
-    made = Parts(spec, plan, nominal)
-    made.with_bone = None if bone is None else single_solid(whole.scale(plan.scale))
-    made.add("pad", plan.at_places(single_solid(nominal.scale(plan.scale)))[0], "resin")
+    made, bone = Parts(spec, plan, pad_solid(spec.pad)), bone_solid(spec.pad)
+    made.with_bone = None if bone is None else single_solid(cavity_solid(spec.pad).scale(plan.scale))
+    made.add("pad", plan.at_places(single_solid(made.pad_nominal.scale(plan.scale)))[0], "resin")
     shift = plan.flange.length_mm / 2 + plan.top.length_mm / 2 + 40.0
     if spec.is_printed:
         _add_printed(made)
@@ -77,7 +74,7 @@ def _add_silicone(made: Parts, shift_mm: float) -> None:
     if bars:
         mould = mould.cut(*bars)
     made.add("mould", single_solid(mould), "silicone")
-    master, frame = casting_box(spec, made.solid("mould"), made.hull, plan.land_mm, True)
+    master, frame = casting_box(spec, made.solid("mould"), made.hull, True)
     if spec.box.face_sheet_mm:
         # The casting frame is the mould's turned over about x, and larger by the silicone's shrinkage.
         places = [(point.x_mm * plan.silicone_scale, -point.y_mm * plan.silicone_scale, 0.0) for point in plan.places]
@@ -249,9 +246,9 @@ def carrier(spec: MouldSpec, plan: Layout, finished: Any) -> Any:
     """
     low, high = plan.depth_mm - 1.0, plan.land_mm + spec.aids.plate_mm + 1.0
     # The corners of the fill plane are the last to be reached when the carrier is lowered.
-    vents = _corners(plan.fill_outline, VENT_INSET_MM + CARRIER_VENT_MM / 2)[:CARRIER_VENTS]
+    vents = plan.fill_outline.corners(VENT_INSET_MM + CARRIER_VENT_MM / 2)[:CARRIER_VENTS]
     # Half-way between the cavity and the rim.
-    screws = _corners(plan.top, (plan.top.length_mm - plan.opening.length_mm) / 4)
+    screws = plan.top.corners((plan.top.length_mm - plan.opening.length_mm) / 4)
     tools = cylinders(vents, CARRIER_VENT_MM / 2, high - low, low)
     tools += cylinders(screws, spec.box.bolt_hole_mm / 2, high - low, low)
     return single_solid(single_solid(strike_off(spec, plan).cut(*tools)).fuse(finished.scale(plan.scale)))
@@ -283,10 +280,3 @@ def marked_carrier(spec: MouldSpec, plan: Layout) -> Any:
         for x, y, dx, dy in grooves
     ]
     return single_solid(solid.cut(*tools))
-
-
-def _corners(outline: Outline, inset_mm: float) -> tuple[PlanPoint, ...]:
-    # On a rounded corner the parallel line runs at 45 degrees inside the square one.
-    cut = (1 - math.sqrt(0.5)) * max(0.0, outline.radius_mm - inset_mm)
-    x, y = outline.length_mm / 2 - inset_mm - cut, outline.width_mm / 2 - inset_mm - cut
-    return PlanPoint(x, y), PlanPoint(x, -y), PlanPoint(-x, -y), PlanPoint(-x, y)

@@ -24,27 +24,23 @@ from dummydesign.mold.model.spec import MouldSpec
 VOLUME_EPS_MM3 = 1e-3
 
 
-def to_casting(solid: Any, parting_mm: float, turned: bool, scale: float) -> Any:
+def to_casting(solid: Any, plan: Layout, turned: bool) -> Any:
     """Bring a silicone part into its casting frame: parting face on z = 0, silicone above, scaled.
 
-    The pivot is the same for everything that is brought over: the middle of the parting face.
+    The pivot is the same for everything that is brought over: the middle of the parting face, the mould's land.
     """
-    moved = solid.translate(cq.Vector(0, 0, -parting_mm))
+    moved = solid.translate(cq.Vector(0, 0, -plan.land_mm))
     if turned:
         moved = moved.rotate(cq.Vector(), cq.Vector(1, 0, 0), 180)
-    return moved.scale(scale)
+    return moved.scale(plan.silicone_scale)
 
 
-def casting_box(
-    spec: MouldSpec, part: Any, hull: Any, parting_mm: float, turned: bool, sockets: tuple[Any, ...] = ()
-) -> tuple[Any, Any]:
+def casting_box(spec: MouldSpec, part: Any, hull: Any, turned: bool, sockets: tuple[Any, ...] = ()) -> tuple[Any, Any]:
     """Make master and frame for a silicone part."""
     plan = layout(spec)
     box, grow = spec.box, plan.silicone_scale
-    cast_part = to_casting(part, parting_mm, turned, grow)
-    cast_hull = to_casting(hull, parting_mm, turned, grow)
+    cast_part, cast_hull, plug = (to_casting(one, plan, turned) for one in (part, hull, hull.cut(part)))
     base = drafted_prism(plan.flange, box.base_mm, 0.0, -box.base_mm)
-    plug = to_casting(hull.cut(part), parting_mm, turned, grow)
     # Keys of a lid reach into the base plate; a mould's parting face only touches it.
     master = base.cut(cast_part) if rough_bounds(cast_part)[2] < -0.1 else base
     if plug.Volume() > VOLUME_EPS_MM3:
@@ -66,10 +62,7 @@ def bolt_holes(spec: MouldSpec, flange: Outline, z_mm: float, height_mm: float) 
     """Eight bolts through base and flange: corners and middles of the sides."""
     inset = spec.box.flange_mm / 2
     x, y = flange.length_mm / 2 - inset, flange.width_mm / 2 - inset
-    # On a rounded corner the flange's middle line runs at 45 degrees inside the square one.
-    cut = (1 - math.sqrt(0.5)) * (flange.radius_mm - inset)
-    corners = [PlanPoint(sx * (x - cut), sy * (y - cut)) for sx in (1, -1) for sy in (1, -1)]
-    places = [*corners, PlanPoint(x, 0), PlanPoint(-x, 0), PlanPoint(0, y), PlanPoint(0, -y)]
+    places = [*flange.corners(inset), PlanPoint(x, 0), PlanPoint(-x, 0), PlanPoint(0, y), PlanPoint(0, -y)]
     return cylinders(places, spec.box.bolt_hole_mm / 2, height_mm, z_mm)
 
 
@@ -129,7 +122,7 @@ def add_lid(made: Parts, shift_mm: float) -> None:
             -c.pin_spigot_mm,
         )
     ]
-    master, frame = casting_box(spec, full, hull, land, False, tuple(sockets))
+    master, frame = casting_box(spec, full, hull, False, tuple(sockets))
     made.add("lid_master", master, "rigid", (shift_mm, row, 0))
     made.add("lid_frame", frame, "rigid", (shift_mm, row, 0))
     made.add("sprue_pin", _pin(spec, plan.funnels[0]), "rigid", (0.0, row, 0))

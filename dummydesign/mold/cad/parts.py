@@ -25,12 +25,13 @@ COLOURS = {
 
 @dataclass(frozen=True)
 class PartMaterial:
-    """What a part is made of: its kind, and the name, words and density that STEP files carry."""
+    """What a part is made of: its kind; name, words and density that STEP files carry; words of a title block."""
 
     kind: str
     name: str
     description: str
     density_g_per_cm3: float
+    drawn: str = ""
 
     @property
     def colour(self) -> tuple[float, float, float]:
@@ -38,18 +39,23 @@ class PartMaterial:
         return COLOURS[self.kind]
 
 
-def _material(spec: MouldSpec, kind: str) -> PartMaterial:
+def material_of(spec: MouldSpec, kind: str) -> PartMaterial:
+    """What parts of a kind are made of by the specification."""
     if kind == "rigid":
-        return PartMaterial(kind, "printed rigid polymer", "PETG or ASA, density as printed solid", 1.27)
+        drawn = spec.plastic.name.upper() if spec.plastic else "rigid plastic"
+        return PartMaterial(kind, "printed rigid polymer", "PETG or ASA, density as printed solid", 1.27, drawn)
     if kind == "glass":
-        return PartMaterial(kind, "glass or acrylic sheet", "cut to size, density of float glass", 2.5)
+        words = "cut to size, density of float glass"
+        return PartMaterial(kind, "glass or acrylic sheet", words, 2.5, "float glass or acrylic")
     if kind == "silicone" and spec.silicone is not None:
-        return PartMaterial(kind, spec.silicone.name, "mould silicone", spec.silicone.density_g_per_cm3)
+        name, density = spec.silicone.name, spec.silicone.density_g_per_cm3
+        return PartMaterial(kind, name, "mould silicone", density, f"silicone {name}")
     if kind == "resin_base" and spec.base is not None:
         pour = spec.base.pour
         return PartMaterial(kind, f"{pour.resin} base", f"ratio {pour.ratio:.4g}", pour.density_g_per_cm3)
     if kind == "resin":
-        return PartMaterial(kind, spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3)
+        name, words = spec.pour.resin, f"ratio {spec.pour.ratio:g}"
+        return PartMaterial(kind, name, words, spec.pour.density_g_per_cm3, f"{name}, {words}")
     raise KeyError(kind)
 
 
@@ -130,12 +136,8 @@ class Parts:
 
     def add(self, name: str, solid: Any, material: str, offset_mm: tuple[float, float, float] = (0, 0, 0)) -> None:
         """Add one part."""
-        self.parts[name] = Part(name, solid, _material(self.spec, material), offset_mm)
+        self.parts[name] = Part(name, solid, material_of(self.spec, material), offset_mm)
 
     def solid(self, name: str) -> Any:
         """Solid of a part in its own frame."""
         return self.parts[name].solid
-
-    def print_scale(self, name: str) -> float:
-        """Size of a part's print files over the part: what is printed is enlarged by the shrinkage of the print."""
-        return self.spec.machines.print_scale if self.parts[name].is_printed else 1.0

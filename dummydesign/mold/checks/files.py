@@ -178,14 +178,14 @@ def check_meshes(made: Parts, files: Mapping[str, Path]) -> list[Check]:
 
     loose: list[str] = []
     torn: list[str] = []
-    worst, genus = 0.0, genera(made.spec)
+    worst, genus, scale = 0.0, genera(made.spec), made.spec.machines.print_scale
     for name, path in files.items():
         mesh: Any = trimesh.load(path, force="mesh")
         if not (mesh.is_watertight and mesh.is_winding_consistent and mesh.is_volume):
             loose.append(path.name)
         if mesh.euler_number != 2 - 2 * genus[name]:
             torn.append(f"{path.name}: {mesh.euler_number} instead of {2 - 2 * genus[name]}")
-        worst = max(worst, abs(mesh.volume / (made.print_scale(name) ** 3 * made.parts[name].volume_mm3) - 1))
+        worst = max(worst, abs(mesh.volume / (scale**3 * made.parts[name].volume_mm3) - 1))
     return [
         equal("mesh_watertight", len(loose), 0, ", ".join(loose)),
         equal("mesh_euler", len(torn), 0, "; ".join(torn)),

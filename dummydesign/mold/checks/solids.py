@@ -154,13 +154,13 @@ def check_boxes(made: Parts) -> list[Check]:
     """The silicone a casting box holds is the part scaled by the silicone's shrinkage, and the box is empty of it."""
     spec, plan = made.spec, made.plan
     checks = []
-    boxes = [] if spec.is_printed else [("mould", "master", "frame", made.solid("mould"), plan.land_mm, True)]
+    boxes = [] if spec.is_printed else [("mould", "master", "frame", made.solid("mould"), True)]
     if "lid" in made.parts:
         funnels = [*made.tools["sprue"], *made.tools["vents"]]
         whole = made.solid("lid").fuse(*[tool.intersect(made.tools["lid_hull"][0]) for tool in funnels])
-        boxes.append(("lid", "lid_master", "lid_frame", whole, plan.land_mm, False))
-    for name, master, frame, part, parting, turned in boxes:
-        cast = to_casting(part, parting, turned, plan.silicone_scale)
+        boxes.append(("lid", "lid_master", "lid_frame", whole, False))
+    for name, master, frame, part, turned in boxes:
+        cast = to_casting(part, plan, turned)
         box = cast.BoundingBox()
         # From the bottom of the base plate to the fill mark, outside half-way into the frame's wall.
         inside = plan.top.scaled(plan.silicone_scale).grown(spec.box.frame_wall_mm / 2)
@@ -328,7 +328,9 @@ def _bone(made: Parts) -> list[Check]:
     """The bone fills what the gel leaves free and keeps its cover over the tested face."""
     spec, plan = made.spec, made.plan
     exact = plan.scale**3 * dimensions.bone_volume_mm3(spec)
-    bone = _below(made.solid("carrier"), made, plan.depth_mm)
+    floor = spec.body.floor_mm
+    below_fill = drafted_prism(plan.top.grown(5.0), plan.depth_mm + floor, 0.0, -floor)
+    bone = float(made.solid("carrier").intersect(below_fill).Volume())
     whole = made.solid("pad").Volume() + bone
     cover = plan.scale * (spec.pad.thickness_mm - spec.pad.shape.bone_height_mm)
     lowest = made.solid("carrier").BoundingBox().zmin
@@ -338,13 +340,6 @@ def _bone(made: Parts) -> list[Check]:
         below("gel_and_bone", abs(whole / filled - 1), VOLUME_REL, "together against the cavity"),
         below("bone_cover", abs(lowest - cover), HEIGHT_MM, f"mm off the cover of {cover:.3f} mm under the bone"),
     ]
-
-
-def _below(solid: Any, made: Parts, height_mm: float) -> float:
-    """Volume of a solid between the mould's underside and a height. [mm3]"""
-    floor = made.spec.body.floor_mm
-    part = solid.intersect(drafted_prism(made.plan.top.grown(5.0), height_mm + floor, 0.0, -floor))
-    return float(part.Volume())
 
 
 def _layers(made: Parts) -> list[Check]:

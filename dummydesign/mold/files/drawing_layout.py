@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -419,11 +417,3 @@ def crown_detail(shape: PadShape, factor: float = 1.0, radii_mm: tuple[float, fl
         leaders = (((at, -factor * depth), words),)
     runs = ((border, "bound"), (profile, "cut"), (axis, "thin"))
     return View(f"detail {LETTER}", runs, measures, leaders, True, True)
-
-
-def font_file(name: str) -> Path | None:
-    """File of a font, found without loading matplotlib, or None where it is not installed."""
-    spec = importlib.util.find_spec("matplotlib")
-    places = spec.submodule_search_locations if spec is not None else None
-    file = Path(next(iter(places), "")) / f"mpl-data/fonts/ttf/{name}.ttf" if places else Path()
-    return file if file.is_file() else None

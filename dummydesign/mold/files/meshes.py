@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +61,14 @@ def write_3mf(mesh: Any, path: Path) -> None:
             entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
             entry.compress_type = zipfile.ZIP_DEFLATED
             target.writestr(entry, text)
+
+
+def write_prints(
+    meshes: Mapping[str, Any], files: Mapping[str, Path], scale: float, turned: Sequence[str] = ()
+) -> None:
+    """Write a 3MF of each part that is named, as it lies on the bed."""
+    for name, path in files.items():
+        write_3mf(lying(meshes[name], name in turned, scale), path)
 
 
 TOLERANCE_MM, ANGLE_RAD, VOLUME_REL, MOST_HALVINGS = 0.05, 0.2, 3e-4, 4

@@ -103,11 +103,15 @@ def _corners(edges: list[Any]) -> list[tuple[float, float, float]]:
     """Ends that two edges of a wire share and at which its direction changes."""
     corners = []
     for one, other in zip(edges, [*edges[1:], edges[0]]):
-        ends = ((a, b) for a in (0.0, 1.0) for b in (0.0, 1.0))
-        a, b = min(ends, key=lambda pair: _far(one.positionAt(pair[0]).toTuple(), other.positionAt(pair[1]).toTuple()))
-        if abs(one.tangentAt(a).dot(other.tangentAt(b))) < SMOOTH:
-            corners.append(one.positionAt(a).toTuple())
+        end, start = float(not _is_reversed(one)), float(_is_reversed(other))
+        if abs(one.tangentAt(end).dot(other.tangentAt(start))) < SMOOTH:
+            corners.append(one.positionAt(end).toTuple())
     return corners
+
+
+def _is_reversed(edge: Any) -> bool:
+    """Whether a wire runs along an edge from its end to its start."""
+    return bool(edge.wrapped.Orientation() == occ.TopAbs_REVERSED)
 
 
 def edge_points(edge: Any) -> list[tuple[float, float, float]]:
@@ -120,22 +124,14 @@ def edge_points(edge: Any) -> list[tuple[float, float, float]]:
 
 def wire_points(wire: Any) -> list[tuple[float, float, float]]:
     """Points around a wire in order, closed at the end."""
-    pieces = [edge_points(edge) for edge in wire]
-    if len(pieces) > 1:
-        first, second = pieces[0], pieces[1]
-        ends = (second[0], second[-1])
-        if min(_far(first[0], end) for end in ends) < min(_far(first[-1], end) for end in ends):
-            first.reverse()
-    run = list(pieces[0])
-    for points in pieces[1:]:
-        if _far(run[-1], points[0]) > _far(run[-1], points[-1]):
+    run: list[tuple[float, float, float]] = []
+    for edge in wire:
+        points = edge_points(edge)
+        # The kernel gives the ends of a line, but not places along a curve, in the direction of its edge.
+        if _is_reversed(edge) and edge.geomType() != "LINE":
             points.reverse()
-        run += points[1:]
+        run += points[1:] if run else points
     return [*run, run[0]]
-
-
-def _far(a: tuple[float, ...], b: tuple[float, ...]) -> float:
-    return sum((p - q) ** 2 for p, q in zip(a, b))
 
 
 def holes(solid: Any) -> list[Hole]:
@@ -209,7 +205,7 @@ def sheets(made: Parts, views: dict[str, list[View]], date: str = "", paper: str
         title = Title(
             pad.title,
             f"{names.get(name, name)}, {made.spec.preset} mould",
-            _material(made, name),
+            made.parts[name].material.drawn,
             f"ISO 2768-m{thickness if name == 'pad' else ''}",
             made.spec.hash,
             date or "-",
@@ -239,43 +235,27 @@ def _profile(made: Parts, name: str) -> list[str]:
     ]
 
 
-def _material(made: Parts, name: str) -> str:
-    spec, kind = made.spec, made.parts[name].material.kind
-    if kind == "rigid":
-        return spec.plastic.name.upper() if spec.plastic else "rigid plastic"
-    if kind == "glass":
-        return "float glass or acrylic"
-    if kind == "silicone" and spec.silicone is not None:
-        return f"silicone {spec.silicone.name}"
-    return f"{spec.pour.resin}, ratio {spec.pour.ratio:g}"
-
-
 def _notes(made: Parts, name: str) -> list[str]:
     """What holds for the whole part: sizes, factors, draft and radii."""
     spec, plan, pad = made.spec, made.plan, made.spec.pad
     mark = shape_mark(spec)
     if name == "pad":
-        size = f"Tested face {pad.length_mm:g} x {pad.width_mm:g} to its sharp corner."
-        draft = f"Draft {pad.draft_deg:g} deg, widening from the tested face."
-        radii = f"Vertical corners R{pad.corner_radius_mm:g}, edge of the tested face R{pad.edge_radius_mm:g}."
         return [
             "After cure; tested face up.",
-            size,
-            draft,
-            radii,
+            f"Tested face {pad.length_mm:g} x {pad.width_mm:g} to its sharp corner.",
+            f"Draft {pad.draft_deg:g} deg, widening from the tested face.",
+            f"Vertical corners R{pad.corner_radius_mm:g}, edge of the tested face R{pad.edge_radius_mm:g}.",
             *([f"{pad.kind}: {mark}."] if mark else []),
             *_profile(made, name),
         ]
     notes = [f"For a {pad.title} after cure.{' Drawn turned over.' if name in TURNED else ''}"]
     if name in ("mould", "lid") or (spec.is_printed and name == "frame"):
-        notes.append(
+        notes += [
             f"Cavity x {plan.scale:.5f} of the pad; draft {pad.draft_deg:g} deg, outside "
-            f"{spec.body.outer_draft_deg:g} deg."
-        )
-        notes.append(
+            f"{spec.body.outer_draft_deg:g} deg.",
             f"Corners of the cavity R{plan.floor_outline.radius_mm:.2f}, edge of its floor "
-            f"R{plan.scale * pad.edge_radius_mm:.2f}, outside R{plan.top.radius_mm:.3g}."
-        )
+            f"R{plan.scale * pad.edge_radius_mm:.2f}, outside R{plan.top.radius_mm:.3g}.",
+        ]
         notes += [f"{pad.kind}: {mark}."] if mark and name == "mould" else []
         notes += _profile(made, name)
     elif name in ("master", "frame", "lid_master", "lid_frame"):

@@ -3,11 +3,13 @@
 Solids are drawn in a parallel view by VTK without a window, letters by Pillow; where VTK (with PyVista) is missing, or
 finds nothing to draw with, there is no picture. PyVista itself would load matplotlib and draw every pixel four times.
 
-``python -m dummydesign.mold.files.picture meshes.npz picture.png``
+``python -m dummydesign.mold.files.picture meshes.pickle picture.png``
 """
 
 from __future__ import annotations
 
+import importlib.util
+import pickle
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -28,13 +30,11 @@ BOXES = (("master", "face_sheet", "frame"), ("lid_master", "lid_frame"), ("sprue
 
 
 def pack(meshes: dict[str, Any], colours: dict[str, tuple[float, float, float]], title: str, path: Path) -> None:
-    """Write what the picture needs into one file: vertices, faces, colour and place of each part shown."""
-    arrays: dict[str, Any] = {"title": np.array(title)}
-    for name, mesh in meshes.items():
-        arrays[f"{name}/vertices"] = np.asarray(mesh.vertices)
-        arrays[f"{name}/faces"] = np.asarray(mesh.faces)
-        arrays[f"{name}/colour"] = np.array(colours[name])
-    np.savez_compressed(path, **arrays)
+    """Write what the picture needs into one file: vertices, faces and colour of each part shown, and the title."""
+    parts = {
+        name: (np.asarray(mesh.vertices, float), np.asarray(mesh.faces), colours[name]) for name, mesh in meshes.items()
+    }
+    path.write_bytes(pickle.dumps((parts, title)))
 
 
 def stacked(names: list[str]) -> list[str]:
@@ -185,10 +185,8 @@ def _rgb(colour: str) -> tuple[float, ...]:
 def _write(pixels: Any, labels: Sequence[tuple[tuple[float, float], str]], title: str, path: Path) -> None:
     from PIL import Image, ImageDraw, ImageFont
 
-    from dummydesign.mold.files.drawing_layout import font_file
-
     picture = Image.fromarray(np.asarray(pixels))
-    drawing, font = ImageDraw.Draw(picture), font_file("DejaVuSans")
+    drawing, font = ImageDraw.Draw(picture), _font_file()
     sizes = (LABEL_PX, TITLE_PX)
     small, large = (ImageFont.truetype(str(font), size) if font else ImageFont.load_default(size) for size in sizes)
     for corner, text in labels:
@@ -197,11 +195,18 @@ def _write(pixels: Any, labels: Sequence[tuple[tuple[float, float], str]], title
     picture.save(path, "PNG", compress_level=4)
 
 
+def _font_file() -> Path | None:
+    """DejaVu Sans, found without loading matplotlib, or None where it is not installed."""
+    spec = importlib.util.find_spec("matplotlib")
+    places = spec.submodule_search_locations if spec is not None else None
+    file = Path(next(iter(places), "")) / "mpl-data/fonts/ttf/DejaVuSans.ttf" if places else Path()
+    return file if file.is_file() else None
+
+
 def scene_of(source: Path) -> Scene:
     """Place the packed meshes: the parts in use stacked with gaps, the casting box beside them."""
-    data = np.load(source)
-    names = list(dict.fromkeys(key.split("/")[0] for key in data.files if "/" in key))
-    points = {name: np.asarray(data[f"{name}/vertices"], float) for name in names}
+    parts, title = pickle.loads(source.read_bytes())
+    points = {name: vertices for name, (vertices, _, _) in parts.items()}
     # Unit vectors towards the viewer, to the right and up in the picture.
     away = np.array(VIEW) / np.linalg.norm(VIEW)
     right = np.cross((0.0, 0.0, 1.0), away)
@@ -214,20 +219,20 @@ def scene_of(source: Path) -> Scene:
     side = 0.0
     size = max(np.ptp(part[:, 0]) for part in points.values())
     gap, label_room = GAP_SHARE * size, LABEL_SHARE * size
-    for stack in filter(None, stacks_of(names)[:3]):
+    for stack in filter(None, stacks_of(list(parts))[:3]):
         lifts = exploded({name: (points[name][:, 2].min(), points[name][:, 2].max()) for name in stack}, stack, gap)
         half = max(np.ptp(_corners(points[name]) @ right) for name in stack) / 2
         side += half if labels else 0.0
         for name in stack:
             moved = points[name] + side * right + np.array((0, 0, lifts[name]))
-            shown.append((moved, np.asarray(data[f"{name}/faces"]), tuple(data[f"{name}/colour"].tolist())))
+            shown.append((moved, *parts[name][1:]))
             places = _corners(moved)
             left = places[np.argmin(places @ right + 1e-3 * (places @ up))]
             labels.append((left, name.replace("_", " ")))
             corners += [*places, left - label_room * right]
         side += half + label_room
     window, scale, middle = _frame(np.array(corners), right, up)
-    return Scene(shown, labels, str(data["title"]), window, (away, right, up), middle, scale)
+    return Scene(shown, labels, title, window, (away, right, up), middle, scale)
 
 
 def _corners(points: NDArray) -> NDArray:

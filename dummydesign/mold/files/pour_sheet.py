@@ -165,7 +165,6 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[SheetBlock]:
     digits = max(0, -math.floor(math.log10(resolution)))
     batch = batch_of(spec, pour, plan)
     mixes = [batch.mix] if batch.holds_witness else [batch.mix, batch.with_witness]
-    rows = weight_rows(mixes, digits)
     cup = cup_words(pour, CUP_FACTOR * mixes[-1].total_g / pour.density_g_per_cm3 * 1e-3)
     diameter, height = WITNESS_MM
     witness = (
@@ -181,7 +180,7 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[SheetBlock]:
             f"{pour.resin}, ratio {pour.ratio:.6g} ({ratio_text(pour)}){_made(mixes)}; balance step "
             f"{resolution:g} g, each reading within half of it.",
         ),
-        SheetBlock("table", rows=tuple(rows)),
+        SheetBlock("table", rows=tuple(weight_rows(mixes, digits))),
         *volume_blocks(pour),
         SheetBlock("text", " ".join((*_batch_words(spec, pour, plan, batch, digits), cup))),
         SheetBlock("text", witness),
@@ -191,22 +190,14 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[SheetBlock]:
 
 def weight_rows(mixes: Sequence[Mix], digits: int) -> list[tuple[str, ...]]:
     """Table of the masses of each mix, of a resin by volume the volumes too, with a column to fill in."""
-    names = ("mix", "mix with a witness puck")[: len(mixes)]
-    by_volume = bool(mixes[0].volumes_ml)
-    units = ("g", "ml") if by_volume else ("g",)
-    heads = [f"{name}, {unit}" for name in names for unit in units]
-    rows: list[tuple[str, ...]] = [("component", *heads, "weighed, g")]
-    for row, (component, _) in enumerate(mixes[0].components):
-        cells: list[str] = []
-        for mix in mixes:
-            cells.append(f"{mix.components[row][1]:.{digits}f}")
-            cells += [f"{mix.volumes_ml[row]:.1f}"] if by_volume else []
-        rows.append((component, *cells, BLANK))
-    totals: list[str] = []
-    for mix in mixes:
-        totals.append(f"{mix.total_g:.{digits}f}")
-        totals += [f"{sum(mix.volumes_ml):.1f}"] if by_volume else []
-    return [*rows, ("total", *totals, BLANK)]
+    columns: list[list[str]] = [["component", *(name for name, _ in mixes[0].components), "total"]]
+    for name, mix in zip(("mix", "mix with a witness puck"), mixes):
+        masses = (*(mass for _, mass in mix.components), mix.total_g)
+        columns.append([f"{name}, g", *(f"{mass:.{digits}f}" for mass in masses)])
+        if mix.volumes_ml:
+            volumes = (*mix.volumes_ml, sum(mix.volumes_ml))
+            columns.append([f"{name}, ml", *(f"{volume:.1f}" for volume in volumes)])
+    return list(zip(*columns, ["weighed, g", *[BLANK] * (len(columns[0]) - 1)]))
 
 
 def ratio_text(pour: Pour) -> str:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.mold.files.picture import GAP_SHARE, exploded, stacks_of
 
 if TYPE_CHECKING:
     from dummydesign.geometry.pad_shape import PadShape
@@ -74,12 +75,8 @@ def pack(triangles: NDArray, colour: tuple[float, float, float], lift_mm: float)
 
 def stack(parts: Mapping[str, NDArray], gap_mm: float = 25.0, shift_mm: float = 0.0) -> list[Shown]:
     """Parts one over the other, each lifted clear of the one below it when they are drawn apart."""
-    lifts = dict.fromkeys(parts, 0.0)
-    if len(parts) > 1:
-        from dummydesign.mold.files.picture import exploded
-
-        heights = {name: (float(one[..., 2].min()), float(one[..., 2].max())) for name, one in parts.items()}
-        lifts = exploded(heights, list(parts), gap_mm)
+    heights = {name: (float(one[..., 2].min()), float(one[..., 2].max())) for name, one in parts.items()}
+    lifts = exploded(heights, list(parts), gap_mm)
     return [
         Shown(name, one, COLOURS.get(name.split(",")[0], (0.7, 0.7, 0.72)), lifts[name], shift_mm)
         for name, one in parts.items()
@@ -187,8 +184,6 @@ TEXT = "Drag or use the arrow keys to turn, scroll or pinch to zoom; 'apart' lif
 
 def mould_view(meshes: Mapping[str, Any], colours: Mapping[str, tuple[float, float, float]], title: str) -> str:
     """The page with all parts."""
-    from dummydesign.mold.files.picture import GAP_SHARE, stacks_of
-
     stacks = stacks_of(list(meshes))
     rest = [[name] for name in meshes if not any(name in names for names in stacks)]
     shown: list[Shown] = []

@@ -6,7 +6,7 @@ import os
 import re
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -130,6 +130,14 @@ def step_text(parts: Sequence[Part], root: str, description: str) -> str:
             raise RuntimeError(f"the kernel could not write '{root}' as STEP")
         raw = Path(path).read_text(encoding="utf-8", errors="replace")
     return canonical_step(raw, f"{root}.step", description)
+
+
+def write_steps(folder: Path, parts: Mapping[str, Part], files: Mapping[str, str], words: str) -> None:
+    """Write a file of each part that is named, and of all parts as ``assembly``; ``words`` say what they belong to."""
+    for role, name in files.items():
+        some = list(parts.values()) if role == "assembly" else [parts[role]]
+        text = step_text(some, name.removesuffix(".step"), f"{role} of the {words}")
+        (folder / name).write_text(text, encoding="utf-8")
 
 
 def _settings() -> None:

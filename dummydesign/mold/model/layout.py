@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.mold.model.products import Machines
 from dummydesign.mold.model.spec import Closure, MouldSpec, Pour
 
@@ -58,6 +57,13 @@ class Outline:
     def scaled(self, factor: float) -> Outline:
         """Return the outline with all lengths multiplied."""
         return Outline(self.length_mm * factor, self.width_mm * factor, self.radius_mm * factor)
+
+    def corners(self, inset_mm: float) -> tuple[PlanPoint, ...]:
+        """Return the four places on the diagonals of its corners that lie ``inset_mm`` inside of it."""
+        # On a rounded corner the parallel line runs at 45 degrees inside the square one.
+        cut = (1 - math.sqrt(0.5)) * max(0.0, self.radius_mm - inset_mm)
+        x, y = self.length_mm / 2 - inset_mm - cut, self.width_mm / 2 - inset_mm - cut
+        return PlanPoint(x, y), PlanPoint(x, -y), PlanPoint(-x, y), PlanPoint(-x, -y)
 
 
 def drafted_volume_mm3(base: Outline, height_mm: float, draft_deg: float) -> float:
@@ -202,8 +208,7 @@ def layout(spec: MouldSpec) -> Layout:
     grow = 1.0 if spec.silicone is None else 1.0 / (1.0 - spec.silicone.shrinkage_percent / 100)
     depth = scale * pad.thickness_mm
     k = math.tan(math.radians(pad.draft_deg))
-    nominal = Outline(pad.length_mm, pad.width_mm, pad.corner_radius_mm)
-    floor = nominal.scaled(scale)
+    floor = Outline(pad.length_mm, pad.width_mm, pad.corner_radius_mm).scaled(scale)
     face = scale * pad.face_height_mm
     fill = floor.grown(k * (depth - face))
     brim = fill.grown(body.brim_step_mm)
@@ -315,10 +320,7 @@ def level_places(spec: MouldSpec, plan: Layout) -> tuple[PlanPoint, ...]:
     return PlanPoint(x, -y / 2), PlanPoint(-x, -y / 2), PlanPoint(x / 3, y)
 
 
-SHEET_MM = (1.0, 8.0)
 STEP_MM = 0.5
-LEAST_MM = 20.0
-LEAST_FLOOR_MM = 3.0
 
 
 def sheet_outline(spec: MouldSpec, plan: Layout) -> Outline:
@@ -346,43 +348,6 @@ def recess_outline(spec: MouldSpec, plan: Layout) -> Outline:
 def plug_top_mm(plan: Layout) -> float:
     """Height of the plug over the base plate. [mm]"""
     return plan.land_mm * plan.silicone_scale
-
-
-def check_face_sheet(spec: MouldSpec, plan: Layout) -> None:
-    """Refuse a sheet that cannot be the tested face."""
-    box, shape = spec.box, spec.pad.shape
-    if not box.face_sheet_mm:
-        return
-    if shape.relief_mm:
-        raise InputError(
-            f"face_sheet_mm = {box.face_sheet_mm:g}: the tested face of {shape} is curved, a sheet is flat; use 0",
-            "not_applicable",
-            "face_sheet_mm",
-            box.face_sheet_mm,
-            0,
-        )
-    under = spec.body.floor_mm if spec.is_printed else plug_top_mm(plan) + box.base_mm
-    most = min(SHEET_MM[1], under - LEAST_FLOOR_MM - box.sheet_bond_mm)
-    if not SHEET_MM[0] <= box.face_sheet_mm <= most:
-        raise out_of_range(
-            "face_sheet_mm",
-            f"{box.face_sheet_mm:g}",
-            f"{SHEET_MM[0]:g}",
-            f"{most:.3g}",
-            f"{LEAST_FLOOR_MM:g} mm of plastic stay under it",
-        )
-    for name, low, high in (("sheet_bond_mm", 0.0, 0.5), ("sheet_rim_mm", 2.0, 20.0)):
-        if not low <= getattr(box, name) <= high:
-            raise out_of_range(name, f"{getattr(box, name):g}", f"{low:g}", f"{high:g}")
-    sheet = sheet_outline(spec, plan)
-    if min(sheet.length_mm, sheet.width_mm) < LEAST_MM:
-        raise InputError(
-            f"a sheet of {sheet.length_mm:g} x {sheet.width_mm:g} mm is all that fits on the tested face inside its "
-            f"rim; at least {LEAST_MM:g} mm each way are of use: leave face_sheet_mm at 0 or take a larger pad",
-            "cannot_be_made",
-            "face_sheet_mm",
-            box.face_sheet_mm,
-        )
 
 
 def _step(length_mm: float) -> float:

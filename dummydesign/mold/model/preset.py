@@ -191,11 +191,8 @@ def _fitted(pad: PadGeometry) -> PadGeometry:
     """The pad with an edge that its shape has room for; a puck without draft, which a soft mould gives up."""
     if pad.is_puck:
         return replace(pad, draft_deg=0.0, corner_radius_mm=pad.length_mm / 2, edge_radius_mm=0.0)
-    if pad.shape.sharp_edge:
-        return replace(pad, edge_radius_mm=0.0)
-    if pad.edge_radius_mm > pad.edge_room_mm:
-        return replace(pad, edge_radius_mm=max(pad.edge_room_mm, 0.0))
-    return pad
+    most = 0.0 if pad.shape.sharp_edge else max(pad.edge_room_mm, 0.0)
+    return replace(pad, edge_radius_mm=min(pad.edge_radius_mm, most))
 
 
 def _base_layer(shape: PadShape, pour: Pour, resin: Resin, base_ratio: float | None) -> BaseLayer | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import Layout, Outline, layout, parting_mm
@@ -34,10 +34,6 @@ class PrintedPart:
     turned: bool
     down: str
 
-    def scaled(self, factor: float) -> PrintedPart:
-        """The part in the size of its print file."""
-        return PrintedPart(self.name, self.outline.scaled(factor), factor * self.height_mm, self.turned, self.down)
-
 
 def ear_side_mm(outer: Outline) -> float:
     """How far the two ears on one side of the tray stand from its middle; closer they would close a gap. [mm]"""
@@ -60,9 +56,12 @@ def tray_covers(spec: MouldSpec, plan: Layout) -> Outline:
 
 def printed_parts(spec: MouldSpec) -> tuple[PrintedPart, ...]:
     """Every printed part in the size of its print file, as it lies on the bed."""
-    plan = layout(spec)
+    plan, grow = layout(spec), spec.machines.print_scale
     made = _printed_mould(spec, plan) if spec.is_printed else _casting_boxes(spec, plan)
-    return tuple(part.scaled(spec.machines.print_scale) for part in (*made, *_plates(spec, plan)))
+    return tuple(
+        replace(part, outline=part.outline.scaled(grow), height_mm=grow * part.height_mm)
+        for part in (*made, *_plates(spec, plan))
+    )
 
 
 def _printed_mould(spec: MouldSpec, plan: Layout) -> list[PrintedPart]:

@@ -7,7 +7,7 @@ from dataclasses import MISSING, dataclass, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
-from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.errors import out_of_range
 from dummydesign.core.toml_schema import REQUIRED, TomlTable, read_table
 from dummydesign.core.user_library import Entry, find
 
@@ -213,23 +213,3 @@ class Surface:
     def draft_needed_deg(self) -> float:
         """Draft with which a rigid wall lets go of a part that has filled its valleys. [deg]"""
         return self.least_draft_deg + self.draft_deg_per_mm * self.depth_mm
-
-
-def check_surface(surface: Surface | None, draft_deg: float) -> None:
-    """Refuse a printed mould that would not let go."""
-    if surface is None:
-        message = "a printed mould needs the table [surface] in its preset: depth_mm and the draft it asks for"
-        raise InputError(message, "missing", "surface")
-    for name, low, high in (("depth_mm", 0.001, 0.2), ("least_draft_deg", 0.0, 5.0), ("draft_deg_per_mm", 0.0, 200.0)):
-        if not low <= (value := getattr(surface, name)) <= high:
-            raise out_of_range(f"surface {name}", f"{value:g}", f"{low:g}", f"{high:g}")
-    if draft_deg < surface.draft_needed_deg:
-        deep = max(0.0, (draft_deg - surface.least_draft_deg) / surface.draft_deg_per_mm)
-        raise InputError(
-            f"draft_deg = {draft_deg:g} of a printed mould: valleys of {surface.depth_mm:g} mm need at least "
-            f"{surface.draft_needed_deg:.2f} deg; give more draft, or finish it to {deep:.3f} mm (surface depth_mm)",
-            "out_of_range",
-            "draft_deg",
-            draft_deg,
-            (surface.draft_needed_deg, None),
-        )

@@ -53,13 +53,11 @@ def gauge_points(spec: MouldSpec) -> tuple[GaugePoint, ...]:
     either side: a plate that lies too high adds as much at every point. At a crown's tip and beside it, it is also that
     of the force (:func:`dummydesign.mold.pour.acceptance.crown_limits`). Points without room on a flat are left out.
     """
-    pad, stands = spec.pad, spec.pad.shape.places_mm
-    places = gauge_places(spec)
-    points = tuple(_point(spec, name, point, stands) for name, point in places.items() if point is not None)
-    limits = crown_limits(pad, spec.acceptance.thickness_percent)
+    points = tuple(_point(spec, name, at) for name, at in gauge_places(spec).items() if at is not None)
+    limits = crown_limits(spec.pad, spec.acceptance.thickness_percent)
     if limits is None:
         return points
-    low, high = (one - pad.thickness_mm for one in limits.thickness_mm)
+    low, high = (one - spec.pad.thickness_mm for one in limits.thickness_mm)
     return tuple(
         replace(one, low_mm=one.nominal_mm + low, high_mm=one.nominal_mm + high)
         if one.pressed or one.name == SHOULDER
@@ -108,9 +106,9 @@ def _drop_mm(pad: PadGeometry, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return np.min([pad.shape.drop_mm(x - a, y - b) for a, b in pad.shape.places_mm], axis=0)
 
 
-def _point(spec: MouldSpec, name: str, at: tuple[float, float], stands: Sequence[tuple[float, float]]) -> GaugePoint:
+def _point(spec: MouldSpec, name: str, at: tuple[float, float]) -> GaugePoint:
     pad, shape = spec.pad, spec.pad.shape
-    x, y = np.array([at[0] - x for x, _ in stands]), np.array([at[1] - y for _, y in stands])
+    x, y = (np.array(at) - shape.places_mm).T
     nominal = pad.thickness_mm - float(_drop_mm(pad, np.array(at[0]), np.array(at[1])))
     gel = nominal - float(np.max(shape.bone_mm(x, y)))
     middle = pad.thickness_mm - shape.bone_height_mm
@@ -142,25 +140,45 @@ def points_rows(points: Sequence[GaugePoint], blank: str, first_pad: int = 1, pa
     return [head, *map(row, points)]
 
 
-def force_at_thickness(spec: MouldSpec, shares: tuple[float, ...]) -> tuple[float, ...] | None:
-    """Force at a given depth of pads whose thickness is a share of the designed one, over that of the designed one.
-
-    At a quarter of the designed thickness, glued, under a square punch of 14 mm, by the response table.
-    """
+@lru_cache(maxsize=512)
+def _force(shape: PadShape, thicknesses_mm: tuple[float, ...], designed_mm: float) -> np.ndarray:
+    """Force over modulus of glued pads at a quarter of the designed thickness, under a square punch of 14 mm. [mm2]"""
     from dummydesign.pad.tables.shape import TabulatedShapeLaw
     from dummydesign.pad.tables.slab import load_table
 
-    pad = spec.pad
-    if pad.is_puck or not (pad.shape.plain or pad.shape.tabulated):
+    law = load_table("bonded") if shape.plain else TabulatedShapeLaw(shape)
+    return law.force(COMPARED_DEPTH * designed_mm, np.array(thicknesses_mm), 1.0, PUNCH_RADIUS_MM)
+
+
+def change_percent(pad: PadGeometry, made: PadShape, thickness_mm: float) -> float | None:
+    """Change of the force at a given depth when a pad has another shape and thickness than designed. [%]
+
+    None for a puck, and where the response table does not hold one of the two pads.
+    """
+    if pad.is_puck:
         return None
     h = pad.thickness_mm
     try:
-        law = load_table("bonded") if pad.shape.plain else TabulatedShapeLaw(pad.shape)
-        force = law.force(COMPARED_DEPTH * h, np.array([1.0, *shares]) * h, 1.0, PUNCH_RADIUS_MM)
+        change = 100 * float(_force(made, (thickness_mm,), h)[0] / _force(pad.shape, (h,), h)[0] - 1)
     except InputError:
         return None
-    over = force[1:] / force[0]
-    return tuple(float(one) for one in over) if np.all(np.isfinite(over)) else None
+    return change if math.isfinite(change) else None
+
+
+def force_at_thickness(spec: MouldSpec, shares: tuple[float, ...]) -> tuple[float, ...] | None:
+    """Force at a given depth of pads whose thickness is a share of the designed one, over that of the designed one.
+
+    None as :func:`change_percent`.
+    """
+    pad, h = spec.pad, spec.pad.thickness_mm
+    if pad.is_puck:
+        return None
+    try:
+        designed, *others = _force(pad.shape, (h, *(share * h for share in shares)), h)
+    except InputError:
+        return None
+    over = tuple(float(one / designed) for one in others)
+    return over if all(map(math.isfinite, over)) else None
 
 
 def force_change_percent(spec: MouldSpec, share: float) -> float | None:
@@ -354,24 +372,10 @@ def crown_change_percent(
 
     None for a pad without a crown, and where the response table does not hold one of the two pads.
     """
-    if pad.is_puck or not pad.shape.crowned:
+    if not pad.shape.crowned:
         return None
-    h, made = pad.thickness_mm, crown_shape(pad.shape, higher_mm, blunter)
-    try:
-        designed, cast = _force(pad.shape, h, h), _force(made, h + higher_mm + thicker_mm, h)
-    except InputError:
-        return None
-    change = 100 * (cast / designed - 1)
-    return change if math.isfinite(change) else None
-
-
-@lru_cache(maxsize=512)
-def _force(shape: PadShape, thickness_mm: float, designed_mm: float) -> float:
-    """Force over modulus at a quarter of the designed thickness. [mm2]"""
-    from dummydesign.pad.tables.shape import TabulatedShapeLaw
-
-    depth = COMPARED_DEPTH * designed_mm
-    return float(TabulatedShapeLaw(shape).force(depth, np.array([thickness_mm]), 1.0, PUNCH_RADIUS_MM)[0])
+    made = crown_shape(pad.shape, higher_mm, blunter)
+    return change_percent(pad, made, pad.thickness_mm + higher_mm + thicker_mm)
 
 
 @lru_cache(maxsize=64)
@@ -385,12 +389,19 @@ def crown_limits(pad: PadGeometry, thickness_percent: float) -> CrownLimits | No
     shape: Any = pad.shape
     h, most = pad.thickness_mm, pad.thickness_mm * thickness_percent / 100
     height, tip = shape.height_mm, shape.radius_mm
-    off = [_reach(lambda x: crown_change_percent(pad, higher_mm=x), side * SOUGHT * height) for side in (-1, 1)]
-    thick = [_reach(lambda x: crown_change_percent(pad, thicker_mm=x), side * most) for side in (-1, 1)]
-    blunt = [_reach(lambda x: crown_change_percent(pad, blunter=1 + x / tip), side * SOUGHT * tip) for side in (-1, 1)]
     return CrownLimits(
-        _inwards(height, off, STEP_MM), _inwards(h, thick, STEP_MM), _inwards(tip, blunt, RADIUS_STEP_MM)
+        _allowed(lambda x: crown_change_percent(pad, higher_mm=x), height, SOUGHT * height, STEP_MM),
+        _allowed(lambda x: crown_change_percent(pad, thicker_mm=x), h, most, STEP_MM),
+        _allowed(lambda x: crown_change_percent(pad, blunter=1 + x / tip), tip, SOUGHT * tip, RADIUS_STEP_MM),
     )
+
+
+def _allowed(change: Callable[[float], float | None], nominal: float, most: float, step: float) -> tuple[float, float]:
+    """Limits of a length that is off by ``most`` at most, rounded to steps that are read, never outwards."""
+    low, high = (nominal + _reach(change, side * most) for side in (-1, 1))
+    inner = math.ceil(low / step - 1e-6) * step, math.floor(high / step + 1e-6) * step
+    # never beyond the nominal
+    return min(round(inner[0], 6), nominal), max(round(inner[1], 6), nominal)
 
 
 def _reach(change: Callable[[float], float | None], most: float) -> float:
@@ -407,13 +418,6 @@ def _reach(change: Callable[[float], float | None], most: float) -> float:
         middle = 0.5 * (good + bad)
         good, bad = (middle, bad) if kept(middle) else (good, middle)
     return good
-
-
-def _inwards(nominal: float, off: list[float], step: float) -> tuple[float, float]:
-    """Limits rounded to steps that are read, never outwards nor beyond the nominal."""
-    low, high = (nominal + one for one in off)
-    inner = math.ceil(low / step - 1e-6) * step, math.floor(high / step + 1e-6) * step
-    return min(round(inner[0], 6), nominal), max(round(inner[1], 6), nominal)
 
 
 @dataclass(frozen=True)

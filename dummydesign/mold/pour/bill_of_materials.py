@@ -50,9 +50,6 @@ def screw_length_mm(grip_mm: float) -> float:
     return sold(SCREW_MM, grip_mm + NUT_MM)
 
 
-HEAD = ("what", "how much", "what for")
-
-
 @dataclass(frozen=True)
 class MaterialItem:
     """One thing to buy or to have; ``form`` writes its amount."""
@@ -136,7 +133,7 @@ def materials(spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] 
 
 def bill_of_materials(needs: Iterable[MaterialItem]) -> list[tuple[str, str, str]]:
     """Everything to buy or to have, as (what, how much, what for), the first row the head."""
-    return [HEAD, *(need.row for need in needs)]
+    return [("what", "how much", "what for"), *(need.row for need in needs)]
 
 
 @dataclass(frozen=True)

@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from dummydesign.core.errors import InputError
+from dummydesign.geometry.shape_registry import make_shape
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import layout, plug_top_mm
 from dummydesign.mold.model.printed_parts import lying_words
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.pour.acceptance import (
-    COMPARED_DEPTH,
-    MOST_PERCENT,
-    crown_change_percent,
-    crown_limits,
-    force_change_percent,
-)
+from dummydesign.mold.pour.acceptance import MOST_PERCENT, change_percent, crown_limits, force_change_percent
 from dummydesign.mold.pour.steps import BLANK
 
 ALLOWED_PERCENT = 1.0
@@ -29,27 +22,16 @@ def height_cost(spec: MouldSpec, low_mm: float) -> float | None:
 
     At a quarter of the thickness from touch, glued, under a square punch of 14 mm, by the shape's response table.
     """
-    from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
-    from dummydesign.geometry.shape_registry import make_shape
-    from dummydesign.pad.tables.shape import TabulatedShapeLaw
-
     pad, shape = spec.pad, spec.pad.shape
-    if shape.crowned:
-        return crown_change_percent(pad, higher_mm=-low_mm)
     if not (shape.relief_mm or shape.bone_height_mm):
         return 0.0
-    lower = tuple((name, value - low_mm if name == "height" else value) for name, value in shape.parameters)
+    lower = tuple((name, round(value - low_mm, 9) if name == "height" else value) for name, value in shape.parameters)
     try:
-        # A low crown makes the pad thinner, a low bone leaves more gel over it.
-        thinner = pad.thickness_mm - (low_mm if shape.relief_mm else 0.0)
-        depth = COMPARED_DEPTH * pad.thickness_mm
-        designed, made = (
-            float(TabulatedShapeLaw(one).force(depth, np.array([h]), 1.0, PUNCH_RADIUS_MM)[0])
-            for one, h in ((shape, pad.thickness_mm), (make_shape(pad.kind, lower), thinner))
-        )
+        made = make_shape(pad.kind, lower)
     except InputError:
         return None
-    return 100 * (made / designed - 1)
+    # A low crown makes the pad thinner, a low bone leaves more gel over it.
+    return change_percent(pad, made, pad.thickness_mm - (low_mm if shape.relief_mm else 0.0))
 
 
 def allowed_layer_mm(spec: MouldSpec) -> float | None:
@@ -155,7 +137,7 @@ def face_factor(spec: MouldSpec) -> float:
 
 def print_words(spec: MouldSpec) -> str:
     """How the parts lie on the bed; elephant's foot, shrinkage and gap of the machine's prints, where known."""
-    fit, sentences = spec.machines.fit, []
+    fit, sentences = spec.machines.fit, [lying_words(spec)]
     if fit is not None:
         foot = f"take {fit.elephant_foot_mm:g} mm off the first layer (elephant's foot compensation)"
         size = "print a bar of 150 mm, measure it and let the slicer compensate the shrinkage"
@@ -165,7 +147,6 @@ def print_words(spec: MouldSpec) -> str:
         sentences.append(f"In the slicer {foot}; {size}. {gap}")
     if words := layer_words(spec):
         sentences.append(f"{words[0].upper()}{words[1:]}.")
-    sentences.insert(0, lying_words(spec))
     return f" {' '.join(sentences)}"
 
 

@@ -179,13 +179,13 @@ DRYING_H = 1.0
 
 def pour_steps(spec: MouldSpec, plan: PourPlan) -> list[PourStep]:
     """From the empty mould to the end of the cure."""
-    steps = [*_drying(spec), *_preparing_bone(spec)]
+    steps, in_cup = [*_drying(spec), *_preparing_bone(spec)], PourStep(degas_words(spec.pour), (DEGAS,))
     if spec.pour.degas == "mould":
         steps += [_mixing(spec), *_degas_in_mould(spec, plan), _levelling(spec, plan), *_closing(spec, plan)]
     elif spec.body.style != "lidded":
-        steps += [_levelling(spec, plan), _mixing(spec), _degas_in_cup(spec), *_filling(spec, plan)]
+        steps += [_levelling(spec, plan), _mixing(spec), in_cup, *_filling(spec, plan)]
     else:
-        steps += [*_closing_lid(spec, plan), _mixing(spec), _degas_in_cup(spec), *_filling_lidded(plan)]
+        steps += [*_closing_lid(spec, plan), _mixing(spec), in_cup, *_filling_lidded(plan)]
     latest = spec.pour.pot_life_min - max(2.0, plan.pour_time_s / 60)
     what = "All of this" if plan.base is None else "Each of the two pours"
     life = f"{spec.pour.pot_life_min:g} min{spec.pour.mark('pot_life_min')}"
@@ -278,10 +278,6 @@ def degas_words(pour: Pour) -> str:
         f"Degas in the cup below {below} until the foam has fallen, then one minute more. "
         "With less vacuum the bubbles only swell."
     )
-
-
-def _degas_in_cup(spec: MouldSpec) -> PourStep:
-    return PourStep(degas_words(spec.pour), (DEGAS,))
 
 
 def _degas_in_mould(spec: MouldSpec, plan: PourPlan) -> list[PourStep]:

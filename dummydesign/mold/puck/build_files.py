@@ -12,17 +12,17 @@ import numpy as np
 from dummydesign.core.progress import write_progress
 from dummydesign.mold.build_files import write_json
 from dummydesign.mold.cad.kernel import cq
-from dummydesign.mold.cad.parts import COLOURS, Part, PartMaterial
+from dummydesign.mold.cad.parts import Part, PartMaterial
 from dummydesign.mold.cad.solids import single_solid
 from dummydesign.mold.checks import Check, above, below, equal
 from dummydesign.mold.checks import files as check_files
 from dummydesign.mold.files.drawing_layout import Measure, Title, View, arrange
 from dummydesign.mold.files.drawing_sheet import Drawing
-from dummydesign.mold.files.meshes import lying, tessellate, write_3mf
+from dummydesign.mold.files.meshes import tessellate, write_prints
 from dummydesign.mold.files.part_drawings import cut, edges_from_above
 from dummydesign.mold.files.pour_sheet import Foot, write_papers
-from dummydesign.mold.files.step import step_text
-from dummydesign.mold.puck.plan import PuckPlan, puck_plan, spec_cost, warnings_of
+from dummydesign.mold.files.step import write_steps
+from dummydesign.mold.puck.plan import PuckPlan, puck_plan
 from dummydesign.mold.puck.ring import (
     LUG_LONG_MM,
     LUG_THICK_MM,
@@ -77,19 +77,14 @@ def produce_pucks(spec: PuckSpec, folder: Path, foot: Foot) -> dict[str, Any]:
     write_progress("step 2 of 3: STEP files and meshes")
     shown = {name: part for name, part in parts.items() if TURNED not in name}
     files = {"assembly": f"assembly_puck_{spec.tag}.step", **{name: f"{name}.step" for name in shown}}
-    for role, name in files.items():
-        some = list(parts.values()) if role == "assembly" else [parts[role]]
-        text = step_text(some, name.removesuffix(".step"), f"{role} of the {spec.title}, specification {spec.hash}, mm")
-        (folder / name).write_text(text, encoding="utf-8")
+    write_steps(folder, parts, files, f"{spec.title}, specification {spec.hash}, mm")
     checks += check_files.check_step(shown, {name: folder / files[name] for name in shown}, folder / files["assembly"])
-    for name, mesh in meshes.items():
-        if name not in shown or not parts[name].is_printed:
-            continue
-        files[f"{name}_3mf"] = f"{name}.3mf"
-        write_3mf(lying(mesh, False, spec.machines.print_scale), folder / f"{name}.3mf")
+    prints = {name: folder / f"{name}.3mf" for name, part in shown.items() if part.is_printed}
+    write_prints(meshes, prints, spec.machines.print_scale)
+    files |= {f"{name}_3mf": path.name for name, path in prints.items()}
     write_progress("step 3 of 3: drawing and pour sheet")
     files |= _write_papers(spec, plan, parts, folder, foot)
-    listed, cost = [check.to_dict() for check in checks], spec_cost(spec)
+    listed = [check.to_dict() for check in checks]
     for role, content in (("spec", {"hash": spec.hash, "puck": spec.to_dict()}), ("checks", listed)):
         files[role] = f"{role}.json"
         write_json(folder / files[role], content)
@@ -104,12 +99,6 @@ def produce_pucks(spec: PuckSpec, folder: Path, foot: Foot) -> dict[str, Any]:
         "files": files,
         "volumes_mm3": volumes,
         "checks": listed,
-        "warnings": warnings_of(spec, plan),
-        "pour": plan.to_dict(),
-        "masses_g": dict(plan.mix.components),
-        "printing_h": cost.printing_h,
-        "filament_g": cost.filament_g,
-        "spec_hash": spec.hash,
         "step_sha256": hashlib.sha256((folder / files["assembly"]).read_bytes()).hexdigest(),
     }
 
@@ -123,7 +112,6 @@ def _parts(spec: PuckSpec) -> dict[str, Part]:
         spec.plastic.density_g_per_cm3,
     )
     resin = PartMaterial("resin", spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3)
-    assert {plastic.kind, resin.kind} <= COLOURS.keys()
     parts: dict[str, Part] = {}
     x = 0.0
     for ring in spec.rings:

@@ -8,6 +8,7 @@ from typing import Any
 
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.pour.plan import CUP_FACTOR, GRAM_PER_HOUR, Mix, batch_limits_g, mix_of
+from dummydesign.mold.pour.steps import assumed_words
 from dummydesign.mold.puck.ring import PuckSpec, Ring, cavity_mm3, puck_spec, ring_mass_g
 
 
@@ -65,22 +66,15 @@ def _over_rim_mm3(spec: PuckSpec, ring: Ring) -> float:
 
 def warnings_of(spec: PuckSpec, plan: PuckPlan) -> list[dict[str, str]]:
     """What changes what the user does."""
-    from dummydesign.mold.pour.steps import assumed_words
-
-    found: list[dict[str, str]] = []
+    notes: dict[str, str] = {}
     if words := assumed_words(spec.pour):
-        found.append({"code": "assumed_numbers", "message": words})
+        notes["assumed_numbers"] = words
     if plan.raised:
-        found.append(
-            {
-                "code": "batch_raised",
-                "message": (
-                    f"the balance cannot weigh {plan.wanted_g:.0f} g, the pucks with cup loss and spare, in the right "
-                    f"ratio: mix {plan.mix.total_g:.0f} g, or pour the pad's or a second puck of the same cup"
-                ),
-            }
+        notes["batch_raised"] = (
+            f"the balance cannot weigh {plan.wanted_g:.0f} g, the pucks with cup loss and spare, in the right "
+            f"ratio: mix {plan.mix.total_g:.0f} g, or pour the pad's or a second puck of the same cup"
         )
-    return found
+    return [{"code": code, "message": message} for code, message in notes.items()]
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from dummydesign.mold.pour.plan import CUP_FACTOR
 from dummydesign.mold.pour.steps import BLANK, cup_words, degas_words
 from dummydesign.mold.puck.plan import PuckPlan, spec_cost
 from dummydesign.mold.puck.protocol import command, press_rows, protocol_steps, trace_names
-from dummydesign.mold.puck.ring import PuckSpec, Ring, ring_mass_g
+from dummydesign.mold.puck.ring import PuckSpec, ring_mass_g
 
 ROUND_MM, PARALLEL_SHARE, SIZE_SHARE = 0.5, 0.01, 0.02
 """Largest difference of three diameters [mm]; of four heights, over the height; of the size from the planned one."""
@@ -129,7 +129,7 @@ def acceptance_rows(spec: PuckSpec, plan: PuckPlan) -> list[tuple[str, ...]]:
             (
                 f"diameter{puck}, mean of top, middle and bottom",
                 f"{ring.diameter_mm:g} mm",
-                *_size(ring.diameter_mm),
+                _size(ring.diameter_mm),
                 "none if the measured one is typed; else 2 % of modulus per 1 %",
                 BLANK,
                 "type the measured diameter",
@@ -145,7 +145,7 @@ def acceptance_rows(spec: PuckSpec, plan: PuckPlan) -> list[tuple[str, ...]]:
             (
                 f"height{puck}, mean of four places",
                 f"{ring.height_mm:g} mm",
-                *_size(ring.height_mm),
+                _size(ring.height_mm),
                 "none if the measured one is typed; else 1 % of modulus per 1 %",
                 BLANK,
                 "type the measured height",
@@ -171,16 +171,20 @@ def acceptance_rows(spec: PuckSpec, plan: PuckPlan) -> list[tuple[str, ...]]:
     return rows
 
 
-def _size(planned_mm: float) -> tuple[str]:
+def _size(planned_mm: float) -> str:
     off = SIZE_SHARE * planned_mm
-    return (f"{planned_mm - off:.1f} to {planned_mm + off:.1f} mm",)
+    return f"{planned_mm - off:.1f} to {planned_mm + off:.1f} mm"
 
 
 def needed(spec: PuckSpec, plan: PuckPlan) -> list[tuple[str, str, str]]:
     """Everything to buy or to have; the first row is the head."""
     filament = spec.plastic.name.upper()
     wide = max(ring.diameter_mm for ring in spec.rings) + 60.0
-    items = [_printed(filament, ring, ring.count * ring_mass_g(spec, ring)) for ring in spec.rings]
+    several = {ring: f" ({ring.count} rings)" if ring.count > 1 else "" for ring in spec.rings}
+    items = [
+        MaterialItem(f"{filament}: ring {ring.tag}{words}", ring.count * ring_mass_g(spec, ring), "about {:.0f} g", "")
+        for ring, words in several.items()
+    ]
     items += [MaterialItem(name, mass, "{:.1f} g", "pucks") for name, mass in plan.mix.components]
     cup = sold(CUPS_LITRE, CUP_FACTOR * plan.mix.total_g / spec.pour.density_g_per_cm3 * 1e-3)
     items += [
@@ -195,8 +199,3 @@ def needed(spec: PuckSpec, plan: PuckPlan) -> list[tuple[str, str, str]]:
     if spec.pour.cures_warm:
         items.append(MaterialItem("vented oven", spec.pour.cure_temperature_C, "to {:.0f} C", "cure"))
     return bill_of_materials(items)
-
-
-def _printed(filament: str, ring: Ring, mass_g: float) -> MaterialItem:
-    several = f" ({ring.count} rings)" if ring.count > 1 else ""
-    return MaterialItem(f"{filament}: ring {ring.tag}{several}", mass_g, "about {:.0f} g", "")

@@ -16,6 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dummydesign.core.errors import InputError
+from dummydesign.mold.cad.parts import material_of
 from dummydesign.mold.files import part_drawings as projection
 from dummydesign.mold.files.drawing_layout import SCALES, Measure, Title, View, arrange, hatch, lay_out_view, wrapped
 from dummydesign.mold.files.drawing_sheet import PAPERS, TEXT_MM, Drawing, Line, to_dxf, to_pdf, to_svg
@@ -178,7 +179,7 @@ def drawn_papers(rng):
         kinds = {"pad": "resin", "mould": "rigid" if spec.is_printed else "silicone"}
         parts = {
             name: SimpleNamespace(
-                material=SimpleNamespace(kind=kinds.get(name, "rigid")), is_printed=kinds.get(name, "rigid") == "rigid"
+                material=material_of(spec, kinds.get(name, "rigid")), is_printed=kinds.get(name, "rigid") == "rigid"
             )
             for name in dict.fromkeys([*names, *(["lid"] if preset == "lidded" else [])])
         }

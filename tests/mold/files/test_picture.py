@@ -71,8 +71,14 @@ def test_picture_shows_every_material_without_a_display(tmp_path):
         name: SimpleNamespace(vertices=found[0], faces=found[1])
         for name, found in ((name, box(*ends)) for name, ends in parts.items())
     }
-    view.pack(meshes, colours, "test", tmp_path / "m.npz")
-    command = [sys.executable, "-m", "dummydesign.mold.files.picture", str(tmp_path / "m.npz"), str(tmp_path / "m.png")]
+    view.pack(meshes, colours, "test", tmp_path / "m.pickle")
+    command = [
+        sys.executable,
+        "-m",
+        "dummydesign.mold.files.picture",
+        str(tmp_path / "m.pickle"),
+        str(tmp_path / "m.png"),
+    ]
     bare = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
     subprocess.run(command, check=True, timeout=120, env={**bare, "PYTHONPATH": str(Path(__file__).parents[3])})
     from PIL import Image
@@ -89,11 +95,11 @@ def test_picture_shows_every_material_without_a_display(tmp_path):
 def test_mould_without_a_picture_is_complete_and_says_so(open_spec, tmp_path):
     from dummydesign.mold.build_files import finish_picture
 
-    (tmp_path / ".picture.npz").write_bytes(b"")
+    (tmp_path / ".picture.pickle").write_bytes(b"")
     dead = subprocess.Popen([sys.executable, "-c", "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)"])
     warnings: list[dict[str, str]] = []
     assert finish_picture(dead, tmp_path, open_spec, warnings) == {}
-    assert warnings[0]["code"] == "no_picture" and not (tmp_path / ".picture.npz").exists()
+    assert warnings[0]["code"] == "no_picture" and not (tmp_path / ".picture.pickle").exists()
 
 
 def test_a_check_that_breaks_off_leaves_no_renderer_running(open_spec, tmp_path, monkeypatch):

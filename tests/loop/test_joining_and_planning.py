@@ -135,15 +135,15 @@ def test_a_prior_of_another_ratio_is_refused_beyond_a_thousandth():
 
 
 def test_pads_of_both_campaigns_are_kept_with_the_newer_law_error():
-    old = Model(BaseParameters(0.03, (0.1, 1.0), (0.3, 0.3)), (), np.array([5.0, 10.0]), np.arange(6.0).reshape(3, 2))
-    new = replace(old, thickness_mm=np.array([10.0, 20.0]), law=-np.arange(6.0).reshape(3, 2)).with_pads_of(old)
+    old = Model(BaseParameters(0.03, (0.1, 1.0), (0.3, 0.3)), (), (("", 5.0), ("", 10.0)), np.arange(6.0).reshape(3, 2))
+    new = replace(old, pads=(("", 10.0), ("", 20.0)), law=-np.arange(6.0).reshape(3, 2)).with_pads_of(old)
     assert new.pads == (("", 5.0), ("", 10.0), ("", 20.0))
     np.testing.assert_array_equal(new.law, [[0.0, 0.0, -1.0], [2.0, -2.0, -3.0], [4.0, -4.0, -5.0]])
 
 
 def test_a_law_error_is_linear_in_the_logarithm_of_thickness_of_its_own_shape():
-    model = Model(BaseParameters(0.03, (0.1, 1.0), (0.3, 0.3)), (), np.array([5.0, 20.0, 8.0]),
-                  np.array([[0.01, 0.03, 0.5], [0.0, 0.1, 0.6], [0.2, 0.0, 0.7]]), ("", "", "crowned"))  # fmt: skip
+    model = Model(BaseParameters(0.03, (0.1, 1.0), (0.3, 0.3)), (), (("", 5.0), ("", 20.0), ("crowned", 8.0)),
+                  np.array([[0.01, 0.03, 0.5], [0.0, 0.1, 0.6], [0.2, 0.0, 0.7]]))  # fmt: skip
     at = np.array([1.0, 5.0, 10.0, 20.0, 90.0])
     error = model.law_error(at)
     np.testing.assert_allclose(error.terms[0], [0.01, 0.01, 0.02, 0.03, 0.03])

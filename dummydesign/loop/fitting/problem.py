@@ -47,11 +47,6 @@ class CampaignProblem:
         return replace(self, effects=(*self.effects, *effects))
 
     @property
-    def thicknesses(self) -> NDArray:
-        """Thickness of each pad of the campaign, in the order of ``presses.pads``. [mm]"""
-        return np.array([thickness for _, thickness in self.presses.pads])
-
-    @property
     def base_count(self) -> int:
         """Number of base parameters, with which the vector begins."""
         return len(self.prior.mean)

@@ -129,7 +129,7 @@ def explain(context: CampaignFit, available: tuple[Effect, ...], single: bool) -
     can make is in doubt with all others of that kind, whatever their evidence. On several shapes one or two effects
     are compared by their evidence.
     """
-    law = LAW_TERMS * len(context.problem.thicknesses)
+    law = LAW_TERMS * len(context.problem.presses.pads)
     start = np.r_[context.vector[: len(context.vector) - law], np.zeros(law)]
     plain = _scored(fit(context.problem, start, usual_sizes(context), 20))
     projection = project(plain)

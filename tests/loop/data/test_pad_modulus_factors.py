@@ -170,7 +170,7 @@ def test_a_level_beyond_what_the_law_can_be_off_is_the_pad_s_and_does_not_go_ove
     fit.problem = SimpleNamespace(presses=make_presses(widened), law=law_of(widened))
     fit.sizes = SimpleNamespace(level=2.0 * largest)
     assert carried_share(fit) == pytest.approx(0.25, rel=1e-3), "what a record leaves open is not the law's"
-    model = Model(BASE, (), np.array([5.0, 15.0]), np.array([[0.04, 0.08], [0.1, 0.1], [0.0, 0.0]]), (), 0.25)
+    model = Model(BASE, (), (("", 5.0), ("", 15.0)), np.array([[0.04, 0.08], [0.1, 0.1], [0.0, 0.0]]), 0.25)
     found = model.law_error(np.array([5.0, 15.0, 20.0]))
     np.testing.assert_allclose(found.terms[0], [0.04, 0.08, 0.02])
     np.testing.assert_allclose(found.terms[1], 0.1)

@@ -132,7 +132,7 @@ def test_the_vector_is_cut_where_it_was_joined():
     effects = effect_named("machine_compliance"), effect_named("contact_offset")
     problem = CampaignProblem(clean_fit().problem.presses, pucks.LAW, effects)
     counts = [len(effect.parameters) for effect in effects]
-    assert problem.fixed == 5 + sum(counts) and problem.thicknesses.tolist() == [8.0, 12.0]
+    assert problem.fixed == 5 + sum(counts) and [h for _, h in problem.presses.pads] == [8.0, 12.0]
     first, second = (problem.entries[effect.name] for effect in effects)
     assert (first.start, first.stop, second.start, second.stop) == (5, 5 + counts[0], 5 + counts[0], problem.fixed)
     vector = np.arange(float(problem.fixed + 2 * LAW_TERMS))

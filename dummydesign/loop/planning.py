@@ -299,7 +299,7 @@ def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, 
     trials = planned_trials(plan, law, young_MPa, np.random.default_rng(seed))
     presses = make_presses(replace(campaign, trials=trials))
     problem = CampaignProblem(presses, law, prior=material_of(campaign).prior)
-    usual = NoiseSizes(NOISE, *(prior[0] for prior in law.error_priors))
+    usual = NoiseSizes(NOISE, tuple(median for median, _ in law.error_priors))
     vector = start_vector(problem, young_MPa)
     fit = fit_at(problem, vector, usual)
     projection = project(fit)

@@ -125,8 +125,8 @@ def test_the_modulus_is_known_no_better_than_the_number_of_pads_lets_it(campaign
     found = fit_base(presses, law, 0.03)
     known = posterior_of(found)
     # three pads with what is known of pads beforehand: Student's t of some seven degrees
-    assert known.young_spread > 1.1 * found.sizes.level / np.sqrt(len(found.problem.presses.pads))
-    assert known.pads[0] > 1.1 * found.sizes.level
+    assert known.young_spread > 1.1 * found.sizes.law[0] / np.sqrt(len(found.problem.presses.pads))
+    assert known.pads[0] > 1.1 * found.sizes.law[0]
     assert known.new_pad_spread == pytest.approx(np.hypot(known.young_spread, known.pads[0]))
     assert known.mean[0] == pytest.approx(np.log(1e3 * found.base.young_MPa))
     assert np.linalg.eigvalsh(known.covariance)[0] > 0.0

@@ -116,6 +116,12 @@ class CampaignProblem:
             self.seen[key] = readings(self.presses, measured, self.active_of(vector))
         return self.seen[key]
 
+    def change_by(self, effect: Effect, vector: NDArray, forces: NDArray) -> NDArray:
+        """What one of the effects changes of the bins with ``forces`` (T, B), the rest of the model as it is. [N]"""
+        without = vector.copy()
+        without[self.entries[effect.name]] = [p.to_coordinate(p.null) for p in effect.parameters]
+        return np.where(self.presses.used, forces - self.predict(without), 0.0)
+
     def at_samples(self, vector: NDArray, offset_mm: NDArray | float = 0.0) -> list[NDArray]:
         """Readings at the raw samples of each trial. [N]"""
         active = self.active_of(vector)

@@ -276,15 +276,13 @@ def effect_intervals(model: AssessedModel, effect: Effect) -> dict[str, Any]:
     """Parameters of one fitted effect of a model with 95 % intervals, widened by its lack of fit."""
     fit, entries = model.fit, model.fit.problem.entries[effect.name]
     intervals = {p.name: interval(fit, model.covariance, at, p.to_value) for p, at in zip(effect.parameters, entries)}
-    size = effect.parameters[0]
-    one = intervals[size.name]
-    # with its null value inside, the interval reaches over all decades
-    one["determined"] = one["determined"] and (effect.held or not one["low"] <= size.null <= one["high"])
+    if holds_null(model, effect):  # the interval reaches over all decades
+        intervals[effect.parameters[0].name]["determined"] = False
     return intervals
 
 
 def holds_null(model: AssessedModel, effect: Effect) -> bool:
     """Whether the interval of an effect's size holds the value at which the effect is absent."""
     size = effect.parameters[0]
-    interval_of_size = effect_intervals(model, effect)[size.name]
-    return bool(interval_of_size["low"] <= size.null <= interval_of_size["high"]) and not effect.held
+    one = interval(model.fit, model.covariance, model.fit.problem.entries[effect.name][0], size.to_value)
+    return bool(one["low"] <= size.null <= one["high"]) and not effect.held

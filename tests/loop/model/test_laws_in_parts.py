@@ -385,7 +385,7 @@ def scattered(level, *trials):
     pads = tuple(dict.fromkeys(one.pad for one in trials))
     presses = SimpleNamespace(trials=trials, pads=pads)
     problem = SimpleNamespace(presses=presses, law=puck_law(30.0))
-    return SimpleNamespace(problem=problem, sizes=SimpleNamespace(level=level))
+    return SimpleNamespace(problem=problem, sizes=SimpleNamespace(law=(level,)))
 
 
 def test_a_pads_factor_is_what_its_record_says_of_modulus_and_thickness():

@@ -11,18 +11,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.measurement.motion import Motion
 from dummydesign.tissue.model.maxwell_law import Parameters
 from dummydesign.tissue.model.people_share import Population, is_share, share_of_aim
-
-if TYPE_CHECKING:
-    from dummydesign.measurement.motion import Motion
-
 
 SHARES: NDArray = 1.0 - (1.0 - np.linspace(0.0, 1.0, 61)) ** 3
 """Shares of its depth at which the rise of a press is kept, finer where a robot brakes."""

@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.interpolation import group_near
 from dummydesign.inference.noise import cut, distinct, hold_edges, mean_around
 from dummydesign.measurement.clipping import find_clip
 from dummydesign.measurement.motion import Motion
 from dummydesign.measurement.ramp_detection import Ramp, ramp_of, ringing_times, steady_force
 from dummydesign.measurement.trace import Trace
-from dummydesign.tissue.model.measured_curves import SPEED_FACTOR, group_near
+from dummydesign.tissue.model.measured_curves import SAME_DEPTH, SPEED_FACTOR
 
 RISE_BINS = 20
 FIRST_HOLD_S = 1e-3
@@ -188,5 +189,5 @@ def condition_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, float,
     return [
         (speed, float(np.mean([t.ramp.depth_mm for t in part])), part)
         for speed, group in speed_groups(traces)
-        for part in group_near(group, lambda trace: trace.ramp.depth_mm)
+        for part in group_near(group, lambda trace: trace.ramp.depth_mm, SAME_DEPTH)
     ]

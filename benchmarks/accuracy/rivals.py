@@ -158,7 +158,7 @@ def prepare(campaign: Campaign, new: Campaign) -> Prepared:
     """Fit the base and see which effects the campaign can show."""
     law = law_of(campaign)
     campaign, presses, _ = within_reach(campaign, make_presses(campaign), law)
-    base = fit_base(presses, law, 1e-3 * material_of(campaign).young_kPa)
+    base = fit_base(presses, law, 1e-3 * material_of(campaign).young_kPa.value)
     usable = [one for one in known_effects() if not (one.unavailable(presses, law) or one.unseen(presses))]
     return Prepared(campaign, new, base, tuple(usable))
 

@@ -271,7 +271,7 @@ def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Cali
     }
     material = material_of(result.campaign)
     pad = {
-        "young_kPa_expected": material.young_kPa,
+        "young_kPa_expected": material.young_kPa.value,
         "resin": result.campaign.pad.resin,
         "ratio": result.campaign.pad.ratio,
         "base": result.campaign.pad.base,

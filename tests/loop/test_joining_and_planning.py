@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
+from dummydesign.core.quantity import Quantity
 from dummydesign.loop import next_measurement as next_module
 from dummydesign.loop import planning
 from dummydesign.loop.calibration import (
@@ -361,7 +362,7 @@ def simple(monkeypatch):
 
     monkeypatch.setattr(planning, "motion_on_curve", moved)
     monkeypatch.setattr(planning, "depth_for_steady_force", depth)
-    material = planning.Material(30.0, 27.0, 36.0, (), "")
+    material = planning.Material(Quantity(30.0, 27.0, 36.0, "fitted", ""), ())
 
     def expect(target, by_depth=False, thickness=10.0):
         row = SimpleNamespace(hold_s=10.0, velocity_mm_s=100.0, target=target, by_depth=by_depth)

@@ -219,7 +219,7 @@ def _laws(campaign: Campaign, trials: Sequence[Trial], progress: Progress) -> di
     """The laws of the pads of one shape; those that have to be solved, for every group of thicknesses."""
     geometry, cylinder = trials[0].geometry, campaign.pad.shape == "cylinder"
     check_round(geometry)
-    young = 1.0 if campaign.pad.base in BASES or cylinder else 1e-3 * material_of(campaign).young_kPa
+    young = 1.0 if campaign.pad.base in BASES or cylinder else 1e-3 * material_of(campaign).young_kPa.value
     pads = {h: pad_of(campaign, h, young, geometry) for h in sorted({trial.thickness_mm for trial in trials})}
     solved = [h for h, pad in pads.items() if curve_without_solve(pad) is None]
     groups = group_near(solved, float, 1.0 + ONE_PAD + 1e-9, of=0)  # the end belongs to it

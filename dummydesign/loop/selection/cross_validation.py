@@ -32,22 +32,16 @@ class Errors:
     heldout_by_trial_N: NDArray
 
 
-def _squares(fit: CampaignFit) -> tuple[NDArray, NDArray, NDArray]:
-    """Per bin: count of raw samples, mean and sum of squares of the raw residual, all (T, B)."""
+def _squares(fit: CampaignFit) -> tuple[NDArray, NDArray]:
+    """Per bin: mean and sum of squares of the raw residual, both (T, B)."""
     presses = fit.problem.presses
     modelled = fit.problem.at_samples(fit.vector)
-    count, mean, total = (np.zeros(presses.used.shape) for _ in range(3))
+    mean, total = (np.zeros(presses.used.shape) for _ in range(2))
     for row, (press, trial, model) in enumerate(zip(presses.presses, presses.trials, modelled)):
-        time = trial.trace.time_s
-        which = np.searchsorted(press.start_s, time, side="right") - 1
-        inside = (which >= 0) & (time < np.r_[press.end_s, 0.0][which])
-        residual = (trial.trace.force_N - model)[inside]
-        size = len(press.start_s)
-        which = which[inside]
-        count[row, :size] = np.bincount(which, minlength=size)
-        mean[row, :size] = np.bincount(which, residual, minlength=size) / np.maximum(count[row, :size], 1)
-        total[row, :size] = np.bincount(which, residual**2, minlength=size)
-    return count, mean, total
+        residual, size = trial.trace.force_N - model, len(press.samples)
+        mean[row, :size] = press.mean(residual)
+        total[row, :size] = np.bincount(press.bin_index, residual[press.inside] ** 2)
+    return mean, total
 
 
 def errors(fit: CampaignFit, cells: NDArray | None = None) -> Errors:
@@ -58,7 +52,7 @@ def errors(fit: CampaignFit, cells: NDArray | None = None) -> Errors:
     presses = fit.problem.presses
     if cells is None:
         cells = presses.cell if np.any(presses.cell != presses.cell[0]) else np.arange(len(presses.cell))
-    count, mean, total = _squares(fit)
+    count, (mean, total) = presses.samples, _squares(fit)
     counted = count.sum(axis=1)
     by_trial = np.sqrt(total.sum(axis=1) / counted)
     train = float(np.sqrt(total.sum() / counted.sum()))

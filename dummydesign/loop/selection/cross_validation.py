@@ -52,8 +52,8 @@ def errors(fit: CampaignFit, cells: NDArray | None = None) -> Errors:
     presses = fit.problem.presses
     if cells is None:
         cells = presses.cell if np.any(presses.cell != presses.cell[0]) else np.arange(len(presses.cell))
-    count, (mean, total) = presses.samples, _squares(fit)
-    counted = count.sum(axis=1)
+    mean, total = _squares(fit)
+    counted = presses.samples.sum(axis=1)
     by_trial = np.sqrt(total.sum(axis=1) / counted)
     train = float(np.sqrt(total.sum() / counted.sum()))
     changes = leave_out(fit, cells)
@@ -61,7 +61,7 @@ def errors(fit: CampaignFit, cells: NDArray | None = None) -> Errors:
     for cell, change in changes.items():
         for row in np.nonzero(cells == cell)[0]:
             moved = fit.jacobian[row] @ change
-            square = total[row].sum() + (count[row] * moved * (moved - 2.0 * mean[row])).sum()
+            square = total[row].sum() + (presses.samples[row] * moved * (moved - 2.0 * mean[row])).sum()
             heldout[row] = np.sqrt(max(square, 0.0) / counted[row])
     use = np.isfinite(heldout)
     value = float(np.sqrt((heldout[use] ** 2 * counted[use]).sum() / counted[use].sum())) if use.any() else None

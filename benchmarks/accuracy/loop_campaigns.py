@@ -179,7 +179,7 @@ def beyond_pads_N(campaign: Campaign, calibration: Calibration, total_N: float, 
     presses, model = make_presses(campaign), calibration.after
     problem = CampaignProblem(presses, law_of(campaign), tuple(one.effect for one in model.active))
     sizes = [p.to_coordinate(one.values[p.name]) for one in model.active for p in one.effect.parameters]
-    error = model.law_error(problem.thicknesses)
+    error = model.law_error(np.array([thickness for _, thickness in presses.pads]))
     vector = np.r_[model.base.to_logs(), sizes, error.terms.ravel()]
     forces = problem.predict(vector)
     residual = np.where(presses.used, presses.force_N - forces, 0.0)
@@ -189,9 +189,9 @@ def beyond_pads_N(campaign: Campaign, calibration: Calibration, total_N: float, 
     scattered = Noise(noise.white_N, noise.slow_N, noise.slow_time_s, POSITION_MM)
     whiten = make_whitener(presses, scattered, (slope,), (POSITION_MM,))
     columns, white = whiten(pads).reshape(-1, pads.shape[-1]), whiten(residual).ravel()
-    prior = np.diag(np.repeat(np.array(PADS) ** -2.0, len(problem.thicknesses)))
+    prior = np.diag(np.repeat(np.array(PADS) ** -2.0, len(presses.pads)))
     own = np.linalg.solve(columns.T @ columns + prior, columns.T @ white)
-    reach = USUAL * np.repeat(np.array(PADS), len(problem.thicknesses))
+    reach = USUAL * np.repeat(np.array(PADS), len(presses.pads))
     left = residual - pads @ np.clip(own, -reach, reach)
     whiten = make_whitener(presses, scattered)
     steep, white = whiten(slope), whiten(left)

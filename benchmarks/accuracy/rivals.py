@@ -129,8 +129,7 @@ class Prepared:
     def model_of(self, fit: CampaignFit) -> Model:
         """A fit as a model of other pads."""
         law = np.stack(np.split(fit.vector[fit.problem.fixed :], LAW_TERMS))
-        shapes = tuple(shape for shape, _ in fit.problem.presses.pads)
-        return Model(fit.base, fit.active, fit.problem.thicknesses, law, shapes)
+        return Model(fit.base, fit.active, fit.problem.presses.pads, law)
 
     def forces_of(self, model: Model) -> list[NDArray]:
         """Readings at the samples of the new pads. [N]"""
@@ -159,7 +158,7 @@ def prepare(campaign: Campaign, new: Campaign) -> Prepared:
     """Fit the base and see which effects the campaign can show."""
     law = law_of(campaign)
     campaign, presses, _ = within_reach(campaign, make_presses(campaign), law)
-    base = fit_base(presses, law, 1e-3 * material_of(campaign).young_kPa)
+    base = fit_base(presses, law, 1e-3 * material_of(campaign).young_kPa.value)
     usable = [one for one in known_effects() if not (one.unavailable(presses, law) or one.unseen(presses))]
     return Prepared(campaign, new, base, tuple(usable))
 
@@ -276,9 +275,8 @@ def gaussian_process(data: Prepared) -> Finding:
     model = Model(
         fit.problem.base_of(vector),
         (),
-        fit.problem.thicknesses,
+        presses.pads,
         np.stack(np.split(vector[fit.problem.fixed :], LAW_TERMS)),
-        tuple(shape for shape, _ in presses.pads),
     )
     weights = np.linalg.solve(joint, residual - slopes @ moved)
     smooth, (new, _) = process.kernel_.k1, data.new_presses

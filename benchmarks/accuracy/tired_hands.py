@@ -170,7 +170,7 @@ def run_one(number: int, seed: int, folder: Path) -> dict[str, Any]:
         campaign = read_campaign(folder / "a")
         law, every = law_of(campaign), make_presses(campaign)
         _, presses, _ = within_reach(campaign, every, law)
-        fit = fit_base(presses, law, 1e-3 * material_of(campaign).young_kPa)
+        fit = fit_base(presses, law, 1e-3 * material_of(campaign).young_kPa.value)
         base_s, began = time.process_time() - began, time.process_time()
         doubts = doubts_of(campaign, every, fit)
     except InputError as problem:

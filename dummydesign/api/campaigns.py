@@ -131,10 +131,11 @@ def _expected(
     except (InputError, NoAnswerError) as problem:
         message = f"no {what} beside the {'depth' if plan[0].by_depth else 'force'} of each press: {problem}"
         return plan, (), message, [{"code": "no_expected", "message": message}], None
-    known = material.high_kPa > material.low_kPa
-    interval = f" (95 %: {material.low_kPa:.3g} to {material.high_kPa:.3g} kPa)" if known else " (interval not known)"
+    young = material.young_kPa
+    known = young.high > young.low
+    interval = f" (95 %: {young.low:.3g} to {young.high:.3g} kPa)" if known else " (interval not known)"
     arms = "with the resin's relaxation" if material.prony else "without relaxation"
-    words = f"{what} for a modulus of {material.young_kPa:.3g} kPa{interval}, {arms}; in brackets the 95 % interval "
+    words = f"{what} for a modulus of {young.value:.3g} kPa{interval}, {arms}; in brackets the 95 % interval "
     words += "by modulus and force law" if known else "by the force law alone"
     deep = [row.file for row, one in zip(plan, expected) if one.beyond]
     may = [row.file for row, one in zip(plan, expected) if one.may_go_beyond and not one.beyond]
@@ -232,7 +233,7 @@ def _power(
     from dummydesign.loop.planning import plan_power
 
     try:
-        power = plan_power(plan, campaign, 1e-3 * material_of(campaign).young_kPa, seed)
+        power = plan_power(plan, campaign, 1e-3 * material_of(campaign).young_kPa.value, seed)
     except InputError as problem:
         message = f"which effects this plan can detect is not known for this pad and punch: {problem}"
         return None, [{"code": "no_power", "message": message}]

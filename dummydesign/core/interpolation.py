@@ -1,8 +1,9 @@
-"""Interpolation without scipy's heavy module: monotone cubics, straight lines on held grids; runs of samples."""
+"""Interpolation without scipy's heavy module: monotone cubics, straight lines on held grids; runs and groups."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -73,7 +74,7 @@ def _end(near: NDArray, next_: NDArray, slope: NDArray, beyond: NDArray) -> NDAr
 
 
 def locate_on_grid(grid: NDArray, value: NDArray) -> tuple[NDArray, NDArray]:
-    """Where values lie on an increasing grid, held at its ends."""
+    """The point below each value on an increasing grid and the share of the way to the next, held at its ends."""
     count = len(grid)
     position = np.interp(value, grid, np.arange(count))
     low = np.minimum(position.astype(int), count - 2)
@@ -107,3 +108,17 @@ def true_runs(mask: NDArray) -> list[tuple[int, int]]:
     """Half-open ranges in which a mask is true."""
     edges = np.flatnonzero(np.diff(np.r_[0, mask.astype(np.int8), 0]))
     return list(zip(edges[::2].tolist(), edges[1::2].tolist()))
+
+
+Item = TypeVar("Item")
+
+
+def group_near(items: Iterable[Item], size: Callable[[Item], float], factor: float, of: int = -1) -> list[list[Item]]:
+    """Group items by rising size: each lies within a factor of the last (or, ``of`` = 0, the first) of its group."""
+    groups: list[list[Item]] = []
+    for item in sorted(items, key=size):
+        if groups and size(item) < factor * size(groups[-1][of]):
+            groups[-1].append(item)
+        else:
+            groups.append([item])
+    return groups

@@ -277,7 +277,7 @@ class CalibratedFamily:
         texts = np.full(count, OTHER, dtype=object)
         # parameters that a search leaves out, such as a ridge, have their usual values
         usual = dict(designs.shape(0).parameters) if count else {}
-        for text in set(self.correction.calibration.after.shapes) - {""}:
+        for text in {shape for shape, _ in self.correction.calibration.after.pads} - {""}:
             shape = read_shape(text)
             if shape.name == self.plain.kind and count:
                 own = {name: designs.parameters.get(name, np.full(count, usual[name])) for name, _ in shape.parameters}

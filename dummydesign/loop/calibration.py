@@ -108,7 +108,9 @@ _PHASES = {PRE: "before_contact", RISE: "rise", HOLD: "hold", UNLOADING: "unload
 
 @dataclass(frozen=True)
 class Model:
-    """A fitted model: base parameters, effects, and the law error found on each thickness, ``law`` (terms, pads).
+    """A fitted model: base parameters, effects, and the law error ``law`` (terms, pads) found on each of the ``pads``.
+
+    A pad is known by its shape as typed, empty for a slab, and its thickness. [mm]
 
     ``carried`` is the share of a pad's level that goes over to another pad: what is of the law, not of the pad;
     ``reach`` the depth over thickness that was pressed, to which the law error is known.
@@ -116,25 +118,17 @@ class Model:
 
     base: BaseParameters
     active: tuple[Active, ...]
-    thickness_mm: NDArray
+    pads: tuple[tuple[str, float], ...]
     law: NDArray
-    shapes: tuple[str, ...] = ()
     carried: float = 1.0
     reach: float = np.inf
-
-    @property
-    def pads(self) -> tuple[tuple[str, float], ...]:
-        """Shape as typed (empty for a slab) and thickness of each pad. [mm]"""
-        return tuple(zip(self.shapes or ("",) * len(self.thickness_mm), self.thickness_mm.tolist()))
 
     def with_pads_of(self, earlier: Model) -> Model:
         """The model with the law errors of pads that only an earlier one knows."""
         rows = dict(zip(earlier.pads, earlier.law.T)) | dict(zip(self.pads, self.law.T))
-        pads = sorted(rows)
+        pads = tuple(sorted(rows))
         law = np.stack([rows[pad] for pad in pads], axis=1)
-        thickness, shapes = np.array([h for _, h in pads]), tuple(s for s, _ in pads)
-        reach = max(self.reach, earlier.reach)
-        return replace(self, thickness_mm=thickness, law=law, shapes=shapes, reach=reach)
+        return replace(self, pads=pads, law=law, reach=max(self.reach, earlier.reach))
 
     def law_error(self, thickness_mm: NDArray, shapes: Sequence[str] = (), cast: bool = False) -> LawError:
         """Law error of pads (T,): of one's own shape, linear in the logarithm of thickness between the known and
@@ -144,12 +138,12 @@ class Model:
         pad that is newly ``cast``; neither has the waves of the law that the pressed ones were compared with.
         """
         at, wanted = np.log(thickness_mm), np.array(list(shapes) or [""] * len(thickness_mm))
-        own = np.array([shape for shape, _ in self.pads])
+        own, measured = (np.array(column) for column in zip(*self.pads))
         terms = np.zeros((len(self.law), len(at)))
         for shape in set(wanted.tolist()) & set(own.tolist()):
             rows, known = wanted == shape, own == shape
             for term, values in zip(terms, self.law):
-                term[rows] = np.interp(at[rows], np.log(self.thickness_mm[known]), values[known])
+                term[rows] = np.interp(at[rows], np.log(measured[known]), values[known])
         same = np.array([(shape, h) in self.pads for shape, h in zip(wanted.tolist(), thickness_mm.tolist())])
         same &= not cast
         terms[0] *= np.where(same, 1.0, self.carried)
@@ -163,6 +157,7 @@ class Model:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
+        shapes, thickness = (list(column) for column in zip(*self.pads))
         return {
             "base": self.base.to_dict(),
             "effects": [
@@ -171,10 +166,10 @@ class Model:
                 for one in self.active
             ],
             "law_error": {
-                "thickness_mm": self.thickness_mm.tolist(),
+                "thickness_mm": thickness,
                 "level_slope_curve": self.law[:SMOOTH_TERMS].tolist(),
                 **({"waves": self.law[SMOOTH_TERMS:].tolist()} if self.law[SMOOTH_TERMS:].any() else {}),
-                **({"shape": list(self.shapes)} if any(self.shapes) else {}),
+                **({"shape": shapes} if any(shapes) else {}),
                 **({"carried_to_other_pads": self.carried} if self.carried < 1.0 else {}),
                 **({"known_to_depth_over_thickness": self.reach} if np.isfinite(self.reach) else {}),
             },
@@ -260,8 +255,7 @@ def model_of(fit: CampaignFit) -> Model:
     """Take the model out of a fit."""
     presses, law = fit.problem.presses, fit.vector[fit.problem.fixed :].reshape(LAW_TERMS, -1)
     reach = float(np.max(presses.depth_mm / presses.thickness_mm))
-    shapes = tuple(shape for shape, _ in presses.pads)
-    return Model(fit.base, fit.active, fit.problem.thicknesses, law, shapes, carried_share(fit), reach)
+    return Model(fit.base, fit.active, presses.pads, law, carried_share(fit), reach)
 
 
 def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Calibration:
@@ -277,7 +271,7 @@ def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Cali
     }
     material = material_of(result.campaign)
     pad = {
-        "young_kPa_expected": material.young_kPa,
+        "young_kPa_expected": material.young_kPa.value,
         "resin": result.campaign.pad.resin,
         "ratio": result.campaign.pad.ratio,
         "base": result.campaign.pad.base,

@@ -282,15 +282,15 @@ def _learned(entry: _Entry, follows: tuple[str, ...]) -> Learned:
     return Learned(SmoothChange(follows, tuple(tuple(axis) for axis in axes), changes if pair else changes[0]))
 
 
-def _law_error(table: _Entry) -> tuple[np.ndarray, np.ndarray, tuple[str, ...], float, float]:
-    """Thicknesses (h,), of each shape rising; level, slope, curvature and waves (terms, h); shapes, empty for slabs
-    alone; share of a level that goes over to other pads; depth over thickness to which the error was seen."""
+def _law_error(table: _Entry) -> tuple[tuple[tuple[str, float], ...], np.ndarray, float, float]:
+    """Pads, of each shape by rising thickness; level, slope, curvature and waves (terms, pads); share of a level that
+    goes over to other pads; depth over thickness to which the error was seen."""
     thickness = table["thickness_mm"].numbers(0.0, math.inf)
     terms = [row.numbers(-LARGEST_LAW_ERROR, LARGEST_LAW_ERROR) for row in table["level_slope_curve"].items()]
     shapes = tuple(one.text() for one in table["shape"].items()) if "shape" in table.value else ()
     if shapes and len(shapes) != len(thickness):
         raise _Fault(f"{table.at}.shape must hold {len(thickness)} texts")
-    pads = list(zip(shapes or [""] * len(thickness), thickness))
+    pads = tuple(zip(shapes or [""] * len(thickness), thickness))
     if not thickness or min(thickness) <= 0.0 or any(b[0] == a[0] and b[1] <= a[1] for a, b in pairwise(pads)):
         raise table["thickness_mm"].fault("must hold thicknesses above 0 that rise")
     waves = [[0.0] * len(thickness)] * WAVES
@@ -301,4 +301,4 @@ def _law_error(table: _Entry) -> tuple[np.ndarray, np.ndarray, tuple[str, ...], 
             raise _Fault(f"{table.at}.{name} must hold {count} rows of {len(thickness)} numbers")
     carried, reach = table.get("carried_to_other_pads"), table.get("known_to_depth_over_thickness")
     ends = 1.0 if carried is None else carried.number(0.0, 1.0), np.inf if reach is None else reach.positive()
-    return np.array(thickness), np.array(terms + waves), shapes, *ends
+    return pads, np.array(terms + waves), *ends

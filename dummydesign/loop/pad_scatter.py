@@ -45,7 +45,7 @@ def pad_scatter(fit: CampaignFit) -> PadScatter:
     """Own factors of the pads that a fit saw."""
     presses = fit.problem.presses
     stated, known = recorded_ln(presses)
-    left = 100.0 * fit.sizes.level
+    left = 100.0 * fit.sizes.law[0]
     size, explained = left, None
     if known.sum() >= FEWEST:
         size = float(np.hypot(left, 100.0 * np.std(stated[known], ddof=1)))
@@ -67,7 +67,7 @@ def carried_share(fit: CampaignFit) -> float:
     trials, (median, spread) = fit.problem.presses.trials, fit.problem.law.error_priors[0]
     recorded = np.mean([level_error(trial) ** 2 for trial in trials])
     own = np.sqrt(max(median**2 - recorded, 0.0)) * np.exp(NORMAL_95 * spread)
-    return float(min(1.0, (own / fit.sizes.level) ** 2))
+    return float(min(1.0, (own / fit.sizes.law[0]) ** 2))
 
 
 def recorded_ln(presses: Presses) -> tuple[NDArray, NDArray]:

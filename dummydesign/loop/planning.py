@@ -76,7 +76,7 @@ def expected_presses(
     plan: tuple[Planned, ...], campaign: Campaign, material: Material, progress: Progress = quiet
 ) -> tuple[Expected, ...]:
     """Work out depth or steady force of every planned press."""
-    made = (1e-3 * material.young_kPa, campaign.pad.geometry, material.prony)
+    made = (1e-3 * material.young_kPa.value, campaign.pad.geometry, material.prony)
     curves = {h: _curve(pad_of(campaign, h, *made), progress) for h in sorted({row.thickness_mm for row in plan})}
     keys = [(row.thickness_mm, row.velocity_mm_s, row.target, row.hold_s) for row in plan]
     # repeats are expected to reach the same
@@ -137,7 +137,7 @@ def _factors(
     """Ends of the steady force's interval over its value: the modulus' and the law's, joined."""
     moved = motion_on_curve(pad, motion_to(depth_mm), curve)
     law = moved.force_low_N[-1] / moved.steady_force_N, moved.force_high_N[-1] / moved.steady_force_N
-    modulus = material.low_kPa / material.young_kPa, material.high_kPa / material.young_kPa
+    modulus = (end / material.young_kPa.value for end in (material.young_kPa.low, material.young_kPa.high))
     below, above = (math.hypot(math.log(max(a, 1e-3)), math.log(max(b, 1e-3))) for a, b in zip(law, modulus))
     return math.exp(-below), math.exp(above)
 
@@ -299,7 +299,7 @@ def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, 
     trials = planned_trials(plan, law, young_MPa, np.random.default_rng(seed))
     presses = make_presses(replace(campaign, trials=trials))
     problem = CampaignProblem(presses, law, prior=material_of(campaign).prior)
-    usual = NoiseSizes(NOISE, *(prior[0] for prior in law.error_priors))
+    usual = NoiseSizes(NOISE, tuple(median for median, _ in law.error_priors))
     vector = start_vector(problem, young_MPa)
     fit = fit_at(problem, vector, usual)
     projection = project(fit)

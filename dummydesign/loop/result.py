@@ -168,16 +168,13 @@ class Worth:
 def worth_of(result: LoopResult, effect: Effect) -> Worth:
     """What an effect of the corrected model is worth at the largest force that was measured."""
     fit, presses = result.after.fit, result.presses
-    vector = fit.vector.copy()
-    vector[fit.problem.entries[effect.name]] = [p.to_coordinate(p.null) for p in effect.parameters]
     measured = np.where(presses.used, presses.force_N, -np.inf)
     row, column = np.unravel_index(int(np.argmax(measured)), measured.shape)
-    predicted = fit.problem.predict(vector)
-    force, without = float(fit.forces[row, column]), float(predicted[row, column])
-    change = np.where(presses.used, fit.forces - predicted, 0.0)
+    change = fit.problem.change_by(effect, fit.vector, fit.forces)
     most, at = np.unravel_index(int(np.argmax(np.abs(change))), change.shape)
     files = presses.trials[row].file, presses.trials[most].file
-    return Worth(effect.name, force - without, force, files[0], float(change[most, at]), files[1])
+    change_N, force_N = float(change[row, column]), float(fit.forces[row, column])
+    return Worth(effect.name, change_N, force_N, files[0], float(change[most, at]), files[1])
 
 
 def answer_of(result: LoopResult) -> list[str]:

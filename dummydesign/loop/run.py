@@ -143,7 +143,7 @@ def close_loop(
     campaign, presses, beyond = within_reach(declared, every, law)
     material = material_of(campaign)
     with counted(most_iterations) as budget:
-        first = fit_base(presses, law, 1e-3 * material.young_kPa, progress, material.prior)
+        first = fit_base(presses, law, 1e-3 * material.young_kPa.value, progress, material.prior)
         progress("checking the labels of the presses")
         # a label that is wrong is no effect, and would be taken for one
         doubts = doubts_of(declared, every, first)

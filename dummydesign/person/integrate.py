@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.measurement.motion import work_to_deepest_mJ
 from dummydesign.person.people import People
 from dummydesign.person.smoothing import GAP_S, RobotArm, interpolation
 
@@ -55,10 +56,11 @@ class PersonResponse:
 
     @classmethod
     def of_curves(
-        cls, time_s: NDArray, depth: NDArray, force: NDArray, steady: NDArray, energy: NDArray
+        cls, time_s: NDArray, depth: NDArray, force: NDArray, steady: NDArray, energy: NDArray | None = None
     ) -> PersonResponse:
-        """Take peak, depth and held force from curves (p, n)."""
+        """Take peak, depth, held force and the energy, unless it is given, from curves (p, n)."""
         held = held_after(time_s, force)
+        energy = work_to_deepest_mJ(np.maximum(depth, 0.0), force) if energy is None else energy
         return cls(time_s, depth, force, force.max(axis=-1), steady, depth.max(axis=-1), energy, held)
 
     def four(self) -> dict[str, NDArray]:

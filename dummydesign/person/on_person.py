@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.core.serialise import to_plain
 from dummydesign.design.assessment.budget import Budget, Reading, UncertaintyComponent, decide
 from dummydesign.measurement.importing.press_checks import copies_among, doubts_of
+from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.person.drives.drive import RobotDrive, TraceSigns, signs_of
 from dummydesign.person.integrate import FOUR, PersonResponse, held_after
@@ -22,11 +23,7 @@ from dummydesign.person.limits import N_PER_CM2, ContactLoad, LimitRow, UserLimi
 from dummydesign.person.people import People, draw_another, draw_subject
 from dummydesign.person.press import Press, read_press
 from dummydesign.person.validity_range import Beyond, beyond_range
-
-if TYPE_CHECKING:
-    from dummydesign.measurement.sensor import Lowpass
-    from dummydesign.tissue.model.tissue import Tissue
-
+from dummydesign.tissue.model.tissue import Tissue
 
 SEED, OTHERS, OWN = 61, 512, 120
 """Draws of one more person, and of each subject."""
@@ -320,8 +317,7 @@ def budget_of_people(answer: OnPerson) -> Budget | None:
 
 
 def _of_check(press: PersonPress, row: LimitRow, value: float, spread: float) -> Budget:
-    kind = row.name.rpartition(" ")[2]
-    quantity = row.name.rpartition(" ")[0]
+    quantity, _, kind = row.name.rpartition(" ")
     reading = Reading(
         f"{kind} {quantity} on one more person",
         value,

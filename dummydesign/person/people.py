@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +12,8 @@ from numpy.typing import NDArray
 from dummydesign.measurement.motion import Motion
 from dummydesign.tissue.model.maxwell_law import MaxwellLaw, Parameters, law_named, stack
 from dummydesign.tissue.model.posterior import FARTHEST
-from dummydesign.tissue.model.tissue import flatten, subject_parameters
-
-if TYPE_CHECKING:
-    from dummydesign.tissue.model.tissue import Subject, Tissue
+from dummydesign.tissue.model.subject import Subject, flatten, subject_parameters
+from dummydesign.tissue.model.tissue import Tissue
 
 
 @dataclass(frozen=True, eq=False)

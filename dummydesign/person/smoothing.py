@@ -176,17 +176,12 @@ class RobotArm:
     @property
     def period_s(self) -> float:
         """Of the arm alone. [s]"""
-        return period_s(self.stiffness_N_per_mm, self.mass_kg)
+        return float(2.0 * np.pi * np.sqrt(1e-3 * self.mass_kg / max(self.stiffness_N_per_mm, 1e-9)))
 
     @property
     def damping_N_s_per_mm(self) -> float:
         """Force over speed. [N s/mm]"""
         return 2.0 * self.damping_ratio * float(np.sqrt(1e-3 * self.mass_kg * self.stiffness_N_per_mm))
-
-
-def period_s(stiffness_N_per_mm: float, mass_kg: float) -> float:
-    """Period of a mass on a spring. [s]"""
-    return float(2.0 * np.pi * np.sqrt(1e-3 * mass_kg / max(stiffness_N_per_mm, 1e-9)))
 
 
 def still_rings(curve: SmoothCurve, nodes_s: NDArray, until_s: float, period: float) -> bool:
@@ -234,7 +229,7 @@ def smoothed_ringing(
     """
     end = float(nodes_s[-1])
     pad = 1.5 * float(force.max()) / float(x.max())
-    ring = period_s(arm.stiffness_N_per_mm + pad, arm.mass_kg)
+    ring = RobotArm(arm.stiffness_N_per_mm + pad, arm.mass_kg).period_s
     until = stop_s + PERIODS * arm.period_s
     split = end - until > LEAST_MEAN * arm.period_s and end - until > 0.05 * (end - stop_s)
     if not split:
@@ -309,8 +304,7 @@ def slow_mean(time_s: NDArray, values: NDArray, window_s: float) -> tuple[NDArra
 
 def _joined(first: SmoothCurve, second: SmoothCurve) -> SmoothCurve:
     """One curve of two that know nothing of each other."""
-    n, m = first.factor.shape, second.factor.shape
-    factor = np.zeros((n[0] + m[0], n[1] + m[1]))
-    factor[: n[0], : n[1]], factor[n[0] :, n[1] :] = first.factor, second.factor
+    from scipy.linalg import block_diag
+
     coarse = np.r_[first.coarse, False, np.zeros(len(second.coarse), bool)]
-    return SmoothCurve(np.r_[first.value, second.value], factor, first.noise, coarse)
+    return SmoothCurve(np.r_[first.value, second.value], block_diag(first.factor, second.factor), first.noise, coarse)

@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S
 from dummydesign.tissue.comparison import PAPER_N
+from dummydesign.tissue.model.maxwell_law import law_named
 from dummydesign.tissue.model.measured_curves import FORCE_FACTOR, SPEED_FACTOR, common_span
 from dummydesign.tissue.model.subject import PRESSED
+from dummydesign.tissue.model.tissue import Tissue
 
 if TYPE_CHECKING:
     from dummydesign.person.integrate import PersonResponse
-    from dummydesign.tissue.model.tissue import Tissue
 
 STEADY, DEPTH, PEAK = PRESSED
 NEAR = 1.05
@@ -128,8 +129,6 @@ def _forces(tissue: Tissue) -> tuple[float, float]:
 
 def limits_of_subjects(tissue: Tissue) -> tuple[NDArray, NDArray]:
     """Deepest press and strongest peak of each subject, shapes (subjects,). [mm, N]"""
-    from dummydesign.tissue.model.maxwell_law import law_named
-
     law, subjects = law_named(tissue.law), tissue.parameter_sets
     speeds = tissue.velocities_mm_s or (10.0,)
     if tissue.measured:

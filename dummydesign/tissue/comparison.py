@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.interpolation import group_near
 from dummydesign.measurement.importing.press_checks import CODES
 from dummydesign.measurement.motion import DECELERATION_MM_S2
 from dummydesign.measurement.ramp_detection import ramp_of
@@ -19,7 +20,7 @@ from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.fitting.fit import Progress, TissueFit, fit_traces
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, reduce_trace, rounded_velocity
 from dummydesign.tissue.model.maxwell_law import DEFAULT, law_named
-from dummydesign.tissue.model.measured_curves import FORCE_FACTOR, SPEED_FACTOR, group_near, log_steady_curve
+from dummydesign.tissue.model.measured_curves import FORCE_FACTOR, SAME_DEPTH, SPEED_FACTOR, log_steady_curve
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange
 from dummydesign.tissue.model.tissue import Tissue
 
@@ -294,7 +295,7 @@ def compare_traces(
 def steady_curve(reduced: Sequence[ReducedTrace], grid_N: NDArray) -> tuple[NDArray, NDArray]:
     """Steady points (k, 2) of depth and force at the end of the hold, and depths at the forces ``grid_N`` (n,)."""
     points = sorted((trace.ramp.depth_mm, trace.steady_force_N) for trace in reduced)
-    groups = group_near(points, lambda point: point[0])
+    groups = group_near(points, lambda point: point[0], SAME_DEPTH)
     knots = np.array([[np.mean(column) for column in zip(*group)] for group in groups])
     slowest = min(reduced, key=lambda trace: (round(trace.velocity_mm_s, -1), -trace.ramp.depth_mm))
     rise = slowest.end_s <= slowest.ramp.stop_time_s

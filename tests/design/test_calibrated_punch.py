@@ -32,7 +32,7 @@ def calibration(tmp_path):
 
     def written(punch=None):
         base = BaseParameters(YOUNG_MPA, (0.05, 1.2), (0.3, 0.2))
-        model = Model(base, (), np.array([THICKNESS_MM]), np.array([[0.1], [0.0], [0.0]]))
+        model = Model(base, (), (("", THICKNESS_MM),), np.array([[0.1], [0.0], [0.0]]))
         pad = {
             "young_kPa_expected": 30.0,
             "resin": None,

@@ -42,7 +42,7 @@ def reduced(user: str, force) -> Reduced:
     if user == "tissue":
         found = reduce_trace(trace)
         nodes, depth = found.motion.time_s, found.motion.displacement_mm
-        return Reduced(found.start_s, found.end_s, found.samples, found.force_N, nodes, depth, found.average)
+        return Reduced(found.start_s, found.end_s, found.samples, found.force_N, nodes, depth, found.operator)
     if user == "loop":
         found = reduce_trial(trace, None)
         average = found.operator

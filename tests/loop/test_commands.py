@@ -60,4 +60,4 @@ def test_a_campaign_may_name_resin_and_ratio_instead_of_a_modulus(small, tmp_pat
     text = (tmp_path / "campaign.toml").read_text().splitlines()
     text = ['resin = "polyurethane-nagoya"' if line.startswith("young_kPa_nominal") else line for line in text]
     (tmp_path / "campaign.toml").write_text("\n".join(text))
-    assert 5.0 < material_of(read_campaign(tmp_path)).young_kPa < 100.0
+    assert 5.0 < material_of(read_campaign(tmp_path)).young_kPa.value < 100.0

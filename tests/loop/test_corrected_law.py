@@ -30,7 +30,7 @@ def calibration(*active, law=0.0):
     base = BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2))
     terms = np.zeros((3, 2))
     terms[0] = law
-    model = Model(base, tuple(active), np.array([5.0, 20.0]), terms)
+    model = Model(base, tuple(active), (("", 5.0), ("", 20.0)), terms)
     return Calibration(model, model, "effect", {}, 0.03, {"base": "bonded", "young_kPa_expected": 25.0})
 
 

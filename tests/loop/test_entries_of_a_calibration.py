@@ -45,7 +45,7 @@ def whole():
     cover = np.diag([0.01, 0.02, 0.03, 0.04, 0.05, 0.06]) ** 2
     cover[0, 1] = cover[1, 0] = 1e-4
     known = Posterior(names, np.arange(6.0), cover, (0.01, 0.02, 0.03))
-    model = Model(BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2)), active, np.array([5.0, 9.0]),
+    model = Model(BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2)), active, (("", 5.0), ("", 9.0)),
                   np.array([[0.01, 0.02], [0.0, -0.03], [0.04, 0.0]]), carried=0.25)  # fmt: skip
     pad = {
         "young_kPa_expected": 30.0,
@@ -129,6 +129,6 @@ def test_levels_of_shapes_rise_each_on_its_own(tmp_path):
     def shapes(*names):
         return lambda d: d["after"]["law_error"].update(shape=list(names), thickness_mm=[9.0, 5.0])
 
-    assert read_calibration(damaged(tmp_path, shapes("", crown))).after.shapes == ("", crown)
+    assert read_calibration(damaged(tmp_path, shapes("", crown))).after.pads == (("", 9.0), (crown, 5.0))
     with raises_code("malformed", "calibration"):
         read_calibration(damaged(tmp_path, shapes(crown, crown)))

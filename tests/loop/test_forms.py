@@ -33,7 +33,7 @@ def test_a_form_has_its_usual_value_at_coordinate_zero_and_is_never_a_size(one, 
 
 def test_only_forms_and_the_law_error_have_priors():
     effects = (effect_named("friction_hysteresis"),)
-    problem = SimpleNamespace(effects=effects, thicknesses=np.array([5.0, 10.0]), prior=UNDECLARED)
+    problem = SimpleNamespace(effects=effects, presses=SimpleNamespace(pads=(("", 5.0), ("", 10.0))), prior=UNDECLARED)
     forms = [one.spread**-2.0 for one in effect_named("friction_hysteresis").parameters[1:]]
     sizes = SimpleNamespace(law=(0.1, 0.2, 0.5, 0.25))
     expected = [*[0.0] * 6, *forms, 100.0, 100.0, 25.0, 25.0, 4.0, 4.0, *[16.0] * 2 * WAVES]

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
+from dummydesign.core.quantity import Quantity
 from dummydesign.loop import next_measurement as next_module
 from dummydesign.loop import planning
 from dummydesign.loop.calibration import (
@@ -135,15 +136,15 @@ def test_a_prior_of_another_ratio_is_refused_beyond_a_thousandth():
 
 
 def test_pads_of_both_campaigns_are_kept_with_the_newer_law_error():
-    old = Model(BaseParameters(0.03, (0.1, 1.0), (0.3, 0.3)), (), np.array([5.0, 10.0]), np.arange(6.0).reshape(3, 2))
-    new = replace(old, thickness_mm=np.array([10.0, 20.0]), law=-np.arange(6.0).reshape(3, 2)).with_pads_of(old)
+    old = Model(BaseParameters(0.03, (0.1, 1.0), (0.3, 0.3)), (), (("", 5.0), ("", 10.0)), np.arange(6.0).reshape(3, 2))
+    new = replace(old, pads=(("", 10.0), ("", 20.0)), law=-np.arange(6.0).reshape(3, 2)).with_pads_of(old)
     assert new.pads == (("", 5.0), ("", 10.0), ("", 20.0))
     np.testing.assert_array_equal(new.law, [[0.0, 0.0, -1.0], [2.0, -2.0, -3.0], [4.0, -4.0, -5.0]])
 
 
 def test_a_law_error_is_linear_in_the_logarithm_of_thickness_of_its_own_shape():
-    model = Model(BaseParameters(0.03, (0.1, 1.0), (0.3, 0.3)), (), np.array([5.0, 20.0, 8.0]),
-                  np.array([[0.01, 0.03, 0.5], [0.0, 0.1, 0.6], [0.2, 0.0, 0.7]]), ("", "", "crowned"))  # fmt: skip
+    model = Model(BaseParameters(0.03, (0.1, 1.0), (0.3, 0.3)), (), (("", 5.0), ("", 20.0), ("crowned", 8.0)),
+                  np.array([[0.01, 0.03, 0.5], [0.0, 0.1, 0.6], [0.2, 0.0, 0.7]]))  # fmt: skip
     at = np.array([1.0, 5.0, 10.0, 20.0, 90.0])
     error = model.law_error(at)
     np.testing.assert_allclose(error.terms[0], [0.01, 0.01, 0.02, 0.03, 0.03])
@@ -361,7 +362,7 @@ def simple(monkeypatch):
 
     monkeypatch.setattr(planning, "motion_on_curve", moved)
     monkeypatch.setattr(planning, "depth_for_steady_force", depth)
-    material = planning.Material(30.0, 27.0, 36.0, (), "")
+    material = planning.Material(Quantity(30.0, 27.0, 36.0, "fitted", ""), ())
 
     def expect(target, by_depth=False, thickness=10.0):
         row = SimpleNamespace(hold_s=10.0, velocity_mm_s=100.0, target=target, by_depth=by_depth)

@@ -64,7 +64,7 @@ def test_a_learned_pair_survives_its_file_and_damage_is_refused(tmp_path):
     model = Model(
         BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2)),
         (Active(Learned(SEEN), {"size": 1.0}),),
-        np.array([5.0]),
+        (("", 5.0),),
         np.zeros((3, 1)),
     )
     pad = {"young_kPa_expected": 30.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab"}

@@ -134,7 +134,7 @@ def test_a_calibration_with_an_effect_that_is_not_given_says_how_to_give_it(crus
 
     with own_effects([toy]):
         active = (Active(effect_named("crust"), {"skin_mm2": 3.0}),)
-    model = Model(BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2)), active, np.array([5.0]), np.zeros((3, 1)))
+    model = Model(BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2)), active, (("", 5.0),), np.zeros((3, 1)))
     pad = {"young_kPa_expected": 25.0, "ratio": 15.0, "base": "bonded", "shape": "slab"}
     path = write_calibration(Calibration(model, model, "effect", {}, 0.03, pad), tmp_path / "c.json")
     assert "--effect FILE.py" in refused(capsys, "replay", crusted, "--calibration", path)

@@ -32,7 +32,7 @@ def made(level=0.004, young=0.01):
     base = BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2))
     recovery = effect_named("incomplete_recovery")
     found = Active(recovery, {"fraction": 0.02, "tau_s": 100.0, "adding": 0.0})
-    after = Model(base, (found,), np.array([5.0]), np.zeros((3, 1)))
+    after = Model(base, (found,), (("", 5.0),), np.zeros((3, 1)))
     names = (*BASE_NAMES, "incomplete_recovery.fraction", "log incomplete_recovery.tau_s", "incomplete_recovery.adding")
     mean = np.r_[np.log([30.0, 0.05, 0.3, 1.2, 0.2]), 0.02, np.log(100.0), 0.0]
     spread = np.array([young, 0.02, 0.03, 0.02, 0.04, 0.001, 0.2, 0.1])
@@ -125,8 +125,8 @@ def test_the_modulus_is_known_no_better_than_the_number_of_pads_lets_it(campaign
     found = fit_base(presses, law, 0.03)
     known = posterior_of(found)
     # three pads with what is known of pads beforehand: Student's t of some seven degrees
-    assert known.young_spread > 1.1 * found.sizes.level / np.sqrt(len(found.problem.thicknesses))
-    assert known.pads[0] > 1.1 * found.sizes.level
+    assert known.young_spread > 1.1 * found.sizes.law[0] / np.sqrt(len(found.problem.presses.pads))
+    assert known.pads[0] > 1.1 * found.sizes.law[0]
     assert known.new_pad_spread == pytest.approx(np.hypot(known.young_spread, known.pads[0]))
     assert known.mean[0] == pytest.approx(np.log(1e3 * found.base.young_MPa))
     assert np.linalg.eigvalsh(known.covariance)[0] > 0.0

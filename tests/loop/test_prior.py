@@ -99,9 +99,8 @@ def test_pads_of_earlier_campaigns_keep_their_law_error(fits):
     prior = known(fits[0])
     new = replace(
         prior.after,
-        thickness_mm=np.array([20.0, 10.0]),
+        pads=(("", 20.0), ("crowned:radius=20", 10.0)),
         law=np.full((LAW_TERMS, 2), 0.01),
-        shapes=("", "crowned:radius=20"),
     )
     both = new.with_pads_of(prior.after)
     assert both.pads == (("", 15.0), ("", 20.0), ("crowned:radius=20", 10.0))
@@ -181,4 +180,4 @@ def test_three_turns_narrow_the_modulus_and_predict_other_pads_better_than_the_b
     assert max(errors) < 0.9
     low, high = prior.posterior.interval("log young_kPa")
     assert low < truth.young_kPa < high
-    assert [float(h) for h in prior.after.thickness_mm] == [5.0, 15.0, 20.0]
+    assert [h for _, h in prior.after.pads] == [5.0, 15.0, 20.0]

@@ -90,7 +90,7 @@ def test_the_law_of_pucks_knows_what_is_not_known_of_their_heights_and_moduli():
     law = law_of(campaign_of(trials))
     depth, h = np.array([[1.0, 2.0]]), np.array([[9.0]])
     assert law.shape == "cylinder" and np.array_equal(law(depth, h), pucks.LAW(depth, h))
-    assert material_of(campaign_of(trials)).young_kPa == 50.0
+    assert material_of(campaign_of(trials)).young_kPa.value == 50.0
     read = [replace(trial, thickness_sd_mm=0.03 * trial.thickness_mm, young_factor_sd=0.04) for trial in trials]
     level, *rest = law_of(campaign_of(read)).error_priors
     (own, spread), *others = pucks.LAW.error_priors

@@ -64,7 +64,7 @@ def test_lack_of_fit_is_unexplained_however_much_of_it_was_explained(noise_alone
 
 
 def test_a_calibration_keeps_why_it_is_unexplained_and_says_so_where_it_is_used(tmp_path):
-    model = Model(BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2)), (), np.array([5.0]), np.zeros((3, 1)))
+    model = Model(BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2)), (), (("", 5.0),), np.zeros((3, 1)))
     pad = {"young_kPa_expected": 25.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab"}
     said = Calibration(model, model, "unexplained", {}, 0.03, pad, ("left-out conditions are at 5 noise floors",))
     again = read_calibration(write_calibration(said, tmp_path / "c.json"))

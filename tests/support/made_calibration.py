@@ -25,7 +25,7 @@ def calibration(*active, pad=None, shapes=(), level=0.0, verdict="effect", becau
     base = BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2))
     terms = np.zeros((3, 1))
     terms[0] = level
-    plain = Model(base, (), np.array([10.0]), terms, shapes)
+    plain = Model(base, (), (("".join(shapes), 10.0),), terms)
     model = replace(plain, active=tuple(active))
     names, mean = list(NAMES), list(np.log([30.0, 0.05, 0.3, 1.2, 0.2]))
     for one in active:

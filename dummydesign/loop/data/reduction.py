@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.inference.noise import Range, cut, distinct, mean_around, repeatable_hold_edges, white_noise
+from dummydesign.inference.noise import Binning, Range, cut, distinct, mean_around, repeatable_hold_edges, white_noise
 from dummydesign.measurement.ramp_detection import Ramp, ramp_of, ringing_times
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
@@ -34,13 +34,10 @@ PRE, RISE, HOLD, UNLOADING = 0, 1, 2, 3  # phases of a press; a bin's label is 1
 
 
 @dataclass(frozen=True)
-class ReducedPress:
+class ReducedPress(Binning):
     """Bins and nodes of one trial."""
 
     ramp: Ramp
-    start_s: NDArray
-    end_s: NDArray
-    samples: NDArray
     force_N: NDArray
     label: NDArray
     time_s: NDArray
@@ -64,19 +61,17 @@ def reduce_press(trace: Trace, lowpass: Lowpass | None) -> ReducedPress:
     operator = binning.average(trace.time_s, nodes, smooth) @ filtered
     acceleration = np.interp(nodes, trace.time_s, _acceleration(trace.time_s, trace.displacement_mm))
     return ReducedPress(
-        ramp,
-        binning.start_s,
-        binning.end_s,
-        binning.samples.astype(float),
-        binning.mean(trace.force_N),
-        labels[binning.interval],
-        nodes,
-        x,
-        acceleration,
-        filtered,
-        smooth,
-        operator,
-        _white(trace, ramp),
+        **vars(binning),
+        ramp=ramp,
+        force_N=binning.mean(trace.force_N),
+        label=labels[binning.interval],
+        time_s=nodes,
+        displacement_mm=x,
+        acceleration_mm_s2=acceleration,
+        filtered=filtered,
+        smooth_s=smooth,
+        operator=operator,
+        white_N=_white(trace, ramp),
     )
 
 

@@ -159,6 +159,11 @@ class Presses:
         """Whether each trial goes on after the hold, shape (T,)."""
         return ((self.label // 100 == UNLOADING) & self.used).any(axis=1)
 
+    @property
+    def going_back(self) -> NDArray:
+        """Whether the punch is on its way back at each node, shape (T, N)."""
+        return self.time_s > self.hold_end_s[:, None]
+
     @cached_property
     def back_mm_s(self) -> NDArray:
         """Mean speed on the way back (T,), that of the ramp where there is none. [mm/s]"""

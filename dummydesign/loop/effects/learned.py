@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.interpolation import locate_on_grid
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.model.effect import PadEffect, Parameter, UnitForce, Values, wrap
 
@@ -88,7 +89,7 @@ class SmoothChange:
         if len(at) == 1:
             change = np.interp(at[0], self.knots[0], self.values)
         else:
-            (i, right), (j, up) = (place(values, np.array(knots)) for values, knots in zip(at, self.knots))
+            (i, right), (j, up) = (locate_on_grid(np.array(knots), values) for values, knots in zip(at, self.knots))
             table = np.array(self.values)
             low = table[i, j] + right * (table[i + 1, j] - table[i, j])
             high = table[i, j + 1] + right * (table[i + 1, j + 1] - table[i, j + 1])
@@ -103,13 +104,6 @@ def fading(at: NDArray, knots: tuple[float, ...]) -> NDArray:
     low, high = knots[0], knots[-1]
     beyond = np.maximum(np.maximum(low - at, at - high), 0.0) / (FADE * (high - low))
     return np.clip(1.0 - beyond, 0.0, 1.0)
-
-
-def place(at: NDArray, knots: NDArray) -> tuple[NDArray, NDArray]:
-    """The knot below each value and the share of the way to the next, held at the ends."""
-    clipped = np.clip(at, knots[0], knots[-1])
-    low = np.clip(np.searchsorted(knots, clipped, side="right") - 1, 0, len(knots) - 2)
-    return low, (clipped - knots[low]) / (knots[low + 1] - knots[low])
 
 
 class Learned(PadEffect):

@@ -163,12 +163,10 @@ def modest(campaign_fit: CampaignFit) -> CampaignFit:
     Where an effect is missing, both have grown to imitate it; screened at that size, and fitted from there,
     the effect would not be seen.
     """
-    usual = [prior[0] for prior in campaign_fit.problem.law.error_priors]
-    own = campaign_fit.sizes
+    own, priors = campaign_fit.sizes, campaign_fit.problem.law.error_priors
     noise = replace(own.noise, position_mm=min(own.noise.position_mm, USUAL_POSITION_MM))
-    sizes = NoiseSizes(
-        noise, *(min(a, b) for a, b in zip(own.law, usual)), gain=min(own.gain, USUAL_GAIN), most=own.most
-    )
+    law = tuple(min(size, median) for size, (median, _) in zip(own.law, priors))
+    sizes = NoiseSizes(noise, law, min(own.gain, USUAL_GAIN), own.most)
     return fit(campaign_fit.problem, campaign_fit.vector, sizes, 6)
 
 

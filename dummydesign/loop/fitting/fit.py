@@ -85,7 +85,7 @@ def start_vector(problem: CampaignProblem, young_MPa: float) -> NDArray:
     if problem.presses.elastic_only:
         base[2::2] = np.log(1e-3)
     null = [p.to_coordinate(p.null) for effect in problem.effects for p in effect.parameters]
-    return np.r_[base, null, np.zeros(LAW_TERMS * len(problem.thicknesses))]
+    return np.r_[base, null, np.zeros(LAW_TERMS * len(problem.presses.pads))]
 
 
 def prior_precision(problem: CampaignProblem, sizes: NoiseSizes) -> NDArray:
@@ -96,7 +96,7 @@ def prior_precision(problem: CampaignProblem, sizes: NoiseSizes) -> NDArray:
 
 def law_counts(problem: CampaignProblem) -> tuple[int, ...]:
     """How many entries of the vector are levels, slopes, curvatures and waves."""
-    pads = len(problem.thicknesses)
+    pads = len(problem.presses.pads)
     return *[pads] * SMOOTH_TERMS, pads * WAVES
 
 

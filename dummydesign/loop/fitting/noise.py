@@ -7,7 +7,7 @@ are taken out, so that neither model error nor effects that change from trial to
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any
@@ -38,27 +38,19 @@ Priors = tuple[tuple[float, float], ...]
 
 @dataclass(frozen=True)
 class NoiseSizes:
-    """Noise of the bins, the prior sizes of the law's error, the scatter of presses in gain, and the largest scatter in
-    contact [mm] and gain that repeats allow."""
+    """Noise of the bins, the prior sizes of the law's error (level, slope, curvature, waves), the scatter of presses in
+    gain, and the largest scatter in contact [mm] and gain that repeats allow."""
 
     noise: Noise
-    level: float
-    slope: float
-    curve: float
-    wave: float
-    gain: float = field(default=0.0, kw_only=True)
-    most: tuple[float, float] = field(default=MOST, kw_only=True)
+    law: tuple[float, ...]
+    gain: float = 0.0
+    most: tuple[float, float] = MOST
 
     @classmethod
     def first(cls, presses: Presses, law_priors: Priors) -> NoiseSizes:
         """Sizes to start from: white noise as measured, the rest at the middle of the priors."""
         white = float(np.sqrt(np.mean([press.white_N**2 for press in presses.presses])))
-        return cls(Noise(white, 0.6 * white, 1.0, POSITION_PRIOR_MM[0]), *(prior[0] for prior in law_priors))
-
-    @property
-    def law(self) -> tuple[float, ...]:
-        """Prior sizes of the law error's terms."""
-        return self.level, self.slope, self.curve, self.wave
+        return cls(Noise(white, 0.6 * white, 1.0, POSITION_PRIOR_MM[0]), tuple(median for median, _ in law_priors))
 
     @property
     def scatter(self) -> tuple[float, float]:
@@ -72,8 +64,8 @@ class NoiseSizes:
 
     def to_dict(self) -> dict[str, Any]:
         """Return all sizes with units."""
-        law = {"law_level": self.level, "law_slope": self.slope, "law_curve": self.curve, "law_wave": self.wave}
-        return {**self.noise.to_dict(), "gain": self.gain, **law}
+        law = zip(("law_level", "law_slope", "law_curve", "law_wave"), self.law)
+        return {**self.noise.to_dict(), "gain": self.gain, **dict(law)}
 
     @property
     def floor_N(self) -> float:
@@ -278,7 +270,7 @@ class SizeLikelihood:
         likely = likeliest(lambda z: self._score(terms, z, True), begin, low, high, gradient=True)[0]
         position, gain, *law = likely.tolist()
         noise = replace(sizes.noise, position_mm=position)
-        return NoiseSizes(noise, *law, gain=gain, most=self.most), self._score(terms, likely, False)[0]
+        return NoiseSizes(noise, tuple(law), gain, self.most), self._score(terms, likely, False)[0]
 
     def variances(self, sizes: NDArray) -> NDArray:
         """Variances (p,) of the fitted parameters for given sizes, random columns integrated out."""

@@ -47,11 +47,6 @@ class CampaignProblem:
         return replace(self, effects=(*self.effects, *effects))
 
     @property
-    def thicknesses(self) -> NDArray:
-        """Thickness of each pad of the campaign, in the order of ``presses.pads``. [mm]"""
-        return np.array([thickness for _, thickness in self.presses.pads])
-
-    @property
     def base_count(self) -> int:
         """Number of base parameters, with which the vector begins."""
         return len(self.prior.mean)
@@ -120,6 +115,12 @@ class CampaignProblem:
             measured = self.presses.measure(self.nodes(vector, offset_mm))
             self.seen[key] = readings(self.presses, measured, self.active_of(vector))
         return self.seen[key]
+
+    def change_by(self, effect: Effect, vector: NDArray, forces: NDArray) -> NDArray:
+        """What one of the effects changes of the bins with ``forces`` (T, B), the rest of the model as it is. [N]"""
+        without = vector.copy()
+        without[self.entries[effect.name]] = [p.to_coordinate(p.null) for p in effect.parameters]
+        return np.where(self.presses.used, forces - self.predict(without), 0.0)
 
     def at_samples(self, vector: NDArray, offset_mm: NDArray | float = 0.0) -> list[NDArray]:
         """Readings at the raw samples of each trial. [N]"""

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.interpolation import group_near
 from dummydesign.core.progress import Progress, quiet
 from dummydesign.core.quantity import Quantity
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS, PAD_LENGTH_MM, PAD_WIDTH_MM
@@ -165,7 +166,7 @@ def within_reach(
 
 
 ONE_PAD = 0.06
-"""Thicknesses that differ by less than this share of them are on one solved curve, whose change is solved too."""
+"""Thicknesses that differ by at most this share of them are on one solved curve, whose change is solved too."""
 DEPTHS = (0.3, 0.45, MAX_DEPTH_OVER_THICKNESS)
 """Depths over thickness to which pads are solved: the first that covers what was pressed."""
 MARGIN = 1.1
@@ -218,10 +219,10 @@ def _laws(campaign: Campaign, trials: Sequence[Trial], progress: Progress) -> di
     """The laws of the pads of one shape; those that have to be solved, for every group of thicknesses."""
     geometry, cylinder = trials[0].geometry, campaign.pad.shape == "cylinder"
     check_round(geometry)
-    young = 1.0 if campaign.pad.base in BASES or cylinder else 1e-3 * material_of(campaign).young_kPa
+    young = 1.0 if campaign.pad.base in BASES or cylinder else 1e-3 * material_of(campaign).young_kPa.value
     pads = {h: pad_of(campaign, h, young, geometry) for h in sorted({trial.thickness_mm for trial in trials})}
     solved = [h for h, pad in pads.items() if curve_without_solve(pad) is None]
-    groups = _groups(solved)
+    groups = group_near(solved, float, 1.0 + ONE_PAD + 1e-9, of=0)  # the end belongs to it
     laws: dict[tuple[str, float], CampaignPadLaw] = {}
     for number, group in enumerate([*groups, *([h] for h in pads if h not in solved)], 1):
         pad = replace(pads[group[0]], thickness_mm=float(np.mean(group)))
@@ -244,17 +245,6 @@ def _error_of(laws: Sequence[CampaignPadLaw], trials: Sequence[Trial], alpha: Qu
     outline = not all(map(has_square_factor, square))
     usual = ROUND_ERROR if not square and all(isinstance(law.pad, Pad) for law in laws) else SLAB_ERROR
     return error_priors(stated, outline, thickness, any(law.grows for law in laws), usual, bend)
-
-
-def _groups(thickness_mm: list[float]) -> list[list[float]]:
-    """Thicknesses that rise, those that lie near each other together."""
-    groups: list[list[float]] = []
-    for value in thickness_mm:
-        if groups and value <= groups[-1][0] * (1.0 + ONE_PAD):
-            groups[-1].append(value)
-        else:
-            groups.append([value])
-    return groups
 
 
 def pad_of(

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from dummydesign.loop.data.trials import Presses
-    from dummydesign.measurement.campaign import Trial
-    from dummydesign.pad.material.relaxation import PronyTerm
+from dummydesign.loop.data.trials import Presses
+from dummydesign.measurement.campaign import Trial
+from dummydesign.pad.material.relaxation import PronyTerm
 
 HOOKS = ("motion", "pad", "batch", "sensor")
 """Where an effect acts: depth of the punch, law and relaxation of the pad, trials by their pad's history, signal."""

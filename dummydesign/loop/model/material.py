@@ -66,38 +66,33 @@ def widest_bounds(arms: int) -> tuple[NDArray, NDArray]:
 
 @dataclass(frozen=True)
 class Material:
-    """Long-term modulus with its 95 % interval and the relaxation; ``source`` says where they come from. [kPa]
+    """Long-term modulus with its 95 % interval, where there is one, and the relaxation; its source is that of both.
 
     ``arm_spread`` holds the standard deviations of ln tau and ln beta of each arm of ``prony``, which is empty where no
     relaxation is declared. ``alpha`` is the exponent of the elastic law where it is not neo-Hookean.
     """
 
-    young_kPa: float
-    low_kPa: float
-    high_kPa: float
+    young_kPa: Quantity
     prony: tuple[PronyTerm, ...]
-    source: str
     arm_spread: tuple[float, ...] = ()
     alpha: Quantity | None = None
 
     @property
     def prior(self) -> BasePrior:
         """What a fit knows before: a pad differs from another of one batch by :data:`PADS_DIFFER`."""
-        arms = self.prony or USUAL_ARMS
-        mean = BaseParameters(
-            1e-3 * self.young_kPa, tuple(a.tau_s for a in arms), tuple(a.beta for a in arms)
-        ).to_logs()
+        arms, young = self.prony or USUAL_ARMS, self.young_kPa
+        mean = BaseParameters(1e-3 * young.value, tuple(a.tau_s for a in arms), tuple(a.beta for a in arms)).to_logs()
         spread = np.full(len(mean), np.inf)
         if self.prony:
             spread[1:] = np.hypot(self.arm_spread, ARM_TOLERANCE)
-        if self.high_kPa > self.low_kPa:
-            spread[0] = np.hypot(np.log(self.high_kPa / self.low_kPa) / (2.0 * HALF_WIDTH), PADS_DIFFER)
+        if young.high > young.low:
+            spread[0] = np.hypot(np.log(young.high / young.low) / (2.0 * HALF_WIDTH), PADS_DIFFER)
         return BasePrior(mean, spread)
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values."""
-        young = {"value": self.young_kPa, "low": self.low_kPa, "high": self.high_kPa}
-        return {"young_kPa": young, "prony": [term.to_dict() for term in self.prony], "source": self.source}
+        young = {end: getattr(self.young_kPa, end) for end in ("value", "low", "high")}
+        return {"young_kPa": young, "prony": [term.to_dict() for term in self.prony], "source": self.young_kPa.source}
 
 
 def material_of(campaign: Campaign) -> Material:
@@ -107,17 +102,17 @@ def material_of(campaign: Campaign) -> Material:
         if value is None:
             message = "campaign.toml: [pad] needs young_kPa_nominal, or resin and ratio"
             raise InputError(message, "missing", "pad.young_kPa_nominal")
-        return Material(value, value, value, (), "given, no interval known")
+        return Material(Quantity(value, value, value, "assumed", "given, no interval known"), ())
     from dummydesign.resin import load_resin
 
     resin = load_resin(pad.resin)
     resin.check_ratio(pad.ratio)
     prony, spread = resin.prony(pad.ratio), resin.arm_spread(pad.ratio)
-    if value is not None:
-        source = f"given, no interval known; relaxation of {resin.name}"
-        return Material(value, value, value, prony, source, spread, resin.ogden_alpha)
-    modulus = resin.modulus_kPa(pad.ratio)
-    return Material(modulus.value, modulus.low, modulus.high, prony, modulus.source, spread, resin.ogden_alpha)
+    if value is None:
+        young = resin.modulus_kPa(pad.ratio)
+    else:
+        young = Quantity(value, value, value, "assumed", f"given, no interval known; relaxation of {resin.name}")
+    return Material(young, prony, spread, resin.ogden_alpha)
 
 
-UNDECLARED = Material(30.0, 30.0, 30.0, (), "not declared").prior
+UNDECLARED = Material(Quantity(30.0, 30.0, 30.0, "assumed", "not declared"), ()).prior

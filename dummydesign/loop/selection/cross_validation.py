@@ -32,22 +32,16 @@ class Errors:
     heldout_by_trial_N: NDArray
 
 
-def _squares(fit: CampaignFit) -> tuple[NDArray, NDArray, NDArray]:
-    """Per bin: count of raw samples, mean and sum of squares of the raw residual, all (T, B)."""
+def _squares(fit: CampaignFit) -> tuple[NDArray, NDArray]:
+    """Per bin: mean and sum of squares of the raw residual, both (T, B)."""
     presses = fit.problem.presses
     modelled = fit.problem.at_samples(fit.vector)
-    count, mean, total = (np.zeros(presses.used.shape) for _ in range(3))
+    mean, total = (np.zeros(presses.used.shape) for _ in range(2))
     for row, (press, trial, model) in enumerate(zip(presses.presses, presses.trials, modelled)):
-        time = trial.trace.time_s
-        which = np.searchsorted(press.start_s, time, side="right") - 1
-        inside = (which >= 0) & (time < np.r_[press.end_s, 0.0][which])
-        residual = (trial.trace.force_N - model)[inside]
-        size = len(press.start_s)
-        which = which[inside]
-        count[row, :size] = np.bincount(which, minlength=size)
-        mean[row, :size] = np.bincount(which, residual, minlength=size) / np.maximum(count[row, :size], 1)
-        total[row, :size] = np.bincount(which, residual**2, minlength=size)
-    return count, mean, total
+        residual, size = trial.trace.force_N - model, len(press.samples)
+        mean[row, :size] = press.mean(residual)
+        total[row, :size] = np.bincount(press.bin_index, residual[press.inside] ** 2)
+    return mean, total
 
 
 def errors(fit: CampaignFit, cells: NDArray | None = None) -> Errors:
@@ -58,8 +52,8 @@ def errors(fit: CampaignFit, cells: NDArray | None = None) -> Errors:
     presses = fit.problem.presses
     if cells is None:
         cells = presses.cell if np.any(presses.cell != presses.cell[0]) else np.arange(len(presses.cell))
-    count, mean, total = _squares(fit)
-    counted = count.sum(axis=1)
+    mean, total = _squares(fit)
+    counted = presses.samples.sum(axis=1)
     by_trial = np.sqrt(total.sum(axis=1) / counted)
     train = float(np.sqrt(total.sum() / counted.sum()))
     changes = leave_out(fit, cells)
@@ -67,7 +61,7 @@ def errors(fit: CampaignFit, cells: NDArray | None = None) -> Errors:
     for cell, change in changes.items():
         for row in np.nonzero(cells == cell)[0]:
             moved = fit.jacobian[row] @ change
-            square = total[row].sum() + (count[row] * moved * (moved - 2.0 * mean[row])).sum()
+            square = total[row].sum() + (presses.samples[row] * moved * (moved - 2.0 * mean[row])).sum()
             heldout[row] = np.sqrt(max(square, 0.0) / counted[row])
     use = np.isfinite(heldout)
     value = float(np.sqrt((heldout[use] ** 2 * counted[use]).sum() / counted[use].sum())) if use.any() else None
@@ -276,15 +270,13 @@ def effect_intervals(model: AssessedModel, effect: Effect) -> dict[str, Any]:
     """Parameters of one fitted effect of a model with 95 % intervals, widened by its lack of fit."""
     fit, entries = model.fit, model.fit.problem.entries[effect.name]
     intervals = {p.name: interval(fit, model.covariance, at, p.to_value) for p, at in zip(effect.parameters, entries)}
-    size = effect.parameters[0]
-    one = intervals[size.name]
-    # with its null value inside, the interval reaches over all decades
-    one["determined"] = one["determined"] and (effect.held or not one["low"] <= size.null <= one["high"])
+    if holds_null(model, effect):  # the interval reaches over all decades
+        intervals[effect.parameters[0].name]["determined"] = False
     return intervals
 
 
 def holds_null(model: AssessedModel, effect: Effect) -> bool:
     """Whether the interval of an effect's size holds the value at which the effect is absent."""
     size = effect.parameters[0]
-    interval_of_size = effect_intervals(model, effect)[size.name]
-    return bool(interval_of_size["low"] <= size.null <= interval_of_size["high"]) and not effect.held
+    one = interval(model.fit, model.covariance, model.fit.problem.entries[effect.name][0], size.to_value)
+    return bool(one["low"] <= size.null <= one["high"]) and not effect.held

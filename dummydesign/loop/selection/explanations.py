@@ -97,8 +97,8 @@ def usual_sizes(campaign_fit: CampaignFit) -> NoiseSizes:
     slow = float(np.hypot(differ, LAW_SHARE * force.max()))
     took = np.median([trial.trace.time_s[-1] - start for trial, start in zip(presses.trials, presses.contact_s)])
     noise = replace(sizes.noise, slow_N=slow, slow_time_s=CORRELATED * float(took), position_mm=FACES_MM)
-    level, *rest = (prior[0] for prior in campaign_fit.problem.law.error_priors)
-    return NoiseSizes(noise, float(np.hypot(level, differ / np.sqrt(np.mean(force[presses.used] ** 2)))), *rest)
+    level, *rest = (median for median, _ in campaign_fit.problem.law.error_priors)
+    return NoiseSizes(noise, (float(np.hypot(level, differ / np.sqrt(np.mean(force[presses.used] ** 2)))), *rest))
 
 
 def functions_of_depth(campaign_fit: CampaignFit) -> list[NDArray]:
@@ -129,7 +129,7 @@ def explain(context: CampaignFit, available: tuple[Effect, ...], single: bool) -
     can make is in doubt with all others of that kind, whatever their evidence. On several shapes one or two effects
     are compared by their evidence.
     """
-    law = LAW_TERMS * len(context.problem.thicknesses)
+    law = LAW_TERMS * len(context.problem.presses.pads)
     start = np.r_[context.vector[: len(context.vector) - law], np.zeros(law)]
     plain = _scored(fit(context.problem, start, usual_sizes(context), 20))
     projection = project(plain)

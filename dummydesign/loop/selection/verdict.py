@@ -102,10 +102,7 @@ def separate_evidence(fit: CampaignFit, name: str) -> float:
     whiten = fit.whitener
     for one in problem.effects:
         if one.name != name and not one.held:
-            vector = fit.vector.copy()
-            vector[problem.entries[one.name][0]] = one.parameters[0].to_coordinate(one.parameters[0].null)
-            change = np.where(problem.presses.used, fit.forces - problem.predict(vector), 0.0)
-            quiet += IMITATED * whiten(change) ** 2
+            quiet += IMITATED * whiten(problem.change_by(one, fit.vector, fit.forces)) ** 2
     shown = problem.presses.used & (quiet < FORM_ERROR_LIMIT)
     rows, left = fit.whitened_jacobian[shown], whiten(fit.residual)[shown]
     prior = prior_precision(problem, fit.sizes)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +14,9 @@ from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.parsing import QuantitySpec, read_number
 from dummydesign.core.serialise import Serialised
 from dummydesign.person.integrate import FOUR, PersonResponse
+from dummydesign.person.people import People
 from dummydesign.person.press import SHORTEST_HOLD_S, Press
-
-if TYPE_CHECKING:
-    from dummydesign.person.people import People
-    from dummydesign.person.smoothing import RobotArm
-
+from dummydesign.person.smoothing import RobotArm
 
 FASTER = 20.0
 """Factor of the tolerance where only the four numbers of many draws are wanted."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.motion import Motion, work_to_deepest_mJ
+from dummydesign.measurement.motion import Motion
 from dummydesign.measurement.robot_path import RobotPath
 from dummydesign.person.drives.drive import RobotDrive, TraceSigns, not_kept
 from dummydesign.person.integrate import LATE_POINTS, PersonResponse, follow_force, late_mean
@@ -32,8 +32,7 @@ class Position(RobotDrive):
         """Force of the law along the path."""
         time, force = press.time_s, people.force(press.time_s, press.x_mm)
         depth, steady = np.broadcast_to(press.x_mm, force.shape), late_mean(time, force, press.late_from_s)
-        energy = work_to_deepest_mJ(np.maximum(depth, 0.0), force)
-        return PersonResponse.of_curves(time, depth, force, steady, energy)
+        return PersonResponse.of_curves(time, depth, force, steady)
 
 
 class Force(RobotDrive):
@@ -90,7 +89,8 @@ class SteadyDrive(RobotDrive):
         depth = people.law.steady_depth(lambda wanted: path.to(wanted, coarse=True), forces, *parts)
         motion = path.to(depth)
         force = np.maximum(people.law.force(motion, *parts), 0.0)
-        return _response(motion, force, own_late_mean(motion, force, LATE * press.hold_s))
+        steady = own_late_mean(motion, force, LATE * press.hold_s)
+        return PersonResponse.of_curves(motion.time_s, motion.displacement_mm, force, steady)
 
     def on_curves(self, press: Press, people: Sequence[Any]) -> PersonResponse:
         """The presses that were made, between their forces."""
@@ -99,7 +99,7 @@ class SteadyDrive(RobotDrive):
         hold, braking = press_of(press)
         steady = float(np.mean(np.asarray(press.steady_N)))
         motion, force, _ = CURVES.press(people, steady, press.velocity_mm_s, hold, braking)
-        return _response(motion, force, force[..., -1])
+        return PersonResponse.of_curves(motion.time_s, motion.displacement_mm, force, force[..., -1])
 
 
 def press_of(press: Press) -> tuple[float, float]:
@@ -122,8 +122,3 @@ def own_late_mean(motion: Motion, force: NDArray, last_s: float) -> NDArray:
     """Mean force over the last seconds of motions with their own times, shape (p,). [N]"""
     at = motion.time_s[:, -1:] - last_s * np.linspace(1.0, 0.0, LATE_POINTS)
     return np.array([np.interp(*row).mean() for row in zip(at, motion.time_s, force)])
-
-
-def _response(motion: Motion, force: NDArray, steady: NDArray) -> PersonResponse:
-    x = motion.displacement_mm
-    return PersonResponse.of_curves(motion.time_s, x, force, steady, work_to_deepest_mJ(x, force))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,10 @@ from dummydesign.core.serialise import Serialised
 from dummydesign.measurement.importing.press_checks import copies_among
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.measurement.ramp_detection import find_ramp
+from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.adding.observations import HELD_S
+from dummydesign.tissue.fitting.fit import TissueFit, fit_traces, subject_from_fit
 from dummydesign.tissue.fitting.problem import fitted_force
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, reduce_trace, speed_groups
 from dummydesign.tissue.model.laws import CURVES
@@ -24,10 +26,6 @@ from dummydesign.tissue.model.measured_curves import DEPTH_MM, FIRST_HOLD_S, SHA
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE
 from dummydesign.tissue.model.tissue import Subject, Tissue, same_shape, share_a_speed
 from dummydesign.tissue.model.tissue_file import subjects_of
-
-if TYPE_CHECKING:
-    from dummydesign.measurement.sensor import Lowpass
-    from dummydesign.tissue.fitting.fit import TissueFit
 
 AUTO, NONE = "auto", "none"
 """Laws of a tissue: the default one where it follows the people, and their curves."""
@@ -276,8 +274,6 @@ def fit_people(
     read: dict[str, list[Trace]], law: str, elements: str, lowpass: Lowpass | None = None, intervals: bool = True
 ) -> dict[str, TissueFit]:
     """Fit the law to each person's traces, per speed."""
-    from dummydesign.tissue.fitting.fit import fit_traces
-
     options = law, "per-speed", lowpass, intervals
     return {person: fit_traces(traces, int(elements), *options) for person, traces in read.items()}
 
@@ -300,8 +296,6 @@ def copies_of(read: dict[str, list[Trace]]) -> list[dict[str, str]]:
 
 def tissue_of_fits(name: str, fits: dict[str, TissueFit], others: Sequence[Subject] = ()) -> Tissue:
     """Make the tissue of fitted subjects and others, by rising gamma1."""
-    from dummydesign.tissue.fitting.fit import subject_from_fit
-
     subjects = [*others, *(subject_from_fit(who, fit) for who, fit in fits.items())]
     names = [subject.name.lower() for subject in subjects]
     double = next((n for n in names if names.count(n) > 1), None)

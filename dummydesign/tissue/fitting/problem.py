@@ -47,7 +47,7 @@ class Responses:
             curves = np.vstack([drive.elastic[None], *parts])
             if lowpass is not None:
                 curves = lowpass.apply(trace.motion.time_s, curves)
-            binned = curves @ trace.average.T
+            binned = curves @ trace.operator.T
             elastic.append(binned[0])
             arms.append(binned[1:])
         self.elastic = np.concatenate(elastic)

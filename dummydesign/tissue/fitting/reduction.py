@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.inference.noise import cut, distinct, hold_edges, mean_around
+from dummydesign.core.interpolation import group_near
+from dummydesign.inference.noise import Binning, cut, distinct, hold_edges, mean_around
 from dummydesign.measurement.clipping import find_clip
 from dummydesign.measurement.motion import Motion
 from dummydesign.measurement.ramp_detection import Ramp, ramp_of, ringing_times, steady_force
 from dummydesign.measurement.trace import Trace
-from dummydesign.tissue.model.measured_curves import SPEED_FACTOR, group_near
+from dummydesign.tissue.model.measured_curves import SAME_DEPTH, SPEED_FACTOR
 
 RISE_BINS = 20
 FIRST_HOLD_S = 1e-3
@@ -28,20 +29,19 @@ QUIET_SAMPLES = 40
 
 
 @dataclass(frozen=True, eq=False)
-class ReducedTrace:
-    """One press in bins, and the motion at the nodes where a model is evaluated."""
+class ReducedTrace(Binning):
+    """One press in bins, and the motion at the nodes where a model is evaluated.
+
+    ``operator`` (bins, nodes) makes means over the samples of each bin from a curve's values at the nodes.
+    """
 
     trace: Trace
     ramp: Ramp
     velocity_mm_s: float
     steady_force_N: float
-    start_s: NDArray
-    end_s: NDArray
-    samples: NDArray
     force_N: NDArray
     motion: Motion
-    average: NDArray
-    inside: NDArray
+    operator: NDArray
 
     @property
     def hold_s(self) -> float:
@@ -56,7 +56,7 @@ class ReducedTrace:
     @property
     def depth_mm(self) -> NDArray:
         """Mean depth of each bin. [mm]"""
-        return self.average @ self.motion.displacement_mm
+        return self.operator @ self.motion.displacement_mm
 
     @property
     def since_contact(self) -> tuple[NDArray, NDArray]:
@@ -93,17 +93,14 @@ def reduce_trace(trace: Trace) -> ReducedTrace:
     steady, _ = steady_force(time, trace.displacement_mm, force, ramp)
     velocity = trace.commanded_speed_mm_s or ramp.speed.value_mm_s
     return ReducedTrace(
-        trace,
-        ramp,
-        velocity,
-        steady,
-        binning.start_s,
-        binning.end_s,
-        binning.samples,
-        binning.mean(force),
-        motion,
-        binning.average(time, nodes, (settled_s, np.inf)),
-        binning.inside,
+        **vars(binning),
+        trace=trace,
+        ramp=ramp,
+        velocity_mm_s=velocity,
+        steady_force_N=steady,
+        force_N=binning.mean(force),
+        motion=motion,
+        operator=binning.average(time, nodes, (settled_s, np.inf)),
     )
 
 
@@ -188,5 +185,5 @@ def condition_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, float,
     return [
         (speed, float(np.mean([t.ramp.depth_mm for t in part])), part)
         for speed, group in speed_groups(traces)
-        for part in group_near(group, lambda trace: trace.ramp.depth_mm)
+        for part in group_near(group, lambda trace: trace.ramp.depth_mm, SAME_DEPTH)
     ]

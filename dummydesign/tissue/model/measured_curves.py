@@ -8,21 +8,18 @@ belongs to a force (20 %) or a speed (15 %).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.interpolation import group_near
+from dummydesign.measurement.motion import Motion
 from dummydesign.tissue.model.maxwell_law import Parameters
 from dummydesign.tissue.model.people_share import Population, is_share, share_of_aim
-
-if TYPE_CHECKING:
-    from dummydesign.measurement.motion import Motion
-
 
 SHARES: NDArray = 1.0 - (1.0 - np.linspace(0.0, 1.0, 61)) ** 3
 """Shares of its depth at which the rise of a press is kept, finer where a robot brakes."""
@@ -101,25 +98,9 @@ def extrapolate_linearly(at: NDArray, x: NDArray, y: NDArray) -> NDArray:
     return value + np.maximum(at - x[-1], 0.0) * (y[-1] - y[-2]) / (x[-1] - x[-2])
 
 
-Item = TypeVar("Item")
-
-
-def group_near(
-    items: Iterable[Item], size: Callable[[Item], float], factor: float = SAME_DEPTH, of: int = -1
-) -> list[list[Item]]:
-    """Group items by rising size: each lies within a factor of the last (or, ``of`` = 0, the first) of its group."""
-    groups: list[list[Item]] = []
-    for item in sorted(items, key=size):
-        if groups and size(item) < factor * size(groups[-1][of]):
-            groups[-1].append(item)
-        else:
-            groups.append([item])
-    return groups
-
-
 def by_depth(presses: Iterable[HeldPress]) -> list[list[HeldPress]]:
     """Presses by rising depth with repeats together."""
-    return group_near(presses, lambda press: press.depth_mm, of=0)
+    return group_near(presses, lambda press: press.depth_mm, SAME_DEPTH, of=0)
 
 
 def common_span(people: Iterable[Measured], velocity_mm_s: float, hold_s: float) -> tuple[float, float] | None:

@@ -14,9 +14,9 @@ ISO 16269-6:2014 (tables of the factors).
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,10 +25,6 @@ from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.measurement.motion import DECELERATION_MM_S2
 from dummydesign.tissue.model.maxwell_law import SETTLED_S, Parameters, law_named, stack
 from dummydesign.tissue.model.posterior import STEADY_N
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
 
 SAFE_SIDE = "safe-side"
 """Aim at the safe side of all subjects."""

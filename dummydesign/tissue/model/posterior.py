@@ -76,20 +76,12 @@ def read_draws(path: Path) -> tuple[NDArray, NDArray]:
 
 def weighted_quantile(values: NDArray, share: float, weight: NDArray) -> NDArray:
     """Quantile of weighted values along their first axis."""
-    order = np.argsort(values, axis=0)
-    ordered = np.take_along_axis(values, order, 0)
-    cumulated = np.cumsum(weight[order], axis=0)
-    cumulated = (cumulated - 0.5 * weight[order]) / weight.sum()
-    position = np.sum(cumulated < share, axis=0)
-    upper, lower = np.minimum(position, len(values) - 1), np.maximum(position - 1, 0)
-
-    def take(source: NDArray, at: NDArray) -> NDArray:
-        return np.take_along_axis(source, at[None], 0)[0]
-
-    below, above = take(cumulated, lower), take(cumulated, upper)
-    gap = np.where(above > below, above - below, 1.0)
-    part = np.clip((share - below) / gap, 0.0, 1.0)
-    return take(ordered, lower) * (1 - part) + take(ordered, upper) * part
+    found = []
+    for column in values.reshape(len(values), -1).T:
+        order = np.argsort(column)
+        passed = np.cumsum(weight[order]) - 0.5 * weight[order]
+        found.append(np.interp(share * weight.sum(), passed, column[order]))
+    return np.reshape(found, values.shape[1:])
 
 
 def typical_subjects(draws: NDArray, weight: NDArray | None = None) -> NDArray:

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.measurement.motion import DECELERATION_MM_S2, work_to_deepest_mJ
+from dummydesign.measurement.robot_path import RobotPath
+from dummydesign.measurement.sensor import Lowpass
 from dummydesign.tissue.model.maxwell_law import Parameters, law_named, stack
-
-if TYPE_CHECKING:
-    from dummydesign.measurement.robot_path import RobotPath
-    from dummydesign.measurement.sensor import Lowpass
 
 FIRST_HOLD_S = 0.005
 

@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.serialise import to_plain
-from dummydesign.tissue.model import ranges
+from dummydesign.measurement.robot_path import RobotPath
+from dummydesign.measurement.sensor import Lowpass
 from dummydesign.tissue.model.maxwell_law import Parameters, law_named, speed_key
 from dummydesign.tissue.model.measured_curves import MeasuredAim
 from dummydesign.tissue.model.people_share import share_of_aim, share_parameters
 from dummydesign.tissue.model.posterior import DRAWN, drawn_subjects, posterior_subjects
+from dummydesign.tissue.model.ranges import ForceRange, force_range
 from dummydesign.tissue.model.subject import FITTED, Subject, flatten, subject_parameters
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from numpy.typing import ArrayLike, NDArray
-
-    from dummydesign.measurement.robot_path import RobotPath
-    from dummydesign.measurement.sensor import Lowpass
-    from dummydesign.tissue.model.ranges import ForceRange
 
 AIMS = ("average", "safe-side")
 FOLLOWS = 1.1
@@ -215,7 +211,7 @@ class Tissue:
             Measured path, shifted to each subject's depth, instead of a ramp with that braking.
         """
         condition = steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2
-        return ranges.force_range(self.parameter_sets, *condition, lowpass, path)
+        return force_range(self.parameter_sets, *condition, lowpass, path)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the whole tissue with bands, subjects, sources and notes."""

@@ -117,7 +117,7 @@ def test_a_calibration_remembers_the_pad_that_its_modulus_is_of(campaign, tmp_pa
 def test_what_the_records_told_and_what_is_left_add_up_to_the_pads_own_factor(campaign):
     known = with_pad_factors(witnessed(campaign, {5.0: 30.0, 15.0: 33.0, 20.0: 27.0}))
     presses = make_presses(known)
-    fit = SimpleNamespace(problem=SimpleNamespace(presses=presses), sizes=SimpleNamespace(level=0.03))
+    fit = SimpleNamespace(problem=SimpleNamespace(presses=presses), sizes=SimpleNamespace(law=(0.03,)))
     found = pad_scatter(fit)
     told = 100.0 * recorded_spread(presses)
     assert told == pytest.approx(100.0 * np.std(np.log([30.0, 33.0, 27.0]), ddof=1))
@@ -164,13 +164,13 @@ def test_a_level_beyond_what_the_law_can_be_off_is_the_pad_s_and_does_not_go_ove
     median, spread = law.error_priors[0]
     largest = median * np.exp(1.96 * spread)
     for level, share in ((median, 1.0), (0.99 * largest, 1.0), (2.0 * largest, 0.25), (10.0 * largest, 0.01)):
-        fit.sizes = SimpleNamespace(level=level)
+        fit.sizes = SimpleNamespace(law=(level,))
         assert carried_share(fit) == pytest.approx(share, rel=1e-3)
     widened = with_pad_factors(witnessed(campaign, {5.0: 30.0, 15.0: 33.0, 20.0: 27.0}, 0.03))
     fit.problem = SimpleNamespace(presses=make_presses(widened), law=law_of(widened))
-    fit.sizes = SimpleNamespace(level=2.0 * largest)
+    fit.sizes = SimpleNamespace(law=(2.0 * largest,))
     assert carried_share(fit) == pytest.approx(0.25, rel=1e-3), "what a record leaves open is not the law's"
-    model = Model(BASE, (), np.array([5.0, 15.0]), np.array([[0.04, 0.08], [0.1, 0.1], [0.0, 0.0]]), (), 0.25)
+    model = Model(BASE, (), (("", 5.0), ("", 15.0)), np.array([[0.04, 0.08], [0.1, 0.1], [0.0, 0.0]]), 0.25)
     found = model.law_error(np.array([5.0, 15.0, 20.0]))
     np.testing.assert_allclose(found.terms[0], [0.04, 0.08, 0.02])
     np.testing.assert_allclose(found.terms[1], 0.1)

@@ -220,9 +220,7 @@ def test_dry_friction_follows_small_moves_of_the_hold_in_part():
     turned = 2.0 * np.exp(-0.3) - 1.0  # 0.03 mm back
     forward = 1.0 - (1.0 - turned) * np.exp(-0.1)
     np.testing.assert_allclose(dahl(path, 0.1)[0, [2, 4, 5, 6, 8]], [1.0, turned, forward, 1.0, -1.0], atol=6e-3)
-    presses = SimpleNamespace(
-        displacement_mm=path, time_s=np.arange(9.0)[None], hold_end_s=np.array([6.5]), depth_mm=np.array([2.05])
-    )
+    presses = SimpleNamespace(displacement_mm=path, going_back=np.arange(9.0)[None] > 6.5, depth_mm=np.array([2.05]))
     effect, values = acting(FrictionHysteresis, friction_fraction=0.2, turn_mm=0.2 * np.log(2.0), in_hold=0.5)
     found = effect.surface(presses, path, np.full_like(path, 10.0), values)
     np.testing.assert_allclose(found[0, :3], 12.0)

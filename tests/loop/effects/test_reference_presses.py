@@ -148,14 +148,14 @@ def test_an_effect_that_answers_differently_or_spoils_the_base_is_told():
 def test_a_learned_curve_survives_its_file(tmp_path):
     shape = SmoothChange(("depth_share",), ((0.01, 0.1, 0.3),), (0.02, -0.05, 0.04))
     model = Model(BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2)), (Active(Learned(shape), {"size": 1.0}),),
-                  np.array([5.0, 9.0]), np.array([[0.01, 0.02], [0.0, -0.03], [0.04, 0.0]]))  # fmt: skip
+                  (("", 5.0), ("", 9.0)), np.array([[0.01, 0.02], [0.0, -0.03], [0.04, 0.0]]))  # fmt: skip
     pad = {"young_kPa_expected": 30.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab"}
     path = write_calibration(Calibration(model, model, "unexplained", {}, 0.03, pad), tmp_path / "c.json")
     again = read_calibration(path)
     assert again.after.active[0].effect.shape == shape
     np.testing.assert_allclose(again.base.base.to_logs(), model.base.to_logs())
     np.testing.assert_array_equal(again.after.law, np.concatenate([model.law, np.zeros((WAVES, 2))]))
-    np.testing.assert_array_equal(again.after.thickness_mm, model.thickness_mm)
+    assert again.after.pads == model.pads
 
 
 def test_the_reference_of_strain_in_the_relaxation_is_at_the_written_depth():

@@ -115,7 +115,7 @@ def test_relaxation_that_grows_exponentially_is_named_alone_without_a_machine_th
 
 
 def test_a_calibration_that_lacks_a_parameter_is_refused(tmp_path):
-    model = Model(BASE, (Active(EFFECT, {"slope": 2.0, "growth": 0.0}),), np.array([5.0]), np.zeros((3, 1)))
+    model = Model(BASE, (Active(EFFECT, {"slope": 2.0, "growth": 0.0}),), (("", 5.0),), np.zeros((3, 1)))
     pad = {"young_kPa_expected": 25.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab"}
     names = ("log young_kPa", "log tau_1_s", "log beta_1", "log tau_2_s", "log beta_2")
     names = (*names, *(f"strain_dependent_relaxation.{p.name}" for p in EFFECT.parameters))

@@ -132,7 +132,7 @@ def test_the_vector_is_cut_where_it_was_joined():
     effects = effect_named("machine_compliance"), effect_named("contact_offset")
     problem = CampaignProblem(clean_fit().problem.presses, pucks.LAW, effects)
     counts = [len(effect.parameters) for effect in effects]
-    assert problem.fixed == 5 + sum(counts) and problem.thicknesses.tolist() == [8.0, 12.0]
+    assert problem.fixed == 5 + sum(counts) and [h for _, h in problem.presses.pads] == [8.0, 12.0]
     first, second = (problem.entries[effect.name] for effect in effects)
     assert (first.start, first.stop, second.start, second.stop) == (5, 5 + counts[0], 5 + counts[0], problem.fixed)
     vector = np.arange(float(problem.fixed + 2 * LAW_TERMS))
@@ -224,7 +224,7 @@ def test_variances_of_the_base_have_what_shifts_and_law_errors_hide():
     wider = size_likelihood(found).variances(sizes * [1.0, 1.0, 3.0, 1.0, 1.0, 1.0])
     # two pads: the modulus is known to the level over sqrt 2
     gain = wider[0] - variances[0]
-    assert gain == pytest.approx(8.0 * found.sizes.level**2 / 2.0, rel=0.1)
+    assert gain == pytest.approx(8.0 * found.sizes.law[0] ** 2 / 2.0, rel=0.1)
 
 
 def test_covariance_and_chi2_are_those_of_the_linearised_normal_model():
@@ -306,14 +306,12 @@ def test_a_better_model_shows_the_noise_better_and_sizes_are_at_their_best():
         sized.score
         <= size_likelihood(found)._score(size_likelihood(found)._terms(), found.sizes.fitted, False)[0] + 0.01
     )
-    wide = replace(
-        found, sizes=NoiseSizes(replace(found.sizes.noise, position_mm=0.2), 0.1, 0.1, 0.1, 0.009, gain=0.05)
-    )
+    wide = replace(found, sizes=NoiseSizes(replace(found.sizes.noise, position_mm=0.2), (0.1, 0.1, 0.1, 0.009), 0.05))
     kept = modest(wide)
     assert kept.sizes.law == tuple(median for median, _ in pucks.LAW.error_priors)
     assert kept.sizes.scatter == (0.02, 0.002)
     narrow = modest(
-        replace(found, sizes=NoiseSizes(replace(found.sizes.noise, position_mm=0.001), 1e-3, 1e-3, 1e-3, 2e-4))
+        replace(found, sizes=NoiseSizes(replace(found.sizes.noise, position_mm=0.001), (1e-3, 1e-3, 1e-3, 2e-4)))
     )
     assert narrow.sizes.law == (1e-3, 1e-3, 1e-3, 2e-4) and narrow.sizes.noise.position_mm == 0.001
 

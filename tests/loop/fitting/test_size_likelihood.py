@@ -27,7 +27,7 @@ def pressed(levels, rng, presses=4, priors=WIDE):
 
 
 def start(level=0.005):
-    return NoiseSizes(Noise(NOISE, 0.0, 1.0, 0.005), level, 0.005, 0.005, 0.001)
+    return NoiseSizes(Noise(NOISE, 0.0, 1.0, 0.005), (level, 0.005, 0.005, 0.001))
 
 
 @pytest.mark.parametrize("pads", [3, 4, 8])

@@ -76,7 +76,7 @@ def test_the_size_of_waves_is_found(edged):
     sizes = []
     for wave in (0.0, 0.003, 0.006):
         problem, truth = pressed(edged, wave, 3)
-        sizes.append(fit_with_noise(problem, truth, edged.sizes, 3).sizes.wave)
+        sizes.append(fit_with_noise(problem, truth, edged.sizes, 3).sizes.law[-1])
     assert sizes[0] < 0.001 and sizes[1] == pytest.approx(0.003, rel=0.6) and sizes[2] > 1.4 * sizes[1]
 
 
@@ -85,7 +85,7 @@ def test_waves_move_the_edge_less_than_in_a_fit_that_takes_the_law_for_smooth(ed
     plain, better, z = [], [], []
     for seed in range(6):
         problem, truth = pressed(edged, 2.0 * USUAL, seed)
-        smooth = fit(problem, truth, replace(edged.sizes, wave=1e-7), 12)
+        smooth = fit(problem, truth, replace(edged.sizes, law=(*edged.sizes.law[:-1], 1e-7)), 12)
         waved = fit(problem, truth, with_sizes(fit(problem, truth, edged.sizes, 12)).sizes, 12)
         plain.append(smooth.vector[at] - truth[at])
         better.append(waved.vector[at] - truth[at])

@@ -178,7 +178,7 @@ def test_a_remainder_as_large_as_a_solve_is_rough_follows_nothing_and_a_larger_o
 
     def follows(size, rough):
         wave = np.where(presses.used, size * fit.forces * np.sin(2.0 * np.pi * depth / 1.2), 0.0)
-        sizes = replace(fit.sizes, wave=rough)
+        sizes = replace(fit.sizes, law=(*fit.sizes.law[:-1], rough))
         found = dependences(replace(fit, sizes=sizes, residual=wave))
         return next(one.excess for one in found if one.factor == "depth")
 

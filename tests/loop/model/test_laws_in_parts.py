@@ -11,6 +11,7 @@ import pytest
 
 from dummydesign.api.predictions import pad_of_inputs
 from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.interpolation import group_near
 from dummydesign.core.progress import quiet
 from dummydesign.core.quantity import Quantity
 from dummydesign.geometry.punch import ball_profile
@@ -239,7 +240,8 @@ def test_what_is_not_known_of_a_pads_level_is_its_gauge_and_its_modulus():
 
 
 def test_thicknesses_within_six_per_cent_share_a_curve():
-    assert campaign_law._groups([10.0, 10.59, 10.61, 20.0, 21.1]) == [[10.0, 10.59], [10.61], [20.0, 21.1]]
+    near = group_near([10.0, 10.59, 10.61, 20.0, 21.1], float, 1.0 + campaign_law.ONE_PAD, of=0)
+    assert near == [[10.0, 10.59], [10.61], [20.0, 21.1]]
 
 
 def set_up(base="bonded", contact="bonded", side_mm=None):
@@ -385,7 +387,7 @@ def scattered(level, *trials):
     pads = tuple(dict.fromkeys(one.pad for one in trials))
     presses = SimpleNamespace(trials=trials, pads=pads)
     problem = SimpleNamespace(presses=presses, law=puck_law(30.0))
-    return SimpleNamespace(problem=problem, sizes=SimpleNamespace(level=level))
+    return SimpleNamespace(problem=problem, sizes=SimpleNamespace(law=(level,)))
 
 
 def test_a_pads_factor_is_what_its_record_says_of_modulus_and_thickness():

@@ -51,7 +51,7 @@ def test_the_noise_of_specimens_holds_their_scatter_and_four_thousandths_of_the_
     differ = repeat_difference_N(rubbed)
     assert sizes.noise.slow_N == pytest.approx(np.hypot(differ, 0.004 * force.max()))
     mean = np.sqrt(np.mean(force[rubbed.problem.presses.used] ** 2))
-    assert sizes.level == pytest.approx(np.hypot(rubbed.problem.law.error_priors[0][0], differ / mean))
+    assert sizes.law[0] == pytest.approx(np.hypot(rubbed.problem.law.error_priors[0][0], differ / mean))
 
 
 def test_on_one_shape_friction_and_stiffening_stay_in_doubt_whichever_fits_better(rubbed):

@@ -340,12 +340,10 @@ def test_a_press_under_two_names_is_warned_of_over_all_people():
 
 
 def test_subjects_are_ordered_by_their_stiffness_and_no_two_have_one_name(monkeypatch):
-    from dummydesign.tissue.fitting import fit
-
     def subject(name, gamma1):
         return Subject(name, Parameters("ode", gamma1, (0.1,), ((10.0, (1.0,)),)), {})
 
-    monkeypatch.setattr(fit, "subject_from_fit", subject)
+    monkeypatch.setattr(people, "subject_from_fit", subject)
     made = people.tissue_of_fits("hand", {"stiff": 0.3, "soft": 0.1}, [subject("middle", 0.2)])
     assert [one.name for one in made.subjects] == ["soft", "middle", "stiff"] and made.title == "3 subjects"
     assert people.tissue_of_fits("hand", {"one": 0.3}).title == "1 subject"

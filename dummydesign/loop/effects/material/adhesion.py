@@ -40,19 +40,14 @@ class Adhesion(PadEffect):
         return "" if presses.pulls >= WAYS_BACK else "fewer than two presses read tension while unloading"
 
     def floor(self, presses: Presses, floor_N: NDArray, values: Values) -> NDArray:
-        return floor_N - values["pull_off_N"] * _leaves(presses)
+        return floor_N - values["pull_off_N"] * presses.going_back
 
     def surface(self, presses: Presses, depth_mm: NDArray, force_N: NDArray, values: Values) -> NDArray:
         neck = np.exp(-np.maximum(depth_mm, 0.0) / values["neck_mm"])
         held = np.clip(1.0 + depth_mm / values["release_mm"], 0.0, 1.0)
-        pull = values["pull_off_N"] * _leaves(presses)
+        pull = values["pull_off_N"] * presses.going_back
         edge = pull * values["deep"] * np.sqrt(np.maximum(force_N, 0.0) / AT_N)
         return np.maximum(force_N - pull * neck - edge, -pull * held)
-
-
-def _leaves(presses: Presses) -> NDArray:
-    """Whether the punch is on its way back, (T, N)."""
-    return presses.time_s > presses.hold_end_s[:, None]
 
 
 AT_N = 10.0  # force at which the pull at depth is ``deep`` of the largest

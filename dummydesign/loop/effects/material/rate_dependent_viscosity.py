@@ -36,8 +36,8 @@ class RateDependentViscosity(PadEffect):
     def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
         speed = presses.velocity_mm_s[:, None]
         if values["way_back"] and presses.unloads.any():
-            away = presses.time_s > presses.hold_end_s[:, None]
-            speed = speed * np.where(away, (presses.back_mm_s[:, None] / speed) ** values["way_back"], 1.0)
+            faster = (presses.back_mm_s[:, None] / speed) ** values["way_back"]
+            speed = speed * np.where(presses.going_back, faster, 1.0)
         return self.pressed_arms(arms, depth_mm, speed, values)  # whatever the depth
 
     def pressed_arms(

@@ -33,10 +33,9 @@ class FrictionHysteresis(RigEffect):
 
     def surface(self, presses: Presses, depth_mm: NDArray, force_N: NDArray, values: Values) -> NDArray:
         x, turn, share = presses.displacement_mm, values["turn_mm"] / HALVINGS, values["in_hold"]
-        away = presses.time_s > presses.hold_end_s[:, None]
         back = 2.0 * np.exp(-np.maximum(presses.depth_mm[:, None] - x, 0.0) / turn) - 1.0
         held = 1.0 - share * (1.0 - dahl(x, turn)) if share else 1.0
-        return force_N * (1.0 + values["friction_fraction"] * np.where(away, back, held))
+        return force_N * (1.0 + values["friction_fraction"] * np.where(presses.going_back, back, held))
 
 
 HALVINGS = 2.0 * np.log(2.0)  # decays in the way that turns the friction over

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import Quantity, fitted_around
-from dummydesign.design.search.shape_family import Designs, Family
+from dummydesign.design.search.shape_family import ChangedFamily, Designs
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.measurement.campaign import with_edge
@@ -248,14 +248,10 @@ def _differences(calibration: Calibration, resin: Resin, punch: str) -> tuple[di
 
 
 @dataclass(frozen=True)
-class CalibratedFamily:
-    """Shapes of one kind as a calibration corrects them; all but the force is the plain family's."""
+class CalibratedFamily(ChangedFamily):
+    """Shapes of one kind as a calibration corrects their force."""
 
-    plain: Family
     correction: Correction
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.__dict__["plain"], name)
 
     @property
     def notes(self) -> tuple[str, ...]:

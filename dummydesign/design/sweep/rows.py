@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import repeat
 from pathlib import Path
@@ -20,6 +20,7 @@ from dummydesign.design.scoring.press_simulation import (
     DEPTH_SHARE,
     SAMPLES,
     PadBatch,
+    PadRows,
     Sampling,
     SlabCurves,
     make_curves,
@@ -49,7 +50,7 @@ SOLVED_SHARES = DEPTH_SHARE * np.linspace(0.04, 1.0, 16)
 
 
 @dataclass(frozen=True, eq=False)
-class Task:
+class Task(PadRows):
     """Some designs of one punch, condition and base with all that is needed to work them out anywhere."""
 
     fidelity: str
@@ -70,11 +71,6 @@ class Task:
     edge_radius_mm: float = 0.0
     sampling: Sampling = field(default_factory=Sampling)
     gel_compression: float = DEPTH_SHARE
-
-    def take(self, chosen: NDArray) -> Task:
-        """Keep the designs chosen by index or mask."""
-        arrays = {name: getattr(self, name)[chosen] for name in ("thickness_mm", "ratio", "young_MPa", "beta")}
-        return replace(self, **arrays, shape=None if self.shape is None else self.shape[chosen])
 
     @cached_property
     def keys(self) -> tuple[list[str], list[str]]:

@@ -26,7 +26,6 @@ from dummydesign.design.scoring.targets import (
     energies_of,
     is_inferred,
     moved_tissues,
-    press_subjects,
     reason_of,
     with_errors,
 )
@@ -356,10 +355,9 @@ def _outer(press: ComparedPress, speed_mm_s: float, drawn: Sequence[Tissue], law
     trace, braking = press.trace, press.braking_mm_s2
     groups = [one.parameter_sets for one in drawn]
     bands = force_ranges(groups, trace.steady_force_N, speed_mm_s, trace.hold_s, braking)
-    _, displacement, force = press_subjects(bands, law, Sampling(hold_s=trace.hold_s, deceleration_mm_s2=braking))
-    parts = np.split(work_mJ(displacement, force), np.cumsum([len(band.stop_s) for band in bands])[:-1])
+    energies = energies_of(bands, law, Sampling(hold_s=trace.hold_s, deceleration_mm_s2=braking))
     peaks = np.array([(band.peak_low_N, band.peak_high_N) for band in bands])
-    return peaks, np.array([(part.min(), part.max()) for part in parts])
+    return peaks, np.array([(energy.min(), energy.max()) for energy in energies])
 
 
 def shares_of_traces(comparison: Comparison, tissue: Tissue, lowpass: Lowpass | None = None) -> PeopleShares:

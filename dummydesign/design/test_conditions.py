@@ -221,12 +221,7 @@ def check_edge(edge_radius_mm: float, punch: Punch) -> None:
 def standard_press(request: Request) -> bool:
     """Whether punch, edge, face, pad and base are those that the tables and the tissues are made for."""
     test = request.punch, request.edge_radius_mm, request.face, request.base
-    return test == (PUNCH, 0.0, "bonded", "bonded") and standard_pad(request)
-
-
-def standard_pad(request: Request) -> bool:
-    """Whether the pad is 150 x 120 mm."""
-    return tuple(request.pad_mm) == (PAD_LENGTH_MM, PAD_WIDTH_MM)
+    return (*test, *request.pad_mm) == (PUNCH, 0.0, "bonded", "bonded", PAD_LENGTH_MM, PAD_WIDTH_MM)
 
 
 def refused_kinds(request: Request, punch: Punch) -> dict[str, str]:

@@ -10,9 +10,9 @@ import numpy as np
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.serialise import Serialised, to_plain
-from dummydesign.design.assessment.decision import ShapeComparison, low_force
+from dummydesign.design.assessment.decision import Choice, ShapeComparison, low_force
 from dummydesign.design.assessment.pad_castings import PadCastings, PourYield, Shares
-from dummydesign.design.problem import recipe_and_batch
+from dummydesign.design.problem import Problem, recipe_and_batch
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import GROUPS
 from dummydesign.design.scoring.targets import Targets, shares_below
@@ -24,9 +24,7 @@ from dummydesign.mold.moulded_pads import mould_command
 if TYPE_CHECKING:
     from dummydesign.design.assessment.budget import Budget
     from dummydesign.design.assessment.curves import CurveMatch
-    from dummydesign.design.assessment.decision import Choice
     from dummydesign.design.crown_array import Sites
-    from dummydesign.design.problem import Problem
     from dummydesign.design.search.slabs import DesignCandidate, ScoreMap
     from dummydesign.geometry.punch import Punch
     from dummydesign.pad.force_law import ForceLaw

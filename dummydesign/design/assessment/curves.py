@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 
 from dummydesign.core.serialise import Serialised
 from dummydesign.measurement.rating import Rating, rate
-from dummydesign.tissue.model.ranges import STEADY_TOLERANCE
+from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange
 
 if TYPE_CHECKING:
     from dummydesign.design.scoring.score import Evaluation
     from dummydesign.design.scoring.targets import Targets
-    from dummydesign.tissue.model.ranges import ForceRange
 
 # Even samples of a curve that is rated, and the end of the rated time over the aim's time from contact to stop.
 RATED, RATED_RISES = 400, 2.0

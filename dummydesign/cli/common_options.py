@@ -124,7 +124,7 @@ def named_by(command: str, argument: str) -> Callable[[argparse.Namespace], str]
 Options = Mapping[str, Mapping[str, Any]]
 """Options and arguments by what is typed, each with what argparse takes of it."""
 ONE_OF = "one of"
-"""In the place of an option: several of which one is needed."""
+"""In the place of an option: alternatives, one is needed."""
 ACTIONS = ("remove", "rename", "path")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,18 +34,15 @@ from dummydesign.design.test_conditions import check_edge, check_numbers, tissue
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.interface import CONDITIONS, Interface
 from dummydesign.geometry.punch import read_punch
+from dummydesign.measurement.campaign import Campaign
 from dummydesign.measurement.motion import work_mJ, work_to_deepest_mJ
+from dummydesign.measurement.sensor import Lowpass
 from dummydesign.tissue.comparison import ComparedPress, Comparison, PressTest, compare_traces, hold_of, missing_of
 from dummydesign.tissue.fitting.reduction import ReducedTrace
 from dummydesign.tissue.model.maxwell_law import law_named
 from dummydesign.tissue.model.people_share import Population
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, force_range, force_ranges
-
-if TYPE_CHECKING:
-    from dummydesign.measurement.campaign import Campaign
-    from dummydesign.measurement.sensor import Lowpass
-    from dummydesign.tissue.model.tissue import Tissue
-
+from dummydesign.tissue.model.tissue import Tissue
 
 Numbers = float | str | Iterable[float | str]
 

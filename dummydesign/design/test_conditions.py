@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import inf, isfinite, pi, sqrt
-from typing import TYPE_CHECKING
 
 from numpy.typing import NDArray
 
@@ -24,9 +23,7 @@ from dummydesign.pad.tables.slab import load_table, slab_table
 from dummydesign.pad.tables.square import punch_law
 from dummydesign.tissue.model.measured_curves import FORCE_FACTOR
 from dummydesign.tissue.model.subject import PRESSED
-
-if TYPE_CHECKING:
-    from dummydesign.tissue.model.tissue import Tissue
+from dummydesign.tissue.model.tissue import Tissue
 
 
 def tabulated(thickness_mm: NDArray, request: Request, punch: Punch) -> NDArray:

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,10 +31,7 @@ from dummydesign.tissue.model.people_share import (
 from dummydesign.tissue.model.posterior import DRAWN, FARTHEST
 from dummydesign.tissue.model.ranges import ForceRange, force_ranges
 from dummydesign.tissue.model.subject import Subject, flatten, nest
-
-if TYPE_CHECKING:
-    from dummydesign.tissue.model.tissue import Tissue
-
+from dummydesign.tissue.model.tissue import Tissue
 
 # Half-widths of bands are never taken below 15 %: a single subject has no band, but distances from it need
 # a scale on which a slab's unavoidable misfit still distinguishes better from worse.

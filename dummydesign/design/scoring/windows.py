@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,12 +23,10 @@ from dummydesign.design.scoring.press_simulation import (
     take_rows,
 )
 from dummydesign.design.scoring.score import press_all
+from dummydesign.design.scoring.settings import VerdictLimits
+from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import Deviations, Ranges, Readings, deviations, ranges_of
-
-if TYPE_CHECKING:
-    from dummydesign.design.scoring.settings import VerdictLimits
-    from dummydesign.design.scoring.targets import Targets
-    from dummydesign.resin.model.resin import Draws
+from dummydesign.resin.model.resin import Draws
 
 # Moduli of each batch that are pressed, even in ln E about the pad's own, how far, and steady forces that are compared.
 NODES, REACH, STEADY = 12, 0.9, 9

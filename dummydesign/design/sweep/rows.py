@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import repeat
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ from dummydesign.design.scoring.press_simulation import (
     steady_depth,
 )
 from dummydesign.design.scoring.settings import verdict_limits, weights_of
+from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.shape_family import Designs, load_family, under_square
 from dummydesign.design.sweep.spec import Key, Study, why_not_cast
 from dummydesign.geometry.punch import punch_sides_mm
@@ -36,10 +37,6 @@ from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.tables.slab import load_table, slab_table
 from dummydesign.pad.tables.square import punch_law
-
-if TYPE_CHECKING:
-    from dummydesign.design.scoring.targets import Targets
-
 
 # Steady force at which peak over steady is given, that of the paper's force-time figures. [N]
 PEAK_FORCE_N = 10.0

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result, question
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import SYSTEMS, one_of
-from dummydesign.core.progress import quiet
+from dummydesign.core.progress import quiet, write_progress
 
 if TYPE_CHECKING:
     from dummydesign.loop.planning import Expected
@@ -112,8 +112,6 @@ def _expected(
 ) -> tuple[tuple[Planned, ...], tuple[Expected, ...], str, list[dict[str, str]], dict[str, Any] | None]:
     """The plan at speeds that are reached; depth or force of each press, what the sheet says of it, warnings, and the
     material: nothing without a law."""
-    from dummydesign.core.errors import NoAnswerError
-    from dummydesign.core.progress import write_progress
     from dummydesign.loop.model.material import material_of
     from dummydesign.loop.planning import at_reached_speed, expected_presses
     from dummydesign.measurement.motion import DECELERATION_MM_S2

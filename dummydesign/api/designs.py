@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 from dummydesign.api.answers import Answer, Rows, answer_folder, question
 from dummydesign.core.blas_threads import one_blas_thread
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.core.files import FilePath
+from dummydesign.core.files import FilePath, write_text
 from dummydesign.core.progress import quiet
+from dummydesign.core.serialise import json_text
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -261,8 +262,6 @@ def _written(suggestion: Suggestion, result: dict[str, Any], output: Output, pic
 
 def _write_answer(output: Output, result: dict[str, Any], suggestion: Suggestion) -> Path:
     """Keep the answer with its steady curve; files are named from the folder, so that it can be moved."""
-    from dummydesign.core.files import write_text
-    from dummydesign.core.serialise import json_text
     from dummydesign.design.plot_data import force_grids
     from dummydesign.design.request import ANSWER
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from dummydesign.api.answers import Predicted
 from dummydesign.core import parsing
 from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.core.files import FilePath
+from dummydesign.core.files import FilePath, write_text
 from dummydesign.core.parsing import one_of, parts_of, read_allowed, read_number, read_numbers, twin_of
 
 if TYPE_CHECKING:
@@ -555,8 +555,6 @@ def _write(
     path: str, columns: tuple[str, ...], result: dict[str, Any], rate_Hz: float | None, units: str
 ) -> dict[str, str]:
     """Write the curve, or one file a press that is in reach; return them by role."""
-    from dummydesign.core.files import write_text
-
     if "presses" not in result:
         curves, names = [result], [""]
     else:

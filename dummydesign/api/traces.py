@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import nullcontext
 from dataclasses import replace as replace_fields
+from math import pi
 from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import DELAY, DELAYS_S, RATE, RATES_HZ, read_allowed
 from dummydesign.core.quantity import NAGOYA_CITATION
+from dummydesign.core.serialise import to_plain
 
 if TYPE_CHECKING:
     from dummydesign.core.manifest import Question
@@ -200,7 +202,6 @@ def compare(
     InputError
         For names or files that cannot be used.
     """
-    from dummydesign.core.serialise import to_plain
     from dummydesign.design.measured_pad import (
         budget_of_traces,
         curves_of_traces,
@@ -431,8 +432,6 @@ def import_traces(
 
 def _settings(profile: str | None, given: dict[str, Any]) -> Settings:
     """What the caller and the profile settle together; the caller wins."""
-    from dataclasses import replace
-
     from dummydesign.measurement.importing.decisions import Settings
     from dummydesign.measurement.importing.read import load_profile
 
@@ -440,7 +439,7 @@ def _settings(profile: str | None, given: dict[str, Any]) -> Settings:
     for key in ("columns", "units"):
         if key in given:
             given[key] = {**getattr(base, key), **given[key]}
-    return replace(base, **given)
+    return replace_fields(base, **given)
 
 
 GUARD_BAND = "JCGM 106:2012, The role of measurement uncertainty in conformity assessment"
@@ -499,9 +498,6 @@ def on_person(
     InputError
         For names, files, presses or numbers that cannot be used.
     """
-    import math
-
-    from dummydesign.core.serialise import to_plain
     from dummydesign.geometry.punch import equal_area_radius_mm
     from dummydesign.measurement.sensor import parse_lowpass
     from dummydesign.person.drives import read_drive
@@ -511,7 +507,7 @@ def on_person(
     from dummydesign.tissue.model.tissue_file import load_tissue
 
     moved, rate_hz = read_drive(drive), read_allowed(rate, RATE, *RATES_HZ)
-    area = math.pi * equal_area_radius_mm(punch) ** 2
+    area = pi * equal_area_radius_mm(punch) ** 2
     site, passed = load_tissue(tissue), parse_lowpass(lowpass)
     allowed = None if limits is None else read_limits(fspath(limits))
     names, read = _read(traces)

@@ -15,6 +15,7 @@ import sys
 import tomllib
 from collections import Counter
 from collections.abc import Sequence
+from contextvars import copy_context
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -243,15 +244,13 @@ def _overview() -> str:
 
 def run(arguments: list[str]) -> int:
     """Run one command line and return its exit status (0 done, 1 no acceptable answer, 2 bad input)."""
-    kept, line = loudness.set(""), COMMAND_LINE.set(tuple(arguments))
-    try:
-        return _run(arguments)
-    finally:
-        COMMAND_LINE.reset(line)
-        loudness.reset(kept)
+    # in a context of its own: how loud it is and what was typed end with the command
+    return copy_context().run(_run, arguments)
 
 
 def _run(arguments: list[str]) -> int:
+    loudness.set("")
+    COMMAND_LINE.set(tuple(arguments))
     if not arguments or arguments[0] in ("-h", "--help", "help"):
         print(_overview())
         return 0

@@ -5,24 +5,27 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import exp, log
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import Quantity, fitted_around
-from dummydesign.design.search.shape_family import Designs, Family
+from dummydesign.design.search.shape_family import ChangedFamily, Designs
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.loop.calibration import Calibration
+from dummydesign.loop.calibration_file import read_calibration
+from dummydesign.loop.corrected_law import CorrectedLaw, Correction, DesignedForce
+from dummydesign.loop.fitting.fit import NORMAL_95
+from dummydesign.loop.model.effect import Arm, Effect
+from dummydesign.loop.model.forward_model import relax
 from dummydesign.measurement.campaign import with_edge
 from dummydesign.pad.material.relaxation import PressedForce
 from dummydesign.resin.model.resin import Point, RelaxationGivenModulus, Resin, ResinArm
-
-if TYPE_CHECKING:
-    from dummydesign.loop.calibration import Calibration
-    from dummydesign.loop.corrected_law import CorrectedLaw, Correction
-
+from dummydesign.resin.model.resin_file import load_resin
+from dummydesign.resin.update import update_resin
 
 BETA_SPREAD = 0.1
 """Half width of the 95 % interval of ln strength of calibrations that carry none: assumed."""
@@ -79,11 +82,6 @@ def with_calibration(
     of a pad that was not pressed, which has a factor of its own. The force law carries the effects that belong to
     the pad; what belongs to the rig or the sensor does not change a design.
     """
-    from dummydesign.loop.calibration_file import read_calibration
-    from dummydesign.loop.corrected_law import CorrectedLaw, Correction
-    from dummydesign.loop.fitting.fit import NORMAL_95
-    from dummydesign.resin.update import update_resin
-
     calibration = read_calibration(path)
     ratio, pressed = _ratio(calibration, path), calibration.pad.get("resin")
     _check_family(calibration, resin, path)
@@ -141,9 +139,6 @@ def with_calibration(
 
 def pressed_force(calibration: Calibration) -> PressedForce | None:
     """The force of presses that are designed, where effects change the arms with depth or speed; else None."""
-    from dummydesign.loop.model.effect import Arm, Effect
-    from dummydesign.loop.model.forward_model import relax
-
     acting = [one for one in calibration.design_effects() if type(one.effect).pressed_arms is not Effect.pressed_arms]
 
     def force(
@@ -179,8 +174,6 @@ def _ratio(calibration: Calibration, path: str) -> float:
 
 def _check_family(calibration: Calibration, resin: Resin, path: str) -> None:
     """Refuse a campaign of other liquids: its ratio means something else."""
-    from dummydesign.resin.model.resin_file import load_resin
-
     pressed = calibration.pad.get("resin")
     if pressed in (None, resin.name):
         return
@@ -248,14 +241,10 @@ def _differences(calibration: Calibration, resin: Resin, punch: str) -> tuple[di
 
 
 @dataclass(frozen=True)
-class CalibratedFamily:
-    """Shapes of one kind as a calibration corrects them; all but the force is the plain family's."""
+class CalibratedFamily(ChangedFamily):
+    """Shapes of one kind as a calibration corrects their force."""
 
-    plain: Family
     correction: Correction
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.__dict__["plain"], name)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -264,8 +253,6 @@ class CalibratedFamily:
 
     def area_mm2(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
         """Force over modulus; see :class:`~dummydesign.design.search.shape_family.Family`. [mm2]"""
-        from dummydesign.loop.corrected_law import DesignedForce
-
         depth, thickness = np.atleast_2d(np.asarray(depth_mm, float)), designs.thickness_mm[:, None]
         limit = self.plain.limit_mm(designs, radius_mm)[:, None]
         law = DesignedForce(lambda at_mm, _: self.plain.area_mm2(designs, at_mm, radius_mm), radius_mm)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,6 @@ from dummydesign.design.scoring.targets import (
     energies_of,
     is_inferred,
     moved_tissues,
-    press_subjects,
     reason_of,
     with_errors,
 )
@@ -35,18 +34,15 @@ from dummydesign.design.test_conditions import check_edge, check_numbers, tissue
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.interface import CONDITIONS, Interface
 from dummydesign.geometry.punch import read_punch
+from dummydesign.measurement.campaign import Campaign
 from dummydesign.measurement.motion import work_mJ, work_to_deepest_mJ
+from dummydesign.measurement.sensor import Lowpass
 from dummydesign.tissue.comparison import ComparedPress, Comparison, PressTest, compare_traces, hold_of, missing_of
 from dummydesign.tissue.fitting.reduction import ReducedTrace
 from dummydesign.tissue.model.maxwell_law import law_named
 from dummydesign.tissue.model.people_share import Population
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, force_range, force_ranges
-
-if TYPE_CHECKING:
-    from dummydesign.measurement.campaign import Campaign
-    from dummydesign.measurement.sensor import Lowpass
-    from dummydesign.tissue.model.tissue import Tissue
-
+from dummydesign.tissue.model.tissue import Tissue
 
 Numbers = float | str | Iterable[float | str]
 
@@ -356,10 +352,9 @@ def _outer(press: ComparedPress, speed_mm_s: float, drawn: Sequence[Tissue], law
     trace, braking = press.trace, press.braking_mm_s2
     groups = [one.parameter_sets for one in drawn]
     bands = force_ranges(groups, trace.steady_force_N, speed_mm_s, trace.hold_s, braking)
-    _, displacement, force = press_subjects(bands, law, Sampling(hold_s=trace.hold_s, deceleration_mm_s2=braking))
-    parts = np.split(work_mJ(displacement, force), np.cumsum([len(band.stop_s) for band in bands])[:-1])
+    energies = energies_of(bands, law, Sampling(hold_s=trace.hold_s, deceleration_mm_s2=braking))
     peaks = np.array([(band.peak_low_N, band.peak_high_N) for band in bands])
-    return peaks, np.array([(part.min(), part.max()) for part in parts])
+    return peaks, np.array([(energy.min(), energy.max()) for energy in energies])
 
 
 def shares_of_traces(comparison: Comparison, tissue: Tissue, lowpass: Lowpass | None = None) -> PeopleShares:

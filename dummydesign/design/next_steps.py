@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,14 +16,12 @@ from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.design.problem import recipe_of_pour
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.verdict import OUT_OF_REACH, OUTCOMES, PEAK, deviations, ranges_of
+from dummydesign.design.suggestion import Suggestion
 from dummydesign.design.test_conditions import beyond_people
+from dummydesign.mold.pour.bill_of_materials import MouldCost, mould_cost
 from dummydesign.mold.pour.plan import WITNESS_MM
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from dummydesign.design.suggestion import Suggestion
-    from dummydesign.mold.pour.bill_of_materials import MouldCost
+from dummydesign.mold.puck.plan import ring_cost
+from dummydesign.mold.puck.protocol import BATCH, SPEEDS_MM_S, command, trace_names
 
 TYPED_AGAIN = (
     "aim",
@@ -160,9 +159,6 @@ def _typed_condition(inputs: Mapping[str, Any]) -> str | None:
 
 def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     """Cast and press a puck of the batch, then choose the ratio for the same mould."""
-    from dummydesign.mold.puck.plan import ring_cost
-    from dummydesign.mold.puck.protocol import BATCH, SPEEDS_MM_S, command, trace_names
-
     ratio = answer.best.ratio
     diameter, height = (f"{value:g}" for value in WITNESS_MM)
     size = f"{diameter}x{height}"
@@ -203,8 +199,6 @@ def paths_of(answer: Suggestion) -> list[PadPath]:
 
     Of a batch that was measured it is the pad alone.
     """
-    from dummydesign.mold.puck.plan import ring_cost
-
     pad, poured, after = _mould(answer), answer.shares.as_poured.usable, answer.shares.after_puck.usable
     ring, wait = ring_cost(*WITNESS_MM, resin=answer.request.resin, ratio=answer.best.ratio), _curing_h(answer)
     kept = answer.request.mould is not None
@@ -228,8 +222,6 @@ def _path(name: str, printing_h: float | None, calendar_h: float, grams: dict[st
 
 def _mould(answer: Suggestion) -> MouldCost:
     """What the mould of the recommended pad and one casting take."""
-    from dummydesign.mold.pour.bill_of_materials import mould_cost
-
     return mould_cost(answer.problem.mould(answer.best))
 
 

@@ -13,14 +13,20 @@ from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.assessment.pad_castings import PadCastings, limits_that_bind, verdict_of_design
 from dummydesign.design.scoring.castings import COUNT, RESIN, Castings, Pours, Tolerances
 from dummydesign.design.scoring.crowns import finite_strain_of
-from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, Sampling, SlabCurves, make_curves
+from dummydesign.design.scoring.press_simulation import SAMPLES, PadBatch, Sampling, SlabCurves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import Targets, make_targets
 from dummydesign.design.scoring.verdict import Verdict, deviations, good_share, ranges_of, shares_of, verdict
 from dummydesign.design.scoring.windows import readings_along
 from dummydesign.design.search.shape_family import Family, FamilyLaw, load_family
-from dummydesign.design.search.shape_search import ShapedDesign, fitted_candidates, outlook_for, search_shapes
-from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, make_slabs
+from dummydesign.design.search.shape_search import (
+    ShapedDesign,
+    candidate_of,
+    fitted_candidates,
+    outlook_for,
+    search_shapes,
+)
+from dummydesign.design.search.slabs import DesignCandidate, SearchSpace
 from dummydesign.design.test_conditions import beyond_people, refused_kinds, why_solved
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
@@ -127,10 +133,7 @@ def law_of_shape(
 
 def one_pad(law: ForceLaw, space: SearchSpace, thickness_mm: float, ratio: float) -> EvaluatedPad:
     """Press one pad as the search presses its best ones, and judge it."""
-    curves = make_curves(law, np.array([thickness_mm]), space.radius_mm, space.targets.limits.gel_compression)
-    slabs = make_slabs(curves, np.array([0]), space.resin, np.array([ratio]))
-    evaluation = evaluate(slabs, space.targets, space.sampling, exact=True)
-    candidate = DesignCandidate(thickness_mm, ratio, 0, evaluation)
+    candidate = candidate_of(law, thickness_mm, ratio, space)
     bound = limits_that_bind(candidate, space.thickness_mm, space.ratio)
     judged = verdict(ranges_of(space.targets), candidate.readings, None, bound, limits=space.targets.limits)
     return EvaluatedPad(candidate, law, judged)

@@ -8,7 +8,7 @@ beside a shaped pad, so that peak and position of the pressure can be compared.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,17 +16,15 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.design.request import Protocol
 from dummydesign.design.scoring.press_simulation import PadBatch, make_curves, press_to_depth, steady_depth
+from dummydesign.design.scoring.targets import Targets
+from dummydesign.design.search.slabs import DesignCandidate
+from dummydesign.design.suggestion import Suggestion
 from dummydesign.design.test_conditions import pad_of_request
 from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.force_law import ForceLaw
-
-if TYPE_CHECKING:
-    from dummydesign.design.scoring.targets import Targets
-    from dummydesign.design.search.slabs import DesignCandidate
-    from dummydesign.design.suggestion import Suggestion
-    from dummydesign.pad.pad_under_punch import Pad
+from dummydesign.pad.pad_under_punch import Pad
 
 
 def ratio_error(answer: Suggestion) -> float:

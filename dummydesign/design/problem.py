@@ -19,7 +19,7 @@ from dummydesign.design.scoring.settings import PadMaking, crown_making, pad_mak
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search.shape_family import Family, under_square, with_elastic_law
 from dummydesign.design.search.shape_search import kinds_of
-from dummydesign.design.search.slabs import Correct, SearchSpace, thickness_steps
+from dummydesign.design.search.slabs import Correct, DesignCandidate, SearchSpace, thickness_steps
 from dummydesign.design.test_conditions import (
     check_calibrated,
     check_test,
@@ -34,6 +34,7 @@ from dummydesign.geometry.punch import Punch, read_punch
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.mold.model.preset import Preset, mould_spec, read_preset
 from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.plan import batches_of, least_film_mm, pour_plan
 from dummydesign.pad.force_law import ForceLaw, ScaledLaw
 from dummydesign.pad.tables.elastic_law import elastic_factor
 
@@ -41,7 +42,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dummydesign.design.calibrated import Calibrated
-    from dummydesign.design.search.slabs import DesignCandidate
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -220,8 +220,6 @@ def _tolerances(
 
 def _least_film_mm(request: Request, preset: Preset, resin: Resin, thickness_mm: float, ratios: NDArray) -> float:
     """Thinnest gel that levels itself within the pot life, over the ratios. [mm]"""
-    from dummydesign.mold.pour.plan import least_film_mm
-
     ends = (float(ratios[0]), float(ratios[-1]))
     return max(least_film_mm(_mould(request, preset, resin, Slab(), thickness_mm, one)) for one in ends)
 
@@ -253,7 +251,5 @@ def recipe_of_pour(pour: dict[str, Any]) -> dict[str, Any]:
 
 def recipe_and_batch(spec: MouldSpec) -> tuple[dict[str, Any], dict[str, Any]]:
     """Masses to weigh for a mould, both pours of a layered pad, and what to mix and how much of it to pour. [g]"""
-    from dummydesign.mold.pour.plan import batches_of, pour_plan
-
     plan = pour_plan(spec)
     return recipe_of_pour(plan.to_dict()), batches_of(spec, plan)

@@ -34,6 +34,7 @@ from dummydesign.design.test_conditions import own_warnings, pad_of_request, ref
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shapes.slab import Slab
+from dummydesign.pad.pad_under_punch import Pad
 from dummydesign.pad.tables.square import circle_of
 
 if TYPE_CHECKING:
@@ -42,7 +43,6 @@ if TYPE_CHECKING:
     from dummydesign.design.crown_array import Sites
     from dummydesign.design.search.fe_candidates import ElementsLaw
     from dummydesign.pad.axisymmetric.shaped_problem import Touch
-    from dummydesign.pad.pad_under_punch import Pad
 
 CALIBRATED = "designed with a calibration: the correction is based on the campaign, the table on finite elements"
 
@@ -136,8 +136,6 @@ def centring_tolerance(
     touch: Touch | None = None,
 ) -> CentringTolerance | None:
     """Solve the contact of a round crowned pad; None for flat tops, shapes that are not round, or a failed solve."""
-    from dummydesign.pad.pad_under_punch import Pad
-
     if shape.flat_top or not shape.axisymmetric:
         return None
     slabs = best.alone

@@ -4,35 +4,30 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.serialise import Serialised, to_plain
-from dummydesign.design.assessment.decision import ShapeComparison, low_force
+from dummydesign.design.assessment.budget import Budget
+from dummydesign.design.assessment.curves import CurveMatch
+from dummydesign.design.assessment.decision import Choice, ShapeComparison, low_force
 from dummydesign.design.assessment.pad_castings import PadCastings, PourYield, Shares
-from dummydesign.design.problem import recipe_and_batch
+from dummydesign.design.crown_array import Sites
+from dummydesign.design.problem import Problem, recipe_and_batch
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import GROUPS
 from dummydesign.design.scoring.targets import Targets, shares_below
 from dummydesign.design.scoring.verdict import TOLERANCE, Verdict
+from dummydesign.design.search.slabs import DesignCandidate, ScoreMap
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.punch import Punch
 from dummydesign.mold.moulded_pads import mould_command
-
-if TYPE_CHECKING:
-    from dummydesign.design.assessment.budget import Budget
-    from dummydesign.design.assessment.curves import CurveMatch
-    from dummydesign.design.assessment.decision import Choice
-    from dummydesign.design.crown_array import Sites
-    from dummydesign.design.problem import Problem
-    from dummydesign.design.search.slabs import DesignCandidate, ScoreMap
-    from dummydesign.geometry.punch import Punch
-    from dummydesign.pad.force_law import ForceLaw
-    from dummydesign.resin.model.resin import Resin
-    from dummydesign.tissue.model.tissue import Tissue
-
+from dummydesign.pad.force_law import ForceLaw
+from dummydesign.resin.model.resin import Resin
+from dummydesign.tissue.model.tissue import Tissue
 
 # Forces below the lowest of the test at which depths are listed, over that force.
 LOW_SHARES = (0.1, 0.2, 0.4, 0.6, 0.8, 1.0)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import inf, isfinite, pi, sqrt
-from typing import TYPE_CHECKING
 
 from numpy.typing import NDArray
 
@@ -24,9 +23,7 @@ from dummydesign.pad.tables.slab import load_table, slab_table
 from dummydesign.pad.tables.square import punch_law
 from dummydesign.tissue.model.measured_curves import FORCE_FACTOR
 from dummydesign.tissue.model.subject import PRESSED
-
-if TYPE_CHECKING:
-    from dummydesign.tissue.model.tissue import Tissue
+from dummydesign.tissue.model.tissue import Tissue
 
 
 def tabulated(thickness_mm: NDArray, request: Request, punch: Punch) -> NDArray:
@@ -221,12 +218,7 @@ def check_edge(edge_radius_mm: float, punch: Punch) -> None:
 def standard_press(request: Request) -> bool:
     """Whether punch, edge, face, pad and base are those that the tables and the tissues are made for."""
     test = request.punch, request.edge_radius_mm, request.face, request.base
-    return test == (PUNCH, 0.0, "bonded", "bonded") and standard_pad(request)
-
-
-def standard_pad(request: Request) -> bool:
-    """Whether the pad is 150 x 120 mm."""
-    return tuple(request.pad_mm) == (PAD_LENGTH_MM, PAD_WIDTH_MM)
+    return (*test, *request.pad_mm) == (PUNCH, 0.0, "bonded", "bonded", PAD_LENGTH_MM, PAD_WIDTH_MM)
 
 
 def refused_kinds(request: Request, punch: Punch) -> dict[str, str]:

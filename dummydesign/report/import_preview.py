@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from dummydesign.core.files import write_text
 from dummydesign.core.tables import Table
+from dummydesign.measurement.importing.read import Imported, ImportedPress
 from dummydesign.report.page import STYLES, Section, page
 from dummydesign.report.plot import Plot, Series
-
-if TYPE_CHECKING:
-    from dummydesign.measurement.importing.read import Imported, ImportedPress
 
 MOST_PRESSES = 120
 """Presses that are drawn; more stand in the tables only."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from dummydesign.design.plot_data import (
     relative_force,
 )
 from dummydesign.design.request import base_words
+from dummydesign.design.suggestion import Suggestion
 from dummydesign.design.test_conditions import KNOWN_FORCE_N, pressed_N
 from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_view, view_script
@@ -30,9 +31,6 @@ from dummydesign.report.page import STYLES, Section, solid_section, write_report
 from dummydesign.report.plot import Plot, Series, press_plot, steady_plot
 from dummydesign.report.sections import budget_section, curves_section
 from dummydesign.report.suggest_sections import pressed_section
-
-if TYPE_CHECKING:
-    from dummydesign.design.suggestion import Suggestion
 
 
 def relative_force_plot(answer: Suggestion) -> Plot:

@@ -10,7 +10,6 @@ from typing import Any
 
 from dummydesign.core.tables import Table
 from dummydesign.design.request import base_words
-from dummydesign.report.sections import curves_text
 from dummydesign.tissue.model.people_share import is_strict
 
 MOST_NOTES = 4
@@ -205,11 +204,6 @@ def people_lines(people: dict[str, Any]) -> list[str]:
     ]
 
 
-def curves_line(result: dict[str, Any]) -> str:
-    """Share of the time among people, and the largest miss."""
-    return curves_text(result["curves"], result["verdict"]["subjects"])
-
-
 def correction_lines(result: dict[str, Any]) -> list[str]:
     """By what readings are multiplied: at central estimates, for 95 % of castings, and after one puck of each batch."""
     factors, puck = result["verdict"]["correction"], result["shares"]["after_puck"]
@@ -264,12 +258,6 @@ def castings_lines(result: dict[str, Any]) -> list[str]:
             f"{young['low']:.3g} to {young['high']:.3g} kPa (95 %)"
         )
     return lines
-
-
-def other_mould_text(result: dict[str, Any]) -> str:
-    """What another mould would be worth, where one was kept."""
-    other = result["other_mould"]
-    return "" if other is None else str(other["text"])
 
 
 def _percent(share: float) -> str:

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from dummydesign.core.tables import Table
 from dummydesign.design.plot_data import ABOVE_MM, PressedPad, PressPictures
+from dummydesign.design.suggestion import Suggestion
 from dummydesign.report.front_page import full_sentence
 from dummydesign.report.page import Section
 from dummydesign.report.plot import Plot, Series
-
-if TYPE_CHECKING:
-    from dummydesign.design.suggestion import Suggestion
-
 
 TITLE = "Inside the pressed pad"
 STRIP = 0.78

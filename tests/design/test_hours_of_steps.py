@@ -14,7 +14,6 @@ from dummydesign.design import next_steps as module
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.mold.puck import plan
 from tests.support.judged_pads import pad, ranges
 
 WAIT, RING, MOULD = 24.0, 1.5, 8.0
@@ -28,7 +27,7 @@ def _known_hours(monkeypatch):
     monkeypatch.setattr(module, "_curing_h", lambda answer: WAIT)
     monkeypatch.setattr(module, "_search_again", lambda inputs, batch: "dummydesign suggest")
     monkeypatch.setattr(module, "beyond_people", lambda forces, tissue: 1.0)
-    monkeypatch.setattr(plan, "ring_cost", lambda *given, **named: ring)
+    monkeypatch.setattr(module, "ring_cost", lambda *given, **named: ring)
 
 
 def answer(level, poured=0.875, mould=None, measured=False, known=0.25, need_none=(0.25, 0.25)):

@@ -16,11 +16,6 @@ from dummydesign.core.errors import InputError, NoAnswerError
 CALL, RECORD = "moulds.make_mould", "moulds.record_pad"
 
 
-def add_record_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the measured values."""
-    add_options(parser, RECORD)
-
-
 def run_record(options: argparse.Namespace) -> dict[str, Any]:
     """Judge and keep the record."""
     weighed = None if options.weighed_g is None else _weighed(options.weighed_g)
@@ -101,7 +96,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of contracts: thickness, size, shape, preset, resin, ratio, output folder; and ``record``."""
     actions = parser.add_subparsers(dest="action", metavar="[record]", help="without 'record' a mould is made")
     words = "store what was poured and list the limits that the pad misses"
-    add_record_arguments(actions.add_parser("record", help=words))
+    add_options(actions.add_parser("record", help=words), RECORD)
     add_options(parser, CALL)
 
 

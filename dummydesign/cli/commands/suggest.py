@@ -256,6 +256,7 @@ def _in_range(result: dict[str, Any]) -> list[str]:
 def render(result: dict[str, Any]) -> str:
     """Lay the answer out on one screen."""
     from dummydesign.report import suggest_facts as facts
+    from dummydesign.report.sections import curves_text
 
     best = result["recommendation"]
     resin = f"{best['resin']}, ratio {best['ratio']:g} ({facts.ratio_meaning(best)}), {facts.modulus_text(best)}"
@@ -273,9 +274,9 @@ def render(result: dict[str, Any]) -> str:
     more = f"--details: scores, other shapes, parameters, castings, {len(result['warnings'])} notes"
     tail = [
         labelled("PEOPLE", facts.people_text(result["people"]), 2),
-        labelled("CURVES", facts.curves_line(result), 2),
+        labelled("CURVES", curves_text(result["curves"], result["verdict"]["subjects"]), 2),
         labelled("SHARES", "\n".join(facts.castings_lines(result))),
-        labelled("MOULD", facts.other_mould_text(result)),
+        labelled("MOULD", result["other_mould"]["text"] if result["other_mould"] else ""),
         labelled("CORRECT", "\n".join(facts.correction_lines(result))),
         labelled("WHY", facts.why_text(result), 3),
         labelled("RISK", facts.risk_text(result)),

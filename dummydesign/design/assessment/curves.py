@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.serialise import Serialised
+from dummydesign.design.scoring.score import Evaluation
+from dummydesign.design.scoring.targets import Targets
 from dummydesign.measurement.rating import Rating, rate
-from dummydesign.tissue.model.ranges import STEADY_TOLERANCE
-
-if TYPE_CHECKING:
-    from dummydesign.design.scoring.score import Evaluation
-    from dummydesign.design.scoring.targets import Targets
-    from dummydesign.tissue.model.ranges import ForceRange
+from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange
 
 # Even samples of a curve that is rated, and the end of the rated time over the aim's time from contact to stop.
 RATED, RATED_RISES = 400, 2.0

@@ -120,20 +120,14 @@ def _of_speeds(space: SearchSpace, tissue: Tissue) -> Warnings:
     """Speeds that are designed for and at which no subject was measured."""
     notes = [] if tissue.notice is None else [tissue.notice]
     asked = sorted({condition.velocity_mm_s for condition in space.targets.conditions})
+    near = 1.15 if tissue.measured else 1.5
+    far = [v for v in asked if all(max(v / known, known / v) > near for known in tissue.velocities_mm_s)]
+    there, known = (" and ".join(f"{v:g}" for v in speeds) for speeds in (far, tissue.velocities_mm_s))
+    text = f"{tissue.name} is known at {known} mm/s only: what it does at {there} mm/s is extrapolated by its dampers"
     if tissue.measured:
-        between = [v for v in asked if all(max(v / known, known / v) > 1.15 for known in tissue.velocities_mm_s)]
-        if between:
-            there = " and ".join(f"{v:g}" for v in between)
-            text = f"nobody was pressed at {there} mm/s: what {tissue.name} does there lies between its curves"
-            notes.append(("speed_not_in_band", f"{text}, not a measurement"))
-        return notes
-    if not law_named(tissue.law).fitted:
-        return notes
-    far = [v for v in asked if all(max(v / known, known / v) > 1.5 for known in tissue.velocities_mm_s)]
-    if far:
-        there, known = (" and ".join(f"{v:g}" for v in speeds) for speeds in (far, tissue.velocities_mm_s))
-        text = f"{tissue.name} is known at {known} mm/s only: what it does at {there} mm/s is extrapolated by its"
-        notes.append(("speed_not_in_band", f"{text} dampers, not a measurement"))
+        text = f"nobody was pressed at {there} mm/s: what {tissue.name} does there lies between its curves"
+    if far and (tissue.measured or law_named(tissue.law).fitted):
+        notes.append(("speed_not_in_band", f"{text}, not a measurement"))
     return notes
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.quantity import HALF_WIDTH
-from dummydesign.design.scoring.press_simulation import PadBatch, SlabCurves, make_curves, parabolic_work_mJ
+from dummydesign.design.scoring.press_simulation import PadBatch, PadRows, SlabCurves, make_curves, parabolic_work_mJ
 from dummydesign.design.scoring.score import press_all
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import Readings
@@ -24,15 +24,11 @@ HEIGHTS, RADII = 9, 3
 
 
 @dataclass(frozen=True, eq=False)
-class Crowns:
+class Crowns(PadRows):
     """Crowns of n pads: height over the flat less the designed one [mm], tip radius over the designed one; (n,)."""
 
     higher_mm: NDArray
     blunter: NDArray
-
-    def take(self, rows: slice) -> Crowns:
-        """Some of them."""
-        return Crowns(self.higher_mm[rows], self.blunter[rows])
 
 
 class CrownedLaw(Protocol):

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,8 +24,28 @@ SAMPLES = 481
 AT_ONCE = 600
 
 
+def take_rows(batch: Any, chosen: NDArray | slice) -> Any:
+    """A frozen dataclass with some of the rows of its arrays, by themselves or by name; all else stays."""
+    kept: dict[str, Any] = {}
+    for one in fields(batch):
+        value = getattr(batch, one.name)
+        if isinstance(value, np.ndarray):
+            kept[one.name] = value[chosen]
+        elif isinstance(value, Mapping):
+            kept[one.name] = {name: column[chosen] for name, column in value.items()}
+    return replace(batch, **kept)
+
+
+class PadRows:
+    """A frozen dataclass whose arrays have a row a pad."""
+
+    def take(self, chosen: NDArray | slice) -> Self:
+        """Keep the pads chosen by index, mask or slice."""
+        return take_rows(self, chosen)
+
+
 @dataclass(frozen=True, eq=False)
-class SimulatedPress:
+class SimulatedPress(PadRows):
     """Presses of D designs at one condition: arrays (D, n) over time, NaN where out of reach.
 
     Sample ``stopped`` is the stop of each, and from there on all have the same times.
@@ -36,12 +57,6 @@ class SimulatedPress:
     depth_mm: NDArray
     displacement_mm: NDArray
     stopped: int
-
-    def press(self, number: int) -> SimulatedPress:
-        """One of the presses, as a batch of its own."""
-        row = slice(number, number + 1)
-        time_s, displacement_mm, depth_mm = self.time_s[row], self.displacement_mm[row], self.depth_mm[row]
-        return SimulatedPress(time_s, self.force_N[row], self.stop_s[row], depth_mm, displacement_mm, self.stopped)
 
     @cached_property
     def peak_N(self) -> NDArray:
@@ -102,16 +117,12 @@ def parabolic_work_mJ(displacement_mm: NDArray, force_N: NDArray) -> NDArray:
 
 
 @dataclass(frozen=True, eq=False)
-class SlabCurves:
+class SlabCurves(PadRows):
     """Elastic force per unit modulus of T slabs on even depth grids."""
 
     thickness_mm: NDArray
     limit_mm: NDArray
     area_mm2: NDArray
-
-    def take(self, chosen: NDArray) -> SlabCurves:
-        """Keep the slabs chosen by index, one row for each."""
-        return SlabCurves(self.thickness_mm[chosen], self.limit_mm[chosen], self.area_mm2[chosen])
 
     @property
     def step_mm(self) -> NDArray:
@@ -227,7 +238,7 @@ COARSE = Sampling(16, 8, 20)
 
 
 @dataclass(frozen=True, eq=False)
-class PadBatch:
+class PadBatch(PadRows):
     """D designs: which slab (index into curves), modulus and relaxation of each.
 
     ``young_MPa`` has shape (D,), ``tau_s`` (arms,), ``beta`` (D, arms), relative to the long-term modulus;
@@ -240,10 +251,6 @@ class PadBatch:
     tau_s: tuple[float, ...]
     beta: NDArray
     pressed_force: PressedForce | None = None
-
-    def take(self, chosen: NDArray) -> PadBatch:
-        """Keep the designs chosen by index or mask."""
-        return replace(self, slab=self.slab[chosen], young_MPa=self.young_MPa[chosen], beta=self.beta[chosen])
 
     @property
     def thickness_mm(self) -> NDArray:
@@ -301,13 +308,17 @@ def steady_depth(
     elastic = forces / slabs.young_MPa[:, None]
     depth = slabs.curves.depth_at(slabs.slab, elastic)
     if np.exp(-sampling.hold_s / max(slabs.tau_s, default=1e-9)) > 1e-12:
-        left = _left_by_press if exact else _left_by_formula
         rows, some, settled = np.arange(len(depth)), slabs, np.zeros(depth.shape, bool)
         for _ in range(8):
             before = depth[rows]
             # depths that are out of reach are tried at the limit: the rest there may bring them in
             tried = np.where(np.isfinite(before), before, some.curves.limit_mm[some.slab][:, None])
-            new = some.curves.depth_at(some.slab, elastic[rows] / left(some, tried, speeds, sampling))
+            left = (
+                _left_by_press(some, tried, speeds, sampling)
+                if exact
+                else rest_after_hold(some.beta, some.tau_s, tried, speeds, sampling)
+            )
+            new = some.curves.depth_at(some.slab, elastic[rows] / left)
             # a depth that has settled stays, so that no design depends on which others are worked out with it
             depth[rows] = np.where(settled, before, new)
             settled |= np.abs(np.nan_to_num(new / tried, nan=1.0) - 1.0) < 1e-6
@@ -318,15 +329,11 @@ def steady_depth(
     return depth if np.ndim(steady_force_N) else depth[:, 0]
 
 
-def _left_by_formula(slabs: PadBatch, depth_mm: NDArray, velocities_mm_s: NDArray, sampling: Sampling) -> NDArray:
-    """Force at the end of the hold over the relaxed force for rises at constant rates (n,), shape (D, n)."""
-    return rest_after_hold(slabs.beta, slabs.tau_s, depth_mm, velocities_mm_s, sampling)
-
-
 def rest_after_hold(
     beta: NDArray, tau_s: Sequence[float], depth_mm: NDArray, velocities_mm_s: NDArray, sampling: Sampling
 ) -> NDArray:
-    """The same for strengths (D, arms) and depths (D, n) or (D, 1)."""
+    """Force at the end of the hold over the relaxed force, shape (D, n), for rises at constant rates (n,) of arms of
+    strengths (D, arms) to depths (D, n) or (D, 1)."""
     share = np.ones(np.broadcast_shapes(depth_mm.shape, np.shape(velocities_mm_s)))
     for arm, tau in enumerate(tau_s):
         kept = np.exp(-sampling.hold_s / tau)

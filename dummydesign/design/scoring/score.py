@@ -15,6 +15,7 @@ from dummydesign.design.scoring.press_simulation import (
     SimulatedPress,
     press_to_depth,
     steady_depth,
+    take_rows,
 )
 from dummydesign.design.scoring.settings import Weights
 from dummydesign.design.scoring.targets import Targets
@@ -55,8 +56,7 @@ class Evaluation:
 
     def take(self, chosen: NDArray) -> Evaluation:
         """Keep the designs chosen by index or mask (without their presses)."""
-        arrays = {name: value[chosen] for name, value in vars(self).items() if isinstance(value, np.ndarray)}
-        return replace(self, slabs=self.slabs.take(chosen), presses=(), **arrays)
+        return replace(take_rows(self, chosen), slabs=self.slabs.take(chosen), presses=())
 
     @property
     def feasible(self) -> NDArray:
@@ -128,7 +128,7 @@ def press_all(
     # of one design all conditions at once: the recursion costs by its steps, not by its presses
     count = len(pressed)
     every = press_to_depth(slabs.take(np.zeros(count, int)), depth[0], pressed[:, 1], sampling)
-    return reached, tuple(every.press(number) for number in range(count))
+    return reached, tuple(every.take(slice(number, number + 1)) for number in range(count))
 
 
 def _inside_exact(press: SimulatedPress, band: ForceRange) -> NDArray:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +18,7 @@ from dummydesign.design.request import NAGOYA_PROTOCOL, Protocol
 from dummydesign.design.scoring.press_simulation import Sampling
 from dummydesign.design.scoring.settings import VerdictLimits, Weights, verdict_limits, weights_of
 from dummydesign.measurement.motion import work_mJ
-from dummydesign.tissue.model.maxwell_law import SETTLED_S, law_named
+from dummydesign.tissue.model.maxwell_law import SETTLED_S, Parameters, law_named
 from dummydesign.tissue.model.people_share import (
     CONFIDENCE,
     LARGE_FACTOR,
@@ -30,15 +29,9 @@ from dummydesign.tissue.model.people_share import (
     tolerance_factor,
 )
 from dummydesign.tissue.model.posterior import DRAWN, FARTHEST
+from dummydesign.tissue.model.ranges import ForceRange, force_ranges
 from dummydesign.tissue.model.subject import Subject, flatten, nest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dummydesign.tissue.model.maxwell_law import Parameters
-    from dummydesign.tissue.model.ranges import ForceRange
-    from dummydesign.tissue.model.tissue import Tissue
-
+from dummydesign.tissue.model.tissue import Tissue
 
 # Half-widths of bands are never taken below 15 %: a single subject has no band, but distances from it need
 # a scale on which a slab's unavoidable misfit still distinguishes better from worse.
@@ -121,13 +114,50 @@ class Targets:
 
     @cached_property
     def people(self) -> PeopleReadings | None:
-        """Readings of people as the subjects show them; None where they do not."""
-        return people_of(self)
+        """People as the subjects of the tissue show them in the presses of the test; None where they do not.
+
+        An inferred tissue has groups of subjects that its data allow. Of others the spread between the subjects is
+        never taken as smaller than the errors of their own numbers; errors of inferred numbers, the same for all, are
+        added.
+        """
+        if reason_of(self.tissue) is not None:
+            return None
+        grid = self.protocol.steady_grid_N
+        views: tuple[Callable[[Targets], NDArray], ...] = (
+            _peaks,
+            lambda one: one.subject_energies_mJ(),
+            lambda one: 1.0 / one.subject_depths_mm(grid),
+        )
+        if self.tissue.posterior(1):
+            groups = self.drawn or self.of_tissues(self.tissue.posterior(DRAWN), "average")
+            each = [Population.of_groups([view(one) for one in groups]) for view in views]
+        else:
+            moved = moved_tissues(self.tissue)
+            others = self.of_tissues([one for _, one in moved], "average")
+            kinds = [kind for kind, _ in moved]
+            each = [with_errors(view(self), [view(one) for one in others], kinds) for view in views]
+        return PeopleReadings(*[*each, Population.of(_peaks(self))])
 
     @cached_property
     def bounds(self) -> tuple[NDArray, NDArray, NDArray, str] | None:
-        """Bounds of an aim at a share of people, see :func:`~dummydesign.design.scoring.targets.bounds_of`."""
-        return bounds_of(self)
+        """The bound of an aim at a share of people; None for another aim.
+
+        Peaks [N] and energies [mJ] above the share of people with 95 % confidence, in each press (c,); depths [mm]
+        below which that share is not, at the steady forces of the test (g,); what the bound is, in words.
+        """
+        share = share_of_aim(self.aim)
+        if share is None:
+            return None
+        people = self.people
+        if people is None:
+            raise InputError(
+                f"aim = '{self.aim}': {reason_of(self.tissue)}; use average, safe-side or a tissue of several people",
+                "not_enough_data",
+                "subjects",
+                len(self.tissue.subjects),
+            )
+        peak, energy, stiff = (each.bound(share) for each in (people.peak_N, people.energy_mJ, people.stiffness_per_mm))
+        return peak, energy, 1.0 / stiff, f"the bound of {100 * share:g} % of people"
 
     @property
     def strict(self) -> bool:
@@ -209,8 +239,6 @@ def make_each(
     limits: VerdictLimits | None = None,
 ) -> tuple[Targets, ...]:
     """The :func:`make_targets` of several tissues of one law, all subjects pressed at once."""
-    from dummydesign.tissue.model.ranges import force_ranges
-
     if not tissues:
         return ()
     aims = [tissue.target(aim) for tissue in tissues]
@@ -233,8 +261,8 @@ def make_each(
     )
 
 
-def press_subjects(bands: Sequence[ForceRange], law: str, sampling: Sampling) -> tuple[NDArray, NDArray, NDArray]:
-    """Times, displacements and forces (subjects, n) of the subjects of force ranges of one speed in ramp and hold."""
+def energies_of(bands: Sequence[ForceRange], law: str, sampling: Sampling) -> list[NDArray]:
+    """Return the energy of the rise of each subject of several ranges of one speed, in ramp and hold. [mJ]"""
     from dummydesign.tissue.model.laws import ramps_of
 
     motion = sampling.motion(bands[0].velocity_mm_s, np.concatenate([band.depth_mm for band in bands]))
@@ -244,14 +272,7 @@ def press_subjects(bands: Sequence[ForceRange], law: str, sampling: Sampling) ->
     if law_named(law).ideal_ramp:
         contact, stop, depth = (values[:, None] for values in ramps_of(motion))
         displacement = depth * np.clip((motion.time_s - contact) / (stop - contact), 0.0, 1.0)
-    return motion.time_s, displacement, forces
-
-
-def energies_of(bands: Sequence[ForceRange], law: str, sampling: Sampling) -> list[NDArray]:
-    """Return the energy of the rise of each subject of several ranges of one speed. [mJ]"""
-    _, displacement, force = press_subjects(bands, law, sampling)
-    energy = work_mJ(displacement, force)
-    parts = np.split(energy, np.cumsum([len(band.stop_s) for band in bands])[:-1])
+    parts = np.split(work_mJ(displacement, forces), np.cumsum([len(band.stop_s) for band in bands])[:-1])
     return [np.where(band.stop_s <= band.time_s[-1], part, np.nan) for band, part in zip(bands, parts)]
 
 
@@ -314,31 +335,6 @@ def reason_of(tissue: Tissue) -> str | None:
     return ONE if len(tissue.subjects) < 2 else None
 
 
-def people_of(targets: Targets) -> PeopleReadings | None:
-    """Describe people by the subjects of a tissue in the presses of a test.
-
-    An inferred tissue has groups of subjects that its data allow. Of others the spread between the subjects is never
-    taken as smaller than the errors of their own numbers; errors of inferred numbers, the same for all, are added.
-    """
-    if reason_of(targets.tissue) is not None:
-        return None
-    grid, stated = targets.protocol.steady_grid_N, Population.of(_peaks(targets))
-    views: tuple[Callable[[Targets], NDArray], ...] = (
-        _peaks,
-        lambda one: one.subject_energies_mJ(),
-        lambda one: 1.0 / one.subject_depths_mm(grid),
-    )
-    if targets.tissue.posterior(1):
-        groups = targets.drawn or targets.of_tissues(targets.tissue.posterior(DRAWN), "average")
-        peak, energy, stiffness = (Population.of_groups([view(one) for one in groups]) for view in views)
-        return PeopleReadings(peak, energy, stiffness, stated)
-    moved = moved_tissues(targets.tissue)
-    others = targets.of_tissues([one for _, one in moved], "average")
-    kinds = [kind for kind, _ in moved]
-    peak, energy, stiffness = (with_errors(view(targets), [view(one) for one in others], kinds) for view in views)
-    return PeopleReadings(peak, energy, stiffness, stated)
-
-
 def with_errors(readings: NDArray, moved: Sequence[NDArray], kinds: Sequence[str]) -> Population:
     """Population of subjects (n, ...) with the errors of their numbers, from the readings with one number moved."""
     own, shared = np.zeros(readings.shape[1:]), np.zeros(readings.shape[1:])
@@ -385,59 +381,23 @@ def shares_below(targets: Targets, peak_N: NDArray) -> PeopleShares:
     people, tissue = targets.people, targets.tissue
     if people is None:
         return PeopleShares(len(tissue.subjects), (), is_inferred(tissue), reason_of(tissue))
-    rows = _rows(targets.conditions, people.peak_N, people.stated, np.asarray(peak_N, float))
-    return PeopleShares(len(tissue.subjects), rows, is_inferred(tissue))
-
-
-def _rows(
-    conditions: Sequence[Condition], people: Population, stated: Population, peak_N: NDArray
-) -> tuple[ShareBelow, ...]:
-    expected, exact = people.expected_below(peak_N), stated.expected_below(peak_N)
-    low, high = people.interval_below(peak_N)
+    peak = np.asarray(peak_N, float)
+    expected, exact = people.peak_N.expected_below(peak), people.stated.expected_below(peak)
+    low, high = people.peak_N.interval_below(peak)
     rows = []
-    for at, one in enumerate(conditions):
-        test = one.steady_force_N, one.velocity_mm_s
-        span = float(low[at]), float(high[at])
-        reached = np.isfinite(peak_N[at])
+    for at, one in enumerate(targets.conditions):
+        test, span = (one.steady_force_N, one.velocity_mm_s), (float(low[at]), float(high[at]))
         rows.append(
             ShareBelow(*test, float(expected[at]), span, float(exact[at]))
-            if reached
+            if np.isfinite(peak[at])
             else ShareBelow(*test, None, None, None)
         )
-    return tuple(rows)
+    return PeopleShares(len(tissue.subjects), tuple(rows), is_inferred(tissue))
 
 
 def is_inferred(tissue: Tissue) -> bool:
     """Whether a number of a subject is inferred."""
     return "inferred" in tissue.kinds
-
-
-def bounds_of(targets: Targets) -> tuple[NDArray, NDArray, NDArray, str] | None:
-    """Return the bound of an aim at a share of people; None for another aim.
-
-    Returns
-    -------
-    peak_N, energy_mJ : ndarray, shape (c,)
-        Above the share of people with 95 % confidence, in each press.
-    depth_mm : ndarray, shape (g,)
-        Below which that share is not, at the steady forces of the test.
-    words : str
-        What the bound is.
-    """
-    share = share_of_aim(targets.aim)
-    if share is None:
-        return None
-    people = targets.people
-    if people is None:
-        reason = reason_of(targets.tissue)
-        raise InputError(
-            f"aim = '{targets.aim}': {reason}; use average, safe-side or a tissue of several people",
-            "not_enough_data",
-            "subjects",
-            len(targets.tissue.subjects),
-        )
-    one, two, three = (each.bound(share) for each in (people.peak_N, people.energy_mJ, people.stiffness_per_mm))
-    return one, two, 1.0 / three, f"the bound of {100 * share:g} % of people"
 
 
 def people_warnings(targets: Targets) -> list[tuple[str, str]]:

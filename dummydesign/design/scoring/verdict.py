@@ -232,18 +232,6 @@ def good_share(shares: dict[str, float], strict: bool) -> float:
     return shares[STANDS_FOR] if strict else shares[STANDS_FOR] + shares[WITH_CORRECTION]
 
 
-def level_of(
-    as_poured: dict[str, float], known: dict[str, float], limits: VerdictLimits, strict: bool, stands: bool = True
-) -> str:
-    """Level of a pad: by its castings as poured, else by those with the resin measured.
-
-    ``stands`` is whether the pad may be called one that stands for the subjects.
-    """
-    stands_for = as_poured[STANDS_FOR] if stands else 0.0
-    poured, after = good_share(as_poured, strict), good_share(known, strict)
-    return LEVELS[level_number(stands_for, poured, after, limits.share, strict)]
-
-
 def level_number(stands_for: float, poured: float, known: float, enough: float, strict: bool) -> int:
     """Place in :data:`LEVELS` by the share of castings that stand for the subjects and by both shares that are good."""
     if stands_for >= enough:
@@ -286,7 +274,8 @@ def verdict(
         measure = "people at these forces"
     inside = [float(1.0 - (below[name] | above[name]).mean()) for name in (PEAK, STEADY) if below[name].size]
     stands = ranges.subjects > 1 and (strict or min(inside, default=0.0) >= limits.stands_inside)
-    level = level_of(shares, shares_known, limits, strict, stands)
+    poured, average = good_share(shares, strict), good_share(shares_known, strict)
+    level = LEVELS[level_number(shares[STANDS_FOR] if stands else 0.0, poured, average, limits.share, strict)]
     if unsettled and level in ("stands_for", "usable_with_correction"):
         level = "not_settled"
     # castings are judged by the subjects' presses: far beyond these none is called usable

@@ -9,21 +9,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.scoring.crowns import EXACT, FiniteStrain
-from dummydesign.design.scoring.press_simulation import PadBatch, SlabCurves, rest_after_hold
+from dummydesign.design.scoring.press_simulation import (
+    PadBatch,
+    PadRows,
+    Sampling,
+    SlabCurves,
+    rest_after_hold,
+    take_rows,
+)
 from dummydesign.design.scoring.score import press_all
+from dummydesign.design.scoring.settings import VerdictLimits
+from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import Deviations, Ranges, Readings, deviations, ranges_of
-
-if TYPE_CHECKING:
-    from dummydesign.design.scoring.press_simulation import Sampling
-    from dummydesign.design.scoring.settings import VerdictLimits
-    from dummydesign.design.scoring.targets import Targets
-    from dummydesign.resin.model.resin import Draws
+from dummydesign.resin.model.resin import Draws
 
 # Moduli of each batch that are pressed, even in ln E about the pad's own, how far, and steady forces that are compared.
 NODES, REACH, STEADY = 12, 0.9, 9
@@ -45,7 +48,7 @@ class Batches:
     @classmethod
     def of(cls, draws: Draws, ratio: NDArray, count: int) -> Batches:
         """The first of the draws."""
-        kept = _taken(draws, np.arange(count))
+        kept = take_rows(draws, slice(count))
         young = np.stack([np.asarray(kept.young_MPa(float(value))) for value in ratio], axis=-1)
         reference = np.asarray(kept.young_MPa(draws.resin.relaxation_ratio_ref))
         # a batch beyond its gel point carries nothing
@@ -61,23 +64,16 @@ class Batches:
         return np.asarray(self.draws.beta_ref[(*lead, slice(None))] * np.exp(exponent)[..., None])
 
 
-def _taken(draws: Draws, chosen: NDArray) -> Draws:
-    numbers = {name: values[chosen] for name, values in draws.numbers.items()}
-    return replace(
-        draws, numbers=numbers, beta_ref=draws.beta_ref[chosen], softness_exponent=draws.softness_exponent[chosen]
-    )
-
-
 def unlike(batches: Batches, count: int) -> Batches:
     """A few batches that stand for all: evenly spaced in the sum of their strengths."""
     order = np.argsort(batches.draws.beta_ref.sum(axis=-1), kind="stable")
     chosen = order[((np.arange(count) + 0.5) / count * len(order)).astype(int)]
-    kept = _taken(batches.draws, chosen)
+    kept = take_rows(batches.draws, chosen)
     return Batches(kept, batches.ratio, batches.log_young[chosen], batches.log_reference[chosen])
 
 
 @dataclass(frozen=True, eq=False)
-class Windows:
+class Windows(PadRows):
     """Of P pads and n batches: how far readings are beyond the verdict's limits along ln E.
 
     ``log_young`` (P, F) is a fine even grid about each pad's own modulus. ``beyond_stands`` and ``beyond_usable``
@@ -98,10 +94,6 @@ class Windows:
     def usable(self) -> NDArray:
         """Where a pad is usable, shape (P, n, F)."""
         return self.beyond_usable <= 0.0
-
-    def take(self, rows: slice) -> Windows:
-        """The windows of some of the pads."""
-        return Windows(self.log_young[rows], self.beyond_stands[rows], self.beyond_usable[rows])
 
 
 def readings_along(slabs: PadBatch, targets: Targets, forces_N: NDArray, sampling: Sampling) -> Readings:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.core.errors import accepts, unknown_name
 from dummydesign.core.quantity import Quantity
 from dummydesign.design.scoring.crowns import Crowns
+from dummydesign.design.scoring.press_simulation import PadRows
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import make_shape, part_of, shape_kind, shape_kinds
 from dummydesign.mold.model.spec import PadGeometry
@@ -23,7 +24,7 @@ from dummydesign.pad.tables.square import crown_factor
 
 
 @dataclass(frozen=True, eq=False)
-class Designs:
+class Designs(PadRows):
     """M pads of one kind: thickness (M,) and the shape's parameters, name: (M,), in mm or without unit.
 
     ``limit_mm`` (M,) is the depth to which their force is known under the punch at hand, where it was worked out.
@@ -38,12 +39,6 @@ class Designs:
     def gel_mm(self) -> NDArray:
         """Thickness of the gel under the middle of the punch, shape (M,). [mm]"""
         return shape_kind(self.kind).gel_mm(self.thickness_mm, self.parameters)
-
-    def take(self, chosen: NDArray) -> Designs:
-        """Keep the pads chosen by index or mask."""
-        kept = {name: values[chosen] for name, values in self.parameters.items()}
-        limit = None if self.limit_mm is None else self.limit_mm[chosen]
-        return Designs(self.kind, self.thickness_mm[chosen], kept, limit)
 
     def shape(self, index: int) -> PadShape:
         """Shape of one pad."""
@@ -295,14 +290,20 @@ FamilyFactor = Callable[[Designs, NDArray, float], tuple[NDArray, NDArray]]
 
 
 @dataclass(frozen=True)
-class ScaledFamily:
-    """Shapes of one kind whose force has a factor; all but the force is the plain family's."""
+class ChangedFamily:
+    """Shapes of one kind with another force; all but the force is the plain family's."""
 
     plain: Family
-    factor: FamilyFactor
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.__dict__["plain"], name)
+
+
+@dataclass(frozen=True)
+class ScaledFamily(ChangedFamily):
+    """Shapes of one kind whose force has a factor."""
+
+    factor: FamilyFactor
 
     def area_mm2(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
         """Force over modulus; see :class:`Family`. [mm2]"""

@@ -51,18 +51,21 @@ NONE = 3
 
 
 @dataclass(frozen=True, eq=False)
-class ShapedDesign:
-    """A pad that may be recommended: shape, thickness, its force law as it is cast, and what is expected of it.
-
-    ``law`` is the force law in proportion with thickness. ``solved`` is whether ``cast`` is from finite elements of
-    this pad.
-    """
+class _Sieved:
+    """A pad that passed the sieve, with its force laws: in proportion with thickness, and as it is cast."""
 
     shape: PadShape
     thickness_mm: float
     law: ForceLaw
     cast: ForceLaw
     match: Match
+
+
+@dataclass(frozen=True, eq=False)
+class ShapedDesign(_Sieved):
+    """A pad that may be recommended, with what is expected of it; ``solved`` is whether ``cast`` is from finite
+    elements of this pad."""
+
     outlook: Outlook
     solved: bool = False
 
@@ -77,17 +80,6 @@ class ShapedDesign:
         if self.solved:
             return "elements"
         return self.law.family.source if isinstance(self.law, FamilyLaw) else "table"
-
-
-@dataclass(frozen=True)
-class _Sieved:
-    """A pad that passed the sieve."""
-
-    shape: PadShape
-    thickness_mm: float
-    law: ForceLaw
-    cast: ForceLaw
-    match: Match
 
 
 def kinds_of(text: str) -> tuple[str, ...]:
@@ -387,8 +379,7 @@ def _assessed(pads: Sequence[_Sieved], space: SearchSpace, faults: dict[str, Dum
     for pad in pads:
         try:
             outlook = outlook_for(pad.cast, pad.shape, pad.thickness_mm, pad.match, space, MANY_BATCHES)
-            design = ShapedDesign(pad.shape, pad.thickness_mm, pad.law, pad.cast, pad.match, outlook)
-            made.append(feasible(design, space))
+            made.append(feasible(ShapedDesign(**vars(pad), outlook=outlook), space))
         except (InputError, NoAnswerError) as problem:
             faults.setdefault(pad.shape.name, problem)
     return made

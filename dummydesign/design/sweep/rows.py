@@ -5,11 +5,11 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import repeat
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from dummydesign.design.scoring.press_simulation import (
     DEPTH_SHARE,
     SAMPLES,
     PadBatch,
+    PadRows,
     Sampling,
     SlabCurves,
     make_curves,
@@ -27,6 +28,7 @@ from dummydesign.design.scoring.press_simulation import (
     steady_depth,
 )
 from dummydesign.design.scoring.settings import verdict_limits, weights_of
+from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.shape_family import Designs, load_family, under_square
 from dummydesign.design.sweep.spec import Key, Study, why_not_cast
 from dummydesign.geometry.punch import punch_sides_mm
@@ -35,10 +37,6 @@ from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.tables.slab import load_table, slab_table
 from dummydesign.pad.tables.square import punch_law
-
-if TYPE_CHECKING:
-    from dummydesign.design.scoring.targets import Targets
-
 
 # Steady force at which peak over steady is given, that of the paper's force-time figures. [N]
 PEAK_FORCE_N = 10.0
@@ -49,7 +47,7 @@ SOLVED_SHARES = DEPTH_SHARE * np.linspace(0.04, 1.0, 16)
 
 
 @dataclass(frozen=True, eq=False)
-class Task:
+class Task(PadRows):
     """Some designs of one punch, condition and base with all that is needed to work them out anywhere."""
 
     fidelity: str
@@ -70,11 +68,6 @@ class Task:
     edge_radius_mm: float = 0.0
     sampling: Sampling = field(default_factory=Sampling)
     gel_compression: float = DEPTH_SHARE
-
-    def take(self, chosen: NDArray) -> Task:
-        """Keep the designs chosen by index or mask."""
-        arrays = {name: getattr(self, name)[chosen] for name in ("thickness_mm", "ratio", "young_MPa", "beta")}
-        return replace(self, **arrays, shape=None if self.shape is None else self.shape[chosen])
 
     @cached_property
     def keys(self) -> tuple[list[str], list[str]]:

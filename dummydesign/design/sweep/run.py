@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,16 +15,13 @@ from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError,
 from dummydesign.core.progress import COMMAND_LINE
 from dummydesign.design.crown_array import pressed_alone
 from dummydesign.design.scoring.settings import verdict_limits
+from dummydesign.design.scoring.targets import Targets, make_targets
 from dummydesign.design.sweep.rows import Task, key_of, work
 from dummydesign.design.sweep.spec import Study
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.force_law import ForceLaw
-
-if TYPE_CHECKING:
-    from dummydesign.design.scoring.targets import Targets
-    from dummydesign.resin.model.resin import Resin
-
+from dummydesign.resin.model.resin import Resin
 
 # How often a cluster tries a task again whose worker was lost.
 RETRIES = 3
@@ -223,7 +220,6 @@ def targets_of(study: Study) -> Targets | None:
     """What the study's scores are of, None without a tissue; InputError for a test that the tissue does not know."""
     if study.tissue is None:
         return None
-    from dummydesign.design.scoring.targets import make_targets
     from dummydesign.tissue.model.tissue_file import load_tissue
 
     return make_targets(load_tissue(study.tissue), study.aim, study.sampling, study.protocol)

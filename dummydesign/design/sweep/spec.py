@@ -7,7 +7,6 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from dummydesign.core.errors import InputError, out_of_range, quantity_name, unknown_name
 from dummydesign.core.parsing import DECELERATION, positive, read_numbers
@@ -22,10 +21,7 @@ from dummydesign.geometry.shape_registry import make_shape, read_shape, shape_ki
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S
 from dummydesign.pad.tables.slab import load_table, slab_table
-
-if TYPE_CHECKING:
-    from dummydesign.resin.model.resin import Resin
-
+from dummydesign.resin.model.resin import Resin
 
 MOST_SHAPES, MOST_DESIGNS = 100_000, 1_000_000
 AVERAGE = "average"

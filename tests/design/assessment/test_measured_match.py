@@ -33,14 +33,13 @@ def test_a_pressed_pad_has_a_rating_a_miss_and_a_statement(people, stiffness, be
 
 
 def test_outermost_energies_are_those_of_each_drawn_tissue_by_itself(monkeypatch):
-    """Three tissues of two, three and one subject, pressed at once: energies 0 to 5 in this order."""
+    """Three tissues of two, three and one subject: energies 0 to 5 in this order."""
     bands = [
         SimpleNamespace(stop_s=np.zeros(count), peak_low_N=float(at), peak_high_N=at + 10.0)
         for at, count in enumerate((2, 3, 1))
     ]
     monkeypatch.setattr(measured_pad, "force_ranges", lambda *given: bands)
-    monkeypatch.setattr(measured_pad, "press_subjects", lambda *given: (None, np.zeros((6, 2)), np.zeros((6, 2))))
-    monkeypatch.setattr(measured_pad, "work_mJ", lambda displacement, force: np.arange(6.0))
+    monkeypatch.setattr(measured_pad, "energies_of", lambda *given: np.split(np.arange(6.0), [2, 5]))
     trace = SimpleNamespace(steady_force_N=10.0, hold_s=5.0)
     press = SimpleNamespace(trace=trace, braking_mm_s2=1e4)
     drawn = [SimpleNamespace(parameter_sets=())] * 3

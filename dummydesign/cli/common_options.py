@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -121,40 +121,18 @@ def named_by(command: str, argument: str) -> Callable[[argparse.Namespace], str]
     return lambda options: f"{command}-{Path(getattr(options, argument)).stem}"
 
 
-Options = Mapping[str, Mapping[str, Any]]
-"""Options and arguments by what is typed, each with what argparse takes of it."""
-ONE_OF = "one of"
-"""In the place of an option: alternatives, one is needed."""
 ACTIONS = ("remove", "rename", "path")
 
 
-def declare(place: argparse._ActionsContainer, options: Options) -> None:
-    """Add options to a parser, or to a group of one."""
-    for typed, given in options.items():
-        if typed == ONE_OF:
-            declare(place.add_mutually_exclusive_group(required=True), given)
-        else:
-            place.add_argument(typed, **given)
-
-
-def add_actions(
-    parser: argparse.ArgumentParser, what: str, own: Mapping[str, tuple[str, Options]], required: bool
-) -> None:
-    """Declare a command's own actions by their help and options, then those on a file of the user's own."""
-    name = {"metavar": "NAME", "help": "as the list has it"}
-    new = {"metavar": "NEW", "help": "its name from now on"}
-    of_files: dict[str, tuple[str, Options]] = {
-        "remove": (f"delete a {what} of your own", {"name": name}),
-        "rename": (
-            f"give a {what} of your own another name",
-            {"name": {"metavar": "OLD", "help": "its name now"}, "new": new},
-        ),
-        "path": (f"file of a {what}", {"name": name}),
-    }
-    every = {**own, **of_files}
-    actions = parser.add_subparsers(dest="action", required=required, metavar="|".join(every), help="what to do")
-    for action, (about, options) in every.items():
-        declare(actions.add_parser(action, help=about), options)
+def add_own_actions(actions: Any, what: str) -> None:
+    """Declare the actions on a file of your own."""
+    remove = actions.add_parser("remove", help=f"delete a {what} of your own")
+    remove.add_argument("name", metavar="NAME", help="as the list has it")
+    rename = actions.add_parser("rename", help=f"give a {what} of your own another name")
+    rename.add_argument("name", metavar="OLD", help="its name now")
+    rename.add_argument("new", metavar="NEW", help="its name from now on")
+    path = actions.add_parser("path", help=f"file of a {what}")
+    path.add_argument("name", metavar="NAME", help="as the list has it")
 
 
 def run_own(options: argparse.Namespace, kind: str, what: str) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from collections import Counter
 from typing import Any
 
 from dummydesign.cli import text
-from dummydesign.cli.common_options import ACTIONS, ONE_OF, Options, add_actions, number, render_own, run_own
+from dummydesign.cli.common_options import ACTIONS, add_own_actions, number, render_own, run_own
 from dummydesign.cli.text import file_lines, labelled, screen, warning_lines
 from dummydesign.core.errors import InputError
 from dummydesign.core.tables import Table
@@ -16,75 +16,46 @@ from dummydesign.core.tables import Table
 HELP = "List the known resins, show one with all its numbers and sources, and add, rename or remove your own."
 
 
-REPLACE = {"action": "store_true", "help": "take the place of a resin of your own that has this name"}
-RESULT = {"required": True, "help": "of the resin that results"}
-OWN_ACTIONS: dict[str, tuple[str, Options]] = {
-    "list": ("names, origin, ratio and modulus range", {}),
-    "show": (
-        "one resin, every number with its source",
-        {
-            "name": {"metavar": "NAME", "help": "a known resin or a TOML file"},
-            "--out": {"metavar": "DIR", "help": "also write a plot and its CSV"},
-        },
-    ),
-    "add": (
-        "keep a resin file, or update a resin by a file of measured points",
-        {
-            "file": {"metavar": "FILE", "help": "TOML file of a resin, or of points: base, name and [[point]]s"},
-            "--replace": REPLACE,
-        },
-    ),
-    "add-compression": (
-        "modulus and relaxation of a batch from its puck's curve",
-        {
-            "file": {
-                "metavar": "TRACE.csv",
-                "nargs": "+",
-                "help": "time_s, displacement_mm, force_N: one slow loading, or ramps and holds; several presses of "
-                "one puck together",
-            },
-            "--diameter": {"type": number("diameter in mm"), "required": True, "metavar": "MM", "help": "of the puck"},
-            "--height": {"type": number("height in mm"), "required": True, "metavar": "MM", "help": "of the puck"},
-            "--name": RESULT,
-            "--ratio": {"type": number("ratio"), "required": True, "metavar": "R", "help": "mixing ratio of the puck"},
-            "--resin": {"metavar": "BASE", "help": "resin whose law is updated"},
-            "--friction": {
-                "metavar": "lubricated|bonded|MU",
-                "help": "plates: lubricated, bonded or a friction coefficient (default: any friction)",
-            },
-            "--mass": {"type": number("mass in g"), "metavar": "G", "help": "of the puck, checked against its size"},
-            "--replace": {"action": "store_true", "help": "begin NAME again, without the points it has"},
-        },
-    ),
-    "add-hardness": (
-        "a resin of a supplier's Shore value alone, with its scatter",
-        {
-            ONE_OF: {
-                "--shore-00": {
-                    "type": number("shore 00"),
-                    "metavar": "S",
-                    "help": "Shore 00 as the supplier states it, 5 to 90",
-                },
-                "--shore-a": {
-                    "type": number("shore a"),
-                    "metavar": "S",
-                    "help": "Shore A as the supplier states it, 10 to 90",
-                },
-            },
-            "--name": RESULT,
-            "--resin": {
-                "metavar": "BASE",
-                "help": "resin whose law of the ratio and relaxation are kept (none: one fixed mix)",
-            },
-            "--replace": REPLACE,
-        },
-    ),
-}
-
-
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the actions."""
-    add_actions(parser, "resin", OWN_ACTIONS, required=True)
+    words = "list|show|add|add-compression|add-hardness|remove|rename|path"
+    actions = parser.add_subparsers(dest="action", required=True, metavar=words, help="what to do")
+    actions.add_parser("list", help="names, origin, ratio and modulus range")
+    show = actions.add_parser("show", help="one resin, every number with its source")
+    show.add_argument("name", metavar="NAME", help="a known resin or a TOML file")
+    show.add_argument("--out", metavar="DIR", help="also write a plot and its CSV")
+    add = actions.add_parser("add", help="keep a resin file, or update a resin by a file of measured points")
+    add.add_argument("file", metavar="FILE", help="TOML file of a resin, or of points: base, name and [[point]]s")
+    add.add_argument("--replace", action="store_true", help="take the place of a resin of your own that has this name")
+    puck = actions.add_parser("add-compression", help="modulus and relaxation of a batch from its puck's curve")
+    words = "time_s, displacement_mm, force_N: one slow loading, or ramps and holds"
+    puck.add_argument("file", metavar="TRACE.csv", nargs="+", help=f"{words}; several presses of one puck together")
+    puck.add_argument("--diameter", type=number("diameter in mm"), required=True, metavar="MM", help="of the puck")
+    puck.add_argument("--height", type=number("height in mm"), required=True, metavar="MM", help="of the puck")
+    puck.add_argument("--name", required=True, help="of the resin that results")
+    puck.add_argument("--ratio", type=number("ratio"), required=True, metavar="R", help="mixing ratio of the puck")
+    puck.add_argument("--resin", metavar="BASE", help="resin whose law is updated")
+    words = "plates: lubricated, bonded or a friction coefficient (default: any friction)"
+    puck.add_argument("--friction", metavar="lubricated|bonded|MU", help=words)
+    puck.add_argument("--mass", type=number("mass in g"), metavar="G", help="of the puck, checked against its size")
+    puck.add_argument("--replace", action="store_true", help="begin NAME again, without the points it has")
+    _add_hardness_options(actions)
+    add_own_actions(actions, "resin")
+
+
+def _add_hardness_options(actions: Any) -> None:
+    hard = actions.add_parser("add-hardness", help="a resin of a supplier's Shore value alone, with its scatter")
+    scale = hard.add_mutually_exclusive_group(required=True)
+    scale.add_argument(
+        "--shore-00", type=number("shore 00"), metavar="S", help="Shore 00 as the supplier states it, 5 to 90"
+    )
+    scale.add_argument(
+        "--shore-a", type=number("shore a"), metavar="S", help="Shore A as the supplier states it, 10 to 90"
+    )
+    hard.add_argument("--name", required=True, help="of the resin that results")
+    base = "resin whose law of the ratio and relaxation are kept (none: one fixed mix)"
+    hard.add_argument("--resin", metavar="BASE", help=base)
+    hard.add_argument("--replace", action="store_true", help="take the place of a resin of your own that has this name")
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

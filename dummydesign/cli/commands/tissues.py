@@ -7,7 +7,7 @@ from importlib import import_module
 from typing import Any
 
 from dummydesign.cli import text
-from dummydesign.cli.common_options import ACTIONS, Options, add_actions, call, render_own, run_own
+from dummydesign.cli.common_options import ACTIONS, add_own_actions, call, render_own, run_own
 from dummydesign.cli.text import file_lines, labelled, screen, warning_lines
 from dummydesign.core.errors import InputError
 from dummydesign.core.tables import Table
@@ -15,86 +15,48 @@ from dummydesign.core.tables import Table
 HELP = "List the known tissues, show one with all its numbers and sources, and add, rename or remove your own."
 
 
-NEW = {"metavar": "NAME", "help": "name of the new tissue"}
-ELEMENTS = {"default": "5", "help": "3, 5 or 7 (default 5)"}
-REPLACE = {"action": "store_true", "help": "take the place of a tissue of your own with this name"}
-REPLACE_THEM = {"action": "store_true", "help": "take the place of your own of these names"}
-OWN_ACTIONS: dict[str, tuple[str, Options]] = {
-    "list": ("names, origin and kind of the known tissues", {}),
-    "show": (
-        "every number of one tissue with its interval and source",
-        {"name": {"metavar": "NAME", "help": "a known tissue or a TOML file"}},
-    ),
-    "add": (
-        "make a tissue from traces or from fits, one subject per file or folder",
-        {
-            "name": NEW,
-            "files": {
-                "nargs": "+",
-                "metavar": "FILE",
-                "help": "trace NAME_....csv, folder of one subject or more, or fit TOML",
-            },
-            "--law": {
-                "default": "ode",
-                "help": "ode (default), consistent or published; none keeps the curves, auto decides",
-            },
-            "--elements": ELEMENTS,
-            "--lowpass": {"metavar": "HZ[:ORDER[:PASSES]]", "help": "filter of the recorded force"},
-            "--replace": REPLACE,
-        },
-    ),
-    "add-curves": (
-        "make a tissue from one table of several people's curves",
-        {
-            "name": NEW,
-            "table": {
-                "metavar": "FILE.csv",
-                "help": "columns subject,velocity_mm_s,time_s,depth_mm,force_N; a hold with its times is needed",
-            },
-            "--law": {
-                "default": "auto",
-                "help": "auto (default: ode where it follows the curves, else none), none (the curves themselves), "
-                "ode, consistent or published",
-            },
-            "--elements": ELEMENTS,
-            "--replace": REPLACE,
-        },
-    ),
-    "add-points": (
-        "update a tissue by points read off figures",
-        {
-            "name": {"metavar": "NAME", "help": "the tissue to update"},
-            "points": {"metavar": "POINTS.csv", "help": "columns subject,depth_mm,force_N"},
-        },
-    ),
-    "add-spring": (
-        "make a tissue of one spring constant with its spread",
-        {
-            "name": NEW,
-            "--stiffness": {"required": True, "metavar": "N_PER_MM", "help": "spring constant, such as 35 or 35kN/m"},
-            "--spread": {"metavar": "N_PER_MM", "help": "plus and minus, in N/mm or percent (20%%)"},
-            "--source": {"required": True, "metavar": "TEXT", "help": "where the numbers were read"},
-            "--kind": {"default": "digitised", "help": "measured, fitted, digitised (default), inferred, assumed"},
-            "--replace": REPLACE_THEM,
-        },
-    ),
-    "template": (
-        "write a table of body regions to fill from your copy of a standard",
-        {"path": {"metavar": "FILE.csv", "help": "file to write"}},
-    ),
-    "add-regions": (
-        "make a tissue of every filled row of such a table",
-        {
-            "table": {"metavar": "FILE.csv", "help": "columns region,stiffness_N_per_mm,spread_N_per_mm,source"},
-            "--replace": REPLACE_THEM,
-        },
-    ),
-}
-
-
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    add_actions(parser, "tissue", OWN_ACTIONS, required=False)
+    words = "list|show|add|add-curves|add-points|add-spring|template|add-regions|remove|rename|path"
+    actions = parser.add_subparsers(dest="action", metavar=words, help="what to do")
+    actions.add_parser("list", help="names, origin and kind of the known tissues")
+    show = actions.add_parser("show", help="every number of one tissue with its interval and source")
+    show.add_argument("name", metavar="NAME", help="a known tissue or a TOML file")
+    add = actions.add_parser("add", help="make a tissue from traces or from fits, one subject per file or folder")
+    add.add_argument("name", metavar="NAME", help="name of the new tissue")
+    add.add_argument(
+        "files", nargs="+", metavar="FILE", help="trace NAME_....csv, folder of one subject or more, or fit TOML"
+    )
+    add.add_argument(
+        "--law", default="ode", help="ode (default), consistent or published; none keeps the curves, auto decides"
+    )
+    add.add_argument("--elements", default="5", help="3, 5 or 7 (default 5)")
+    add.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter of the recorded force")
+    add.add_argument("--replace", action="store_true", help="take the place of a tissue of your own with this name")
+    curves = actions.add_parser("add-curves", help="make a tissue from one table of several people's curves")
+    curves.add_argument("name", metavar="NAME", help="name of the new tissue")
+    columns = "columns subject,velocity_mm_s,time_s,depth_mm,force_N; a hold with its times is needed"
+    curves.add_argument("table", metavar="FILE.csv", help=columns)
+    law = "auto (default: ode where it follows the curves, else none), none (the curves themselves), "
+    curves.add_argument("--law", default="auto", help=law + "ode, consistent or published")
+    curves.add_argument("--elements", default="5", help="3, 5 or 7 (default 5)")
+    curves.add_argument("--replace", action="store_true", help="take the place of a tissue of your own with this name")
+    points = actions.add_parser("add-points", help="update a tissue by points read off figures")
+    points.add_argument("name", metavar="NAME", help="the tissue to update")
+    points.add_argument("points", metavar="POINTS.csv", help="columns subject,depth_mm,force_N")
+    spring = actions.add_parser("add-spring", help="make a tissue of one spring constant with its spread")
+    spring.add_argument("name", metavar="NAME", help="name of the new tissue")
+    spring.add_argument("--stiffness", required=True, metavar="N_PER_MM", help="spring constant, such as 35 or 35kN/m")
+    spring.add_argument("--spread", metavar="N_PER_MM", help="plus and minus, in N/mm or percent (20%%)")
+    spring.add_argument("--source", required=True, metavar="TEXT", help="where the numbers were read")
+    spring.add_argument("--kind", default="digitised", help="measured, fitted, digitised (default), inferred, assumed")
+    template = actions.add_parser("template", help="write a table of body regions to fill from your copy of a standard")
+    template.add_argument("path", metavar="FILE.csv", help="file to write")
+    regions = actions.add_parser("add-regions", help="make a tissue of every filled row of such a table")
+    regions.add_argument("table", metavar="FILE.csv", help="columns region,stiffness_N_per_mm,spread_N_per_mm,source")
+    for one in (spring, regions):
+        one.add_argument("--replace", action="store_true", help="take the place of your own of these names")
+    add_own_actions(actions, "tissue")
 
 
 ADDING = {

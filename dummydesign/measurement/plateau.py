@@ -18,6 +18,8 @@ SLOWED = 0.1
 """Fraction of the speed of the ramp below which the punch counts as stopped."""
 BEGUN = 0.1
 """Share of the largest displacement before which a press begins; a rest beyond it is a stage of the press."""
+STAGE = 0.85
+"""Share of the depth before which a rest is a stage of the press where the punch goes on at half of its speed."""
 LEAVE_MM, LEAVE_SHARE = 0.06, 0.01
 """Wander that does not end a plateau: in mm, and over its depth."""
 NEAR_MM, NEAR_SHARE = 0.05, 0.03
@@ -99,16 +101,20 @@ def slowing(
     share: float = SLOWED,
     multiple: float = 10.0,
 ) -> tuple[int, float]:
-    """Sample after 60 % of the depth from which the punch goes on at a tenth of its speed; the window of that. [s]"""
+    """Sample after 60 % of the depth from which the punch goes on at a tenth of its speed; the window of that. [s]
+
+    A rest below :data:`STAGE` of the depth, after which it presses on at speed, is a stage and no stop.
+    """
     late = int(np.argmax(x >= 0.6 * depth))
     speed = max(x[late] - x[start], 1e-12) / max(time[late] - time[start], 1e-9)
     least = max(10.0 * STEP_MM, min(multiple * noise_mm, 0.2 * depth))
     window = max(least / speed, 3.0 * float(np.median(np.diff(time[start : late + 4]))))
     until = int(np.searchsorted(time, time[-1] - window, side="right"))
     ahead = np.interp(time[late:until] + window, time, x) - x[late:until]
-    slow = np.argmax(ahead <= share * speed * window) if len(ahead) else 0
-    found = len(ahead) and ahead[slow] <= share * speed * window
-    return late + (int(slow) if found else len(time) - late - 1), window
+    below = ahead[: max(int(np.argmax(x >= STAGE * depth)) - late, 0)]
+    begin = int(np.flatnonzero(below > 0.5 * speed * window)[-1:].sum())
+    slow = np.flatnonzero(ahead[begin:] <= share * speed * window)
+    return late + (begin + int(slow[0]) if len(slow) else len(time) - late - 1), window
 
 
 def ramp_start(time: NDArray, x: NDArray, noise_mm: float) -> tuple[int, float, float]:

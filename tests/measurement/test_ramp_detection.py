@@ -32,6 +32,17 @@ def test_creep_after_the_stop_moves_it_by_neither_rule(stop, creep_mm):
     assert find_ramp(*ramp(creep_mm), stop).stop_time_s == pytest.approx(0.7, abs=0.02)
 
 
+@pytest.mark.parametrize("share", [0.62, 0.7, 0.8])
+@pytest.mark.parametrize("stop", ["reached", "slowed"])
+def test_a_rest_on_the_way_in_is_no_stop(stop, share):
+    """1.5 s at 62 to 80 % of the depth: the hold begins where the punch arrives."""
+    rests = 0.2 + 0.5 * share
+    time = np.arange(0.0, 8.0, 1e-3)
+    x = np.clip(10.0 * (np.clip(time, None, rests) + np.maximum(time - rests - 1.5, 0.0) - 0.2), -2.0, 5.0)
+    found = find_ramp(time, x + np.random.default_rng(4).normal(0.0, 0.001, len(time)), stop)
+    assert (found.stop_time_s, found.depth_mm) == pytest.approx((2.2, 5.0), abs=0.02)
+
+
 def drawn_press(draw, most_noise_mm):
     """A rest at an offset, an approach or none, a constant speed and braking, hold with creep; stop at 0 s."""
     speed, braking = 250.0 ** draw.uniform(), 1e3 * 30.0 ** draw.uniform()

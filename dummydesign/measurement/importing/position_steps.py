@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.measurement.importing.baseline import digit_step
 from dummydesign.measurement.importing.decisions import ImportLog
 
 MIDDLE, SLOWER = 0.45, 2.5
@@ -40,7 +41,9 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> tuple[NDA
         usual, size = 0.0, float(step.max()) if np.min(stands[jump : jump + 2]) >= SLOWER else 0.0
     else:
         usual, size = float(np.median(np.diff(time[way]))), float(np.median(step[way - 1]))
-    if size < COARSE * reach or not (few or usual >= SLOWER * float(np.median(np.diff(time)))):
+    stepped = size >= COARSE * reach and (few or usual >= SLOWER * float(np.median(np.diff(time))))
+    size = size if stepped else digit_step(x)  # at speed every sample may change, by several digits
+    if not stepped and size <= WARNED * reach:
         return x, 0.0
     if size > WARNED * reach:
         log.warn(
@@ -48,7 +51,7 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> tuple[NDA
             f"the position goes in steps of {size:.2g} mm: contact and depth are known to {size:.2g} mm only, the "
             f"speed to {100.0 * size / reach:.0f} %; record it with more digits, or as often as the force",
         )
-    if few:
+    if few or not stepped:
         return x, size
     digits = step[rows - 1] / step[rows - 1].min()
     rounded = bool(np.all(np.abs(digits - np.round(digits)) < EVEN * digits)) and digits.max() < MOST

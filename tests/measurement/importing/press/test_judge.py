@@ -170,6 +170,16 @@ def test_a_position_that_moves_with_each_sample_or_hardly_in_steps_is_left_as_it
     assert log.decisions == []
 
 
+def test_a_position_of_few_digits_is_told_where_every_sample_changes_too():
+    """At 100 Hz it changes by several digits each sample until it brakes; where it stands it is known to half of one."""
+    time = np.arange(0.0, 6.0, 0.01)
+    x = np.round((1.53 - 4.53 * np.exp(-6.0 * np.maximum(time - 1.0, 0.0))) / 0.05) * 0.05
+    log = ImportLog("a.csv", Settings())
+    read, step_mm = read_between_changes(time, x, log)
+    assert read is x and step_mm == pytest.approx(0.05, rel=1e-3)
+    assert [warning["code"] for warning in log.warnings] == ["coarse_position"]
+
+
 @pytest.mark.parametrize("seed, late_s", [(390, 0.02), (392, -0.02), (394, -0.03), (396, 0.025)])
 def test_a_delay_is_named_although_the_force_is_nearly_explained_without_it(seed, late_s):
     """No part is missed by six times its error, but all of them by much less with the delay."""

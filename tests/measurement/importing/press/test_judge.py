@@ -171,7 +171,7 @@ def test_a_position_that_moves_with_each_sample_or_hardly_in_steps_is_left_as_it
 
 
 def test_a_position_of_few_digits_is_told_where_every_sample_changes_too():
-    """At 100 Hz it changes by several digits each sample until it brakes; where it stands it is known to half of one."""
+    """At 100 Hz it changes by several digits each sample until it brakes; it is known to half of one."""
     time = np.arange(0.0, 6.0, 0.01)
     x = np.round((1.53 - 4.53 * np.exp(-6.0 * np.maximum(time - 1.0, 0.0))) / 0.05) * 0.05
     log = ImportLog("a.csv", Settings())

@@ -25,7 +25,6 @@ from dummydesign.measurement.importing.baseline import Baseline
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, QuestionError, Settings
 from dummydesign.measurement.importing.decoding import LEFT_OUT
 from dummydesign.measurement.importing.judge import Judgement, contact_of
-from dummydesign.measurement.importing.position_steps import read_between_changes
 from dummydesign.measurement.importing.press_checks import Warn, check_press, copies_among
 from dummydesign.measurement.importing.sign_convention import HIGH, Span, find_presses, find_signs, joined_cycles
 from dummydesign.measurement.importing.table import Columns, Ranges, columns_of, read_texts
@@ -38,9 +37,19 @@ from dummydesign.measurement.importing.vocabulary import (
     scaled_unit,
     split_name,
 )
-from dummydesign.measurement.plausible import ROLE, impossible, press_quantities, ranges, units_that_fit
 from dummydesign.measurement.ramp_detection import SHALLOWEST_MM, Summary, summarise
-from dummydesign.measurement.trace import COLUMNS, SECONDS, Trace, magnitude_fault
+from dummydesign.measurement.sensor import read_between_changes
+from dummydesign.measurement.trace import (
+    COLUMNS,
+    ROLE,
+    SECONDS,
+    Trace,
+    impossible,
+    magnitude_fault,
+    press_quantities,
+    ranges,
+    units_that_fit,
+)
 
 Warnings = list[dict[str, Any]]
 SharedZero = tuple[float, str]

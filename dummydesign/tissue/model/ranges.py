@@ -13,7 +13,7 @@ from dummydesign.measurement.motion import DECELERATION_MM_S2, work_to_deepest_m
 from dummydesign.tissue.model.maxwell_law import Parameters, law_named, stack
 
 if TYPE_CHECKING:
-    from dummydesign.measurement.robot_path import RobotPath
+    from dummydesign.measurement.motion import RobotPath
     from dummydesign.measurement.sensor import Lowpass
 
 FIRST_HOLD_S = 0.005

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from dummydesign.measurement.robot_path import RobotPath
+    from dummydesign.measurement.motion import RobotPath
     from dummydesign.measurement.sensor import Lowpass
     from dummydesign.tissue.model.ranges import ForceRange
 

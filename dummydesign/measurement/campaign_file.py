@@ -191,8 +191,7 @@ def read_otherwise(top: TomlTable, tables: list[TomlTable]) -> tuple[list[TomlTa
             one["file"], two["file"] = two["file"], one["file"]
             changes = {"confirmed": True, **changes}
         if "pad_of" in keys:
-            of = by_file[keys["pad_of"]].data
-            changes |= {key: of.get(key) for key in PAD_KEYS}
+            changes |= {key: by_file[keys["pad_of"]].data.get(key) for key in PAD_KEYS}
         for table in chosen:
             table.data.update(changes)
             for key in [key for key, value in table.data.items() if value is None]:

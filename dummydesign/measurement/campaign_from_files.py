@@ -117,8 +117,9 @@ def _write_line(lines: list[str], head: int, key: str, value: float | None, end:
         lines.insert(at + 1, f"{key} = {value!r}{end}")
 
 
+CONDITION = ("thickness_mm", "velocity_mm_s", "target_force_N", "target_depth_mm")
 COLUMNS = (
-    *("file", "thickness_mm", "velocity_mm_s", "target_force_N", "target_depth_mm", "hold_s", "repeat", "sequence"),
+    *("file", *CONDITION, "hold_s", "repeat", "sequence"),
     *("rest_s", "temperature_C", "age_days", "unload"),
 )
 _WHOLE = ("repeat", "sequence")
@@ -148,8 +149,7 @@ def trials_of(
     repeats: Counter[tuple[Any, ...]] = Counter()
     for path in paths:
         trial, why = _trial(path, rows.get(path.name, {}), thickness_mm)
-        keys = ("thickness_mm", "velocity_mm_s", "target_force_N", "target_depth_mm")
-        condition = tuple(trial.get(key) for key in keys)
+        condition = tuple(trial.get(key) for key in CONDITION)
         repeats[condition] += 1
         trial.setdefault("repeat", repeats[condition])
         words = f"{trial['thickness_mm']:g} mm pad, {trial['velocity_mm_s']:g} mm/s"

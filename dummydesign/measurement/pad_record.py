@@ -94,8 +94,7 @@ def read_record(path: str | Path) -> PadRecord:
     try:
         data = json.loads(text)
     except ValueError as problem:
-        message = f"pad record '{path}' cannot be read: {problem}"
-        raise InputError(message, "file_unreadable", "record") from None
+        raise InputError(f"pad record '{path}' cannot be read: {problem}", "file_unreadable", "record") from None
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
         raise InputError(
             f"'{path}' is not a pad's record; 'dummydesign mold record' writes one", "file_unreadable", "record"
@@ -199,8 +198,9 @@ def trial_with_record(table: TomlTable, record: PadRecord) -> TomlTable:
             record.shape,
         )
     own = {} if record.shape in ("slab", "puck") else {"shape": record.cast_shape or record.shape}
-    measured: dict[str, Any] = {"thickness_mm": record.thickness_mm, "thickness_sd_mm": record.thickness_sd_mm}
-    measured["design_thickness_mm"] = record.design_thickness_mm
+    measured: dict[str, Any] = {
+        key: getattr(record, key) for key in ("thickness_mm", "thickness_sd_mm", "design_thickness_mm")
+    }
     batch = {
         "witness_kPa": record.young_kPa,
         "witness_sd_kPa": record.young_sd_kPa,

@@ -187,16 +187,14 @@ def _stands(
     return middle - tenth > ABRUPT * (middle - half_speed)
 
 
-def _median(time: NDArray, x: NDArray, use: NDArray | None = None) -> float:
+def _median(time: NDArray, x: NDArray, use: NDArray | slice = slice(None)) -> float:
     """Median over time; over the samples where they are even. [mm]"""
-    kept = x if use is None else x[use]
+    kept = x[use]
     gaps = np.diff(time)
     if len(time) < 3 or float(gaps.max()) < 2.0 * float(gaps.mean()):
         return float(np.median(kept))
-    weight = np.gradient(time)
-    weight = weight if use is None else weight[use]
     order = np.argsort(kept, kind="stable")
-    share = np.cumsum(weight[order])
+    share = np.cumsum(np.gradient(time)[use][order])
     return float(kept[order][int(np.searchsorted(share, 0.5 * share[-1]))])
 
 

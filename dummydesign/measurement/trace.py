@@ -81,8 +81,7 @@ def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
             len(values),
         )
     time, displacement, force = values.T
-    fault = magnitude_fault(time, displacement, force, velocity_mm_s, SECONDS in header)
-    if fault:
+    if fault := magnitude_fault(time, displacement, force, velocity_mm_s, SECONDS in header):
         raise InputError(f"{path.name}: {fault.message}{import_first(path)}", fault.code, fault.column)
     trace = Trace(path.name, time, displacement, force)
     check_one_press(trace, import_first(path))

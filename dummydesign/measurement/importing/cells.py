@@ -77,7 +77,7 @@ _DURATIONS = (
     r"(?:T(?:(?P<hour>\d+)H)?(?:(?P<minute>\d+)M)?(?:(?P<second>\d+(?:[.,]\d+)?)S)?)?",
 )
 """Forms of a duration: ``0 days 00:00:01.25``, ``-1 days +23:59:59.5``, ``-00:00:00.5``; ISO 8601's ``PT1.25S``."""
-_MINUTES = re.compile(r"(\d{1,3}):(\d{2})[.,](\d+)", re.ASCII)
+_MINUTES = r"(?P<minute>\d{1,3}):(?P<second>\d{2}[.,]\d+)"
 _MEASURE = re.compile(r"(.*\d[.,]?)\s*(\D+)", re.ASCII)
 
 
@@ -162,15 +162,14 @@ def is_stamp(cell: str) -> bool:
 
 
 def _duration(cell: str) -> float | None:
-    """Seconds of a duration; None of a time of day, which has a date or no sign."""
-    written = cell[:1] in ("+", "-", "P") or " day" in cell
-    parts = (
-        next((found for form in _DURATIONS if (found := re.fullmatch(form, cell, re.ASCII))), None) if written else None
-    )
-    if parts is None:
+    """Seconds of a duration, or of minutes and seconds; None of a time of day, which has a date or no sign."""
+    forms = _DURATIONS if cell[:1] in ("+", "-", "P") or " day" in cell else (_MINUTES,)
+    found = next((found for form in forms if (found := re.fullmatch(form, cell, re.ASCII))), None)
+    if found is None:
         return None
-    day, hour, minute, second = (float((parts[name] or "0").replace(",", ".")) for name in _PARTS)
-    sign = -1.0 if parts["sign"] == "-" else 1.0
+    parts = {name: part for name, part in found.groupdict().items() if part}
+    day, hour, minute, second = (float(parts.get(name, "0").replace(",", ".")) for name in _PARTS)
+    sign = -1.0 if parts.get("sign") == "-" else 1.0
     return DAY_S * day * (sign if "P" in cell else 1.0) + sign * (3600.0 * hour + 60.0 * minute + second)
 
 
@@ -181,9 +180,6 @@ def seconds_of_stamp(cell: str) -> tuple[float, str] | None:
     """Seconds since midnight (or the start) and the date as written (empty without one); None of no such cell."""
     if (duration := _duration(cell)) is not None:
         return duration, ""
-    short = _MINUTES.fullmatch(cell)
-    if short is not None:
-        return int(short[1]) * 60.0 + float(f"{int(short[2])}.{short[3]}"), ""
     parts = _STAMP.fullmatch(cell if ":" in cell[:-3] else _COMPACT.sub(r"\1-\2-\3T\4:\5:\6\7", cell))
     if parts is None or int(parts[2]) > 23 or int(parts[3]) > 59 or int(parts[4]) > 60:
         return None

@@ -120,8 +120,9 @@ def _named(columns: Sequence[Column], role: str, word: str, log: ImportLog) -> C
         alike = [columns[int(wanted) - 1]]
     if not alike:
         titles = [column.short for column in columns[:12] if column.title] or [f"1 to {len(columns)}"]
-        message = f"--columns {role}: {unknown_name('column', word, titles)}"
-        raise log.fault(message, "unknown_name", "columns", word, titles)
+        raise log.fault(
+            f"--columns {role}: {unknown_name('column', word, titles)}", "unknown_name", "columns", word, titles
+        )
     if len(alike) > 1:
         numbers = ", ".join(str(column.index + 1) for column in alike)
         raise log.question(f"columns {numbers} are named '{word}'", f"--columns {role}={alike[0].index + 1}")
@@ -255,8 +256,9 @@ def choose_by_behaviour(
         option = "--columns " + shlex.quote(",".join(f"{role}={guess[role].label}" for role in missing))
         option += " --units " + ",".join(f"{role}={units.get(role, BASE[KIND_OF_ROLE[role]])}" for role in missing)
         listed = ", ".join(f"{role} may be column {guess[role].label}" for role in missing)
-        doubt = f"neither names nor units say which column is {' or '.join(missing)}; by what they do {listed}"
-        raise log.question(doubt, option)
+        raise log.question(
+            f"neither names nor units say which column is {' or '.join(missing)}; by what they do {listed}", option
+        )
     for role in missing:
         log.decide(f"{role} column", guess[role].label, _BEHAVIOUR[role])
     return guess

@@ -201,8 +201,9 @@ def workbook_texts(data: bytes, log: ImportLog) -> dict[str, str]:
     if data.startswith(b"PK"):
         with zipfile.ZipFile(io.BytesIO(data)) as packed:
             if sum(part.file_size for part in packed.infolist()) > MOST_BYTES:
-                message = f"unpacks to more than {MOST_BYTES // 10**6} MB; save the sheet as CSV"
-                raise log.fault(message, "too_large", "workbook")
+                raise log.fault(
+                    f"unpacks to more than {MOST_BYTES // 10**6} MB; save the sheet as CSV", "too_large", "workbook"
+                )
     try:
         book = CalamineWorkbook.from_filelike(io.BytesIO(data))
         read = {
@@ -210,10 +211,11 @@ def workbook_texts(data: bytes, log: ImportLog) -> dict[str, str]:
             for title in book.sheet_names
         }
     except Exception as problem:  # of calamine's own kinds, by what is wrong with the file
-        message = (
-            f"cannot be read as a workbook ({type(problem).__name__}); save it again without a password, or as CSV"
-        )
-        raise log.fault(message, "file_unreadable", "workbook") from None
+        raise log.fault(
+            f"cannot be read as a workbook ({type(problem).__name__}); save it again without a password, or as CSV",
+            "file_unreadable",
+            "workbook",
+        ) from None
     sheets = {title: rows for title, rows in read.items() if sum(map(_numeric, rows)) >= 3}
     if not sheets:
         message = "no sheet holds a table of numbers; export time, displacement and force as columns"
@@ -276,8 +278,9 @@ def _sheets_of_tests(sheets: dict[str, list[list[str]]], log: ImportLog) -> dict
         log.decide("sheets left out", ", ".join(others), "other sheets name time, displacement and force; these do not")
     wider = [title for title in widths if any(any(row[widths[title] :]) for row in sheets[title])]
     if wider:
-        why = "cells to the right of the last named column are no part of the table"
-        log.decide("cells left out", ", ".join(wider), why)
+        log.decide(
+            "cells left out", ", ".join(wider), "cells to the right of the last named column are no part of the table"
+        )
     return {title: [row[:width] for row in sheets[title]] for title, width in widths.items()}
 
 

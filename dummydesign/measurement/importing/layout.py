@@ -107,9 +107,12 @@ def find_layout(text: str, log: ImportLog) -> TableLayout:
     inside = [_units_inside(column, kind, cells) for column, kind in zip(full, kinds)]
     words = (map(vocabulary.roles_of_name, set(column)) for column, kind in zip(full, kinds) if kind == "text")
     if any(frozenset[str]().union(*roles) >= {"displacement", "force"} for roles in words):
-        message = "one row a reading: the quantity is named in the row; pivot it to a column for each quantity"
         raise log.fault(
-            message + ", in pandas by pivot(index, columns, values)", "malformed", "table", line=first + skipped + 1
+            "one row a reading: the quantity is named in the row; pivot it to a column for each quantity, in pandas by "
+            "pivot(index, columns, values)",
+            "malformed",
+            "table",
+            line=first + skipped + 1,
         )
     sparse = any(kind == "number" and _gaps(column) >= LEAST_GAPS for column, kind in zip(full, kinds))
     decimal = _decimal(cells, separator, log)
@@ -287,8 +290,9 @@ def _decimal(cells: Sequence[str], separator: str, log: ImportLog) -> str:
         return given
     few, many = sorted((".", ","), key=lambda sign: seen[sign])
     if seen[few] > 0.02 * seen[many]:
-        doubt = f"{seen['.']} numbers have a decimal dot and {seen[',']} a decimal comma"
-        raise log.question(doubt, "--decimal . or --decimal ,")
+        raise log.question(
+            f"{seen['.']} numbers have a decimal dot and {seen[',']} a decimal comma", "--decimal . or --decimal ,"
+        )
     if seen[many]:
         log.decide("decimal", many, f"{seen[many]} of the numbers looked at can be read in this way only")
         return many

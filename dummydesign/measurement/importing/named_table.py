@@ -62,11 +62,12 @@ def read_named_table(path: Path, what: str, columns: Sequence[str], optional: Se
     for column in columns:
         if column not in [key for key, _ in keys] and column not in optional:
             shown = ", ".join(f"'{cell}'" for cell in header or text.split("\n", 1)[0].split(","))[:200]
-            message = (
+            raise InputError(
                 f"{path.name}:1: column '{column}' is missing (found {shown}); the header must be "
-                f"{','.join(columns)}, or name each quantity with its unit, such as 'Depth (cm)'"
+                f"{','.join(columns)}, or name each quantity with its unit, such as 'Depth (cm)'",
+                "missing",
+                column,
             )
-            raise InputError(message, "missing", column)
     try:
         read = list(_split(text, separator))
     except csv.Error as problem:

@@ -276,9 +276,9 @@ def doubts_of(trace: Trace, resolution_N: float = 0.0) -> list[dict[str, str]]:
     log = ImportLog(trace.name, Settings(flip=frozenset()))
 
     def warn(code: str, message: str) -> None:
-        if code in (NO_HOLD, DELAYED, NO_TRAVEL):
-            return  # its user says whether a hold is needed, and declares a filter; its zero is the contact
-        log.warn(code, message + (import_first(trace.name) if code in MENDED else ""))
+        # its user says whether a hold is needed, and declares a filter; its zero is the contact
+        if code not in (NO_HOLD, DELAYED, NO_TRAVEL):
+            log.warn(code, message + (import_first(trace.name) if code in MENDED else ""))
 
     time, x, force = trace.time_s, trace.displacement_mm, trace.force_N
     try:

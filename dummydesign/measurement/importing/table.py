@@ -106,16 +106,14 @@ def columns_of(text: str, log: ImportLog) -> Columns:
     chosen = {role: choose_one(role, candidates[role], values, log) for role in ROLES[1:] if candidates[role]}
     chosen |= choose_by_behaviour(columns, chosen, missing, values, log)
     time, x, force, inside = _quantities(columns, candidates, chosen, values, layout.rate_Hz, log)
-    lines = body.lines[inside]
     breaks = np.flatnonzero(np.isin(np.flatnonzero(inside), body.breaks)).tolist()
-    order, time, recordings = rows_in_order(time, layout.repeats, breaks, lines, log)
+    order, time, recordings = rows_in_order(time, layout.repeats, breaks, body.lines[inside], log)
     x, force = x[order], force[order]
     time, recordings = join_steps(time, x, force, recordings, log)
     if (delay := log.settings.delay) is not None:
         time, x, force, recordings = shift(time, x, force, recordings, delay)
         log.decide("delay", f"{delay:g} s", "given by --delay: the displacement is taken from so much earlier")
-    found = {role: chosen.get(role, _NAMELESS) for role in ROLES}
-    return Columns(time, x, force, recordings, layout, found)
+    return Columns(time, x, force, recordings, layout, {role: chosen.get(role, _NAMELESS) for role in ROLES})
 
 
 def _quantities(
@@ -187,8 +185,9 @@ def _read_bytes(path: Path) -> bytes:
         data = path.read_bytes()
         after = path.stat()
     if (before.st_size, before.st_mtime_ns) != (after.st_size, after.st_mtime_ns) or len(data) != after.st_size:
-        message = f"{path.name}: is being written just now; wait for the test to end"
-        raise InputError(message, "changed_meanwhile", "file")
+        raise InputError(
+            f"{path.name}: is being written just now; wait for the test to end", "changed_meanwhile", "file"
+        )
     return data
 
 
@@ -331,5 +330,6 @@ def _cell_fault(layout: TableLayout, index: int, column: int, cell: str, log: Im
         message = f"{name}: {what}: the recording dropped out here; cut the file there or export it again"
         return log.fault(message, "missing", "cell", cell, line=line)
     sign = "dot" if layout.decimal == "." else "comma"
-    message = f"{name} = '{cell[:40]}' is not a number with a decimal {sign}"
-    return log.fault(message, "not_a_number", "cell", cell[:40], line=line)
+    return log.fault(
+        f"{name} = '{cell[:40]}' is not a number with a decimal {sign}", "not_a_number", "cell", cell[:40], line=line
+    )

@@ -253,8 +253,9 @@ def rows_in_order(
     twice = np.array([row for row in equal.tolist() if repeats(int(lines[row]))], int)
     # rows of a coarse time are alike where nothing moves; where all that are equal are alike, they are one row
     if len(twice) and (len(twice) == len(equal) or len(equal) < COARSE * len(time)):
-        why = f"word for word the row before; the first is line {lines[twice[0]]}"
-        log.decide("repeated rows", f"{len(twice)} rows", why)
+        log.decide(
+            "repeated rows", f"{len(twice)} rows", f"word for word the row before; the first is line {lines[twice[0]]}"
+        )
         order = np.delete(order, twice)
     kept = time[order]
     interrupted = set(np.searchsorted(order, list(breaks)).tolist())

@@ -17,7 +17,8 @@ SLOW = {"velocity_mm_s": 10.0, "hold_s": 5.0, "filtered": False}
 
 
 def judged(time, x, force):
-    return judge_press(time, x, force, summarise("a.csv", time, x, force))
+    summary = summarise("a.csv", time, x, force)
+    return judge_press(time, x, force, summary, 0.0, find_delay(time, x, force, summary)[0])
 
 
 def read(tmp_path, time, x, force, **settings):

@@ -161,8 +161,8 @@ NEAR = 0.1
 def pad_with_record(table: TomlTable, record: PadRecord) -> TomlTable:
     """Fill the table of a campaign's pad with what it leaves out, from the record."""
     puck, data = record.shape == "puck", table.data
-    known: dict[str, Any] = {"shape": "cylinder" if puck else record.shape}
-    known |= {"diameter_mm": record.length_mm} if puck else {"length_mm": record.length_mm, "width_mm": record.width_mm}
+    slab = {"shape": record.shape, "length_mm": record.length_mm, "width_mm": record.width_mm}
+    known: dict[str, Any] = {"shape": "cylinder", "diameter_mm": record.length_mm} if puck else slab
     for key, value in known.items():
         if key in data and data[key] != value:
             message = f"{table.where('record')}: {key} = {data[key]!r}, but the record is of a pad with {value!r}"

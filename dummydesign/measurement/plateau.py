@@ -77,8 +77,7 @@ def find_plateau(time: NDArray, x: NDArray, start: int, noise: float) -> Plateau
     last, released, back = _leaving(time, x, top, noise)
     if last <= first or not _stands(time, x, top, start, (first, last), (window, back if released else 0.0), noise):
         return Plateau(top, float(time[first]), float(time[first]), False, 0.0, float(time[first]))
-    half = int(np.searchsorted(time, 0.5 * (time[first] + time[last])))
-    half = min(half, max(last - 1, first))
+    half = min(int(np.searchsorted(time, 0.5 * (time[first] + time[last]))), max(last - 1, first))
     level = _level(time[half : last + 1], x[half : last + 1], noise, top)
     inside = slice(first, last + 1)
     close = np.abs(x[inside] - level) <= max(NEAR_MM, NEAR_SHARE * top)
@@ -233,8 +232,7 @@ def _end(time: NDArray, x: NDArray, depth: float, ends: tuple[int, int], swing: 
     ramp = depth / max(float(time[first] - time[0]), 1e-9)
     if back is None and not fallen.size and speed < SAG * ramp:
         return float(time[-1])
-    end = float(time[last]) - wander / max(speed, 1e-9)
-    end = max(end, float(time[first]))
+    end = max(float(time[last]) - wander / max(speed, 1e-9), float(time[first]))
     if back is not None and float(time[slow]) > end + 2.0 * back:
         return float(time[slow])
     return end

@@ -138,8 +138,7 @@ def find_baseline(
         parts = standing + np.array_split(np.arange(start + stand, start + count), 5)
     leading = len(parts)
     half_mm = place_mm - 0.5 * (place_mm - float(x[start:at].min()))
-    back = deepest + np.nonzero(x[deepest:stop] < min(free_mm, half_mm))[0]
-    back = back[back > deepest]
+    back = deepest + 1 + np.nonzero(x[deepest + 1 : stop] < min(free_mm, half_mm))[0]
     if len(back) >= 2 * LEAST_LEAD_IN:
         parts += np.array_split(back, 5)
     return _with_changes(plain, parts, leading, time, x, load, (deepest, stop), noise)

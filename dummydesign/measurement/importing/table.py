@@ -286,8 +286,7 @@ def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, g
     finite = (np.isfinite(values) | np.isnan(values)).all(axis=1)
     if not finite.all():
         raise log.fault("a number is too large", "out_of_range", "cell", line=numbers[int(np.argmin(finite))])
-    breaks = dict.fromkeys(row for _, row in between if 0 < row < len(rows))
-    return TableBody(values, np.array(numbers, int), tuple(breaks))
+    return TableBody(values, np.array(numbers, int), tuple(row for _, row in between if 0 < row < len(rows)))
 
 
 def _warn_left_out(lines: Sequence[int], code: str, what: str, log: ImportLog) -> None:

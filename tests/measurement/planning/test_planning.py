@@ -21,7 +21,7 @@ from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.selection.doubts import ODD_SPEED, labels_of
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.measurement.campaign_plan import FRESH_REST_S, PlanSettings, file_name, make_plan
-from dummydesign.measurement.campaign_status import check_campaign
+from dummydesign.measurement.campaign_presses import check_campaign
 from dummydesign.measurement.motion import contact_velocity, ramp_and_hold
 from dummydesign.tissue.comparison import PressTest, missing_of
 from tests.support.pressed_plan import press_campaign

@@ -105,9 +105,8 @@ def slowing(
     window = max(least / speed, 3.0 * float(np.median(np.diff(time[start : late + 4]))))
     until = int(np.searchsorted(time, time[-1] - window, side="right"))
     ahead = np.interp(time[late:until] + window, time, x) - x[late:until]
-    slow = np.argmax(ahead <= share * speed * window) if len(ahead) else 0
-    found = len(ahead) and ahead[slow] <= share * speed * window
-    return late + (int(slow) if found else len(time) - late - 1), window
+    slow = np.flatnonzero(ahead <= share * speed * window)
+    return late + int(slow[0]) if len(slow) else len(time) - 1, window
 
 
 def ramp_start(time: NDArray, x: NDArray, noise_mm: float) -> tuple[int, float, float]:

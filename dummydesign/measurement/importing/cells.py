@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from datetime import datetime
 
@@ -29,6 +30,13 @@ def split(line: str, separator: str) -> list[str]:
         except (csv.Error, StopIteration):
             return [cell.strip().strip('"') for cell in line.split(separator)]
     return [cell.strip() for cell in line.split(separator)]
+
+
+def without_empty_end(cells: list[str], width: int = 0) -> list[str]:
+    """Cells without the empty ones at their end, as many as a table is wide at least."""
+    while len(cells) > width and not cells[-1]:
+        cells = cells[:-1]
+    return cells
 
 
 def is_comment(line: str) -> bool:
@@ -131,29 +139,30 @@ def has_thousands(cell: str, decimal: str) -> bool:
 
 
 def decimal_evidence(cells: Iterable[str]) -> dict[str, int]:
-    """Count numbers that can only be read with a dot, or only with a comma, as decimal sign; and the undecided.
+    """Count numbers that can only be read with a dot, or only with a comma, as decimal sign; and the undecided."""
+    count = Counter(map(_decimal_sign, cells))
+    return {sign: count[sign] for sign in (".", ",", "either")}
+
+
+def _decimal_sign(cell: str) -> str:
+    """The only decimal sign that a number can have, or ``either``; empty where it has none.
 
     A single sign followed by exactly three digits, as in 1,795, may be either; 0,795 and 17,95 are decimals, and
     with two kinds of sign the last one is the decimal sign.
     """
-    count = {".": 0, ",": 0, "either": 0}
-    for cell in cells:
-        mantissa = re.split("[eE]", cell.translate(_MINUS).lstrip("+-"))[0].translate(_NO_GROUPS)
-        dots, commas = mantissa.count("."), mantissa.count(",")
-        if not dots and not commas:
-            continue
-        if dots and commas:
-            count["." if mantissa.rindex(".") > mantissa.rindex(",") else ","] += 1
-            continue
-        sign, other = (".", ",") if dots else (",", ".")
-        if dots + commas > 1:
-            count[other] += 1
-            continue
-        before, after = mantissa.split(sign)
-        grouped = len(after) == 3 and 1 <= len(before) <= 3 and not before.startswith("0")
-        exponent = len(mantissa) < len(cell.lstrip("+-−"))
-        count["either" if grouped and not exponent else sign] += 1
-    return count
+    mantissa = re.split("[eE]", cell.translate(_MINUS).lstrip("+-"))[0].translate(_NO_GROUPS)
+    dots, commas = mantissa.count("."), mantissa.count(",")
+    if not dots and not commas:
+        return ""
+    if dots and commas:
+        return "." if mantissa.rindex(".") > mantissa.rindex(",") else ","
+    sign, other = (".", ",") if dots else (",", ".")
+    if dots + commas > 1:
+        return other
+    before, after = mantissa.split(sign)
+    grouped = len(after) == 3 and 1 <= len(before) <= 3 and not before.startswith("0")
+    exponent = len(mantissa) < len(cell.lstrip("+-−"))
+    return "either" if grouped and not exponent else sign
 
 
 def is_stamp(cell: str) -> bool:

@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 
-from dummydesign.measurement.importing.cells import SEPARATORS, split
+from dummydesign.measurement.importing.cells import SEPARATORS, split, without_empty_end
 from dummydesign.measurement.importing.decisions import ImportLog
 from dummydesign.measurement.importing.vocabulary import KIND_OF_ROLE, ROLES, roles_of_name, split_name, words_of
 
@@ -141,9 +141,7 @@ def specimens(text: str, log: ImportLog) -> dict[str, str]:
 
 def _period(names: list[str]) -> int:
     """How many columns belong to one specimen; 0 where the names do not repeat."""
-    while names and not names[-1]:
-        names = names[:-1]
-    read = [split_name(name) for name in names]
+    read = [split_name(name) for name in without_empty_end(names)]
     keys = [(tuple(words_of(name)), unit.text if unit else "") for name, unit in read]
     for width in range(len(ROLES), (len(keys) + 1) // 2 + 1):
         rest = len(keys) % width

@@ -263,9 +263,7 @@ def _bounds(lines: Sequence[str], separator: str, kinds: Sequence[str]) -> tuple
 
     first = next((index for index in range(len(lines)) if begins(index)), len(lines))
     first += _counts_columns(lines, first, separator)
-    last = len(lines)
-    while last > first and not row(last - 1):
-        last -= 1
+    last = next((index + 1 for index in range(len(lines) - 1, first - 1, -1) if row(index)), first)
     return first, last
 
 
@@ -346,8 +344,7 @@ def _header_cells(line: str, separator: str, width: int) -> list[str] | None:
         ways.insert(0, [part.strip() for part in text.replace("\t", "  ").split("  ") if part.strip()])
     ways += [cell_text.split(text, other) for other in SEPARATORS if other not in (separator, " ") and other in text]
     for cells in ways:
-        while len(cells) > width and not cells[-1]:
-            cells = cells[:-1]
+        cells = cell_text.without_empty_end(cells, width)
         if len(cells) == width - 1 >= 2 and separator != " ":
             cells = [*cells, ""]
         if len(cells) == width:

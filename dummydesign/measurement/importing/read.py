@@ -288,12 +288,13 @@ def files_of(paths: Iterable[str | Path]) -> list[tuple[Path, bool]]:
         inside = [path]
         if path.is_dir():
             try:
-                inside = sorted(p for p in path.iterdir() if p.is_file() and not p.name.startswith("."))
+                inside = sorted(
+                    p for p in path.iterdir() if p.is_file() and p.suffix.lower() in ENDINGS and p.name[0] != "."
+                )
             except OSError as problem:
                 raise InputError(
                     f"folder '{path}' cannot be read: {problem.strerror or problem}", "file_unreadable", "folder"
                 ) from None
-            inside = [p for p in inside if p.suffix.lower() in ENDINGS]
             if not inside:
                 message = f"folder '{path}' holds no file that may be a trace ({', '.join(ENDINGS)})"
                 raise InputError(message, "nothing_found", "folder")

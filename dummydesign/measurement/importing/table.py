@@ -235,9 +235,7 @@ def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, g
         line = layout.lines[index]
         if not line.strip() or cell_text.is_comment(line):
             continue
-        cells = layout.cells(line)
-        while len(cells) > width and not cells[-1]:
-            cells = cells[:-1]
+        cells = cell_text.without_empty_end(layout.cells(line), width)
         wanted = [cells[column] if column < len(cells) else "" for column in columns]
         row = [_read_cell(cell, column, layout) for cell, column in zip(wanted, columns)]
         short = len(cells) != width and sum(number is not None for number in row) <= 1
@@ -286,7 +284,8 @@ def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, g
     finite = (np.isfinite(values) | np.isnan(values)).all(axis=1)
     if not finite.all():
         raise log.fault("a number is too large", "out_of_range", "cell", line=numbers[int(np.argmin(finite))])
-    return TableBody(values, np.array(numbers, int), tuple(row for _, row in between if 0 < row < len(rows)))
+    breaks = dict.fromkeys(row for _, row in between if 0 < row < len(rows))
+    return TableBody(values, np.array(numbers, int), tuple(breaks))
 
 
 def _warn_left_out(lines: Sequence[int], code: str, what: str, log: ImportLog) -> None:

@@ -288,11 +288,14 @@ def _sorted(time: NDArray, lines: NDArray, log: ImportLog) -> NDArray:
     most = max(1.5 * usual, 1.2 * float(steps[~touched].max(initial=0.0)))
     if np.any(steps[touched] > most) or np.any(steps[touched] < 0.3 * usual):
         at = int(back[0])
-        message = (
+        raise log.fault(
             f"time = {time[at]:.6g} s goes back (the row before has {time[at - 1]:.6g} s; {len(back)} such "
-            f"row{'s' * (len(back) > 1)}) and fits nowhere else: remove or correct these rows"
+            f"row{'s' * (len(back) > 1)}) and fits nowhere else: remove or correct these rows",
+            "malformed",
+            "time_s",
+            float(time[at]),
+            line=int(lines[at]),
         )
-        raise log.fault(message, "malformed", "time_s", float(time[at]), line=int(lines[at]))
     why = f"their times fit between those of other rows; the first is line {int(lines[back[0]])}"
     log.decide("rows sorted by time", f"{len(back)} rows", why)
     return order
@@ -355,8 +358,11 @@ def _line(at: NDArray, time: NDArray) -> tuple[float, NDArray, float, float]:
 def _too_coarse(time: NDArray, lines: NDArray, log: ImportLog) -> Exception:
     stamps = np.unique(time)
     digit = float(np.min(np.diff(stamps))) if len(stamps) > 1 else 0.0
-    message = (
+    return log.fault(
         f"the time has only {len(stamps)} different values in {len(time)} rows, {digit:.3g} s apart: coarser than the "
-        "sampling; export it with more digits, or say --rate HZ where the samples are even"
+        "sampling; export it with more digits, or say --rate HZ where the samples are even",
+        "malformed",
+        "time_s",
+        float(time[0]),
+        line=int(lines[0]),
     )
-    return log.fault(message, "malformed", "time_s", float(time[0]), line=int(lines[0]))

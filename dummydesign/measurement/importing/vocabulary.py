@@ -22,8 +22,7 @@ _SIGNS, _PARTS = (
     for key in ("signs", "parts")
 )
 """Parts of names with their role, the longest first."""
-_SAMPLING = tuple(_DATA["sampling"]["words"].split())
-_FILTERS = tuple(_DATA["sampling"]["filters"].split())
+_SAMPLING, _FILTERS = (tuple(_DATA["sampling"][key].split()) for key in ("words", "filters"))
 _RATES = {name: float(hertz) for hertz, names in _DATA["sampling"]["rates"].items() for name in names.split()}
 _LETTERS = {"t": "time", "f": "force", "s": "displacement", "d": "displacement"}
 """Names of a single letter."""

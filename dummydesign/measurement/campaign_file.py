@@ -253,8 +253,7 @@ def _read_punch(table: TomlTable, folder: Path) -> PunchSpec:
     if shape == "profile":
         profile = read_profile(folder / _read_file_name(table, folder))
     contact = _read_interface(table, "contact", (*CONDITIONS, FRICTION))
-    edge = table.number("edge_radius_mm", 0.0, low=0.0, high=100.0)
-    return PunchSpec(shape, side, diameter, contact, profile, edge)
+    return PunchSpec(shape, side, diameter, contact, profile, table.number("edge_radius_mm", 0.0, low=0.0, high=100.0))
 
 
 def _read_sensor(table: TomlTable) -> tuple[Lowpass | None, float]:

@@ -149,8 +149,7 @@ def trials_of(
     """Find what was pressed in each file: by the table, else by its name, else by its trace or what holds for all."""
     paths = [Path(file) for file in files]
     names = [path.name for path in paths]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice:
+    if twice := next((name for name in names if names.count(name) > 1), None):
         raise InputError(
             f"two files are called '{twice}'; a campaign holds plain file names, each once", "duplicate", "file", twice
         )
@@ -302,15 +301,13 @@ def check_campaign(folder: str | Path) -> CampaignStatus:
     for copy in copies_among(traces):
         problem(copy["code"], "", copy["message"])
     for key in ("temperature_C", "age_days", "rest_s", "sequence"):
-        lacking = [trial["file"] for trial in trials if trial.get("file") in pressed and key not in trial]
-        if lacking:
+        if lacking := [trial["file"] for trial in trials if trial.get("file") in pressed and key not in trial]:
             some = ", ".join(lacking[:3]) + (f" and {len(lacking) - 3} more" if len(lacking) > 3 else "")
             warnings.append(
                 {"code": f"no_{key}", "message": f"{key} is missing for {some}: fill it in before you learn"}
             )
     listed = {*(str(trial.get("file")) for trial in trials), *OWN_TABLES}
-    extra = sorted(path.name for path in folder.glob("*.csv") if path.name not in listed)
-    if extra:
+    if extra := sorted(path.name for path in folder.glob("*.csv") if path.name not in listed):
         message = f"in the folder and in no trial: {', '.join(extra[:5])}{' ...' if len(extra) > 5 else ''}"
         warnings.append({"code": "not_listed", "message": message})
     if not missing and not wrong:
@@ -331,9 +328,8 @@ def _positive(table: dict[str, Any], key: str) -> float:
 def differences_from_plan(trace: Trace, trial: dict[str, Any]) -> Iterator[str]:
     """Return the differences between a press and what was planned."""
     ramp = ramp_of(trace)
-    sent = planned_velocity(ramp, _positive(trial, "velocity_mm_s"))
     differences = {
-        "velocity_mm_s": (sent, SPEED_SHARE, "mm/s"),
+        "velocity_mm_s": (planned_velocity(ramp, _positive(trial, "velocity_mm_s")), SPEED_SHARE, "mm/s"),
         "target_force_N": (held_force(trace, ramp), FORCE_SHARE, "N in the hold"),
         "target_depth_mm": (ramp.depth_mm, DEPTH_SHARE, "mm"),
     }

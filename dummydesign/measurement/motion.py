@@ -56,8 +56,7 @@ def work_to_deepest_mJ(displacement_mm: NDArray, force_N: NDArray) -> NDArray:
 
 def contact_velocity(velocity_mm_s: ArrayLike, depth_mm: ArrayLike, deceleration_mm_s2: float) -> NDArray:
     """Speed at first touch: as commanded, or sqrt(2 a depth) if braking begins above the surface. [mm/s]"""
-    fastest = np.sqrt(2.0 * deceleration_mm_s2 * np.asarray(depth_mm, float))
-    return np.minimum(np.asarray(velocity_mm_s, float), fastest)
+    return np.minimum(np.asarray(velocity_mm_s, float), np.sqrt(2.0 * deceleration_mm_s2 * np.asarray(depth_mm, float)))
 
 
 def ramp_and_hold(

@@ -6,7 +6,7 @@ import csv
 import io
 import math
 import shlex
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -111,8 +111,7 @@ def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[
     rows = csv.reader(io.StringIO(text))
     header = [cell.strip() for cell in next(rows, [])]
     columns, sizes = columns_in(tuple(names), header)
-    missing = next((name for name, column in zip(names, columns) if column is None), "")
-    if missing:
+    if missing := next((name for name, column in zip(names, columns) if column is None), ""):
         from dummydesign.measurement.importing.vocabulary import absent_roles, absent_words
 
         roles = [name.partition("_")[0] for name in names]
@@ -128,8 +127,7 @@ def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[
     plain = numbers_at_once(body.split("\n"), ",", places) if body and '"' not in text else None
     values: list[list[float]] = []
     lines: list[int] = [] if plain is None else list(range(2, len(plain) + 2))
-    one_by_one: Iterable[list[str]] = rows if plain is None else ()
-    for row in one_by_one:
+    for row in rows if plain is None else ():
         if not any(cell.strip() for cell in row):
             continue
         where = f"{path.name}:{rows.line_num}"
@@ -179,8 +177,7 @@ def _header_advice(missing: str, header: list[str], names: Sequence[str]) -> str
     """What may stand in the header instead of the missing column."""
     if len(header) == 1 and (";" in header[0] or "\t" in header[0]):
         return "; the columns must be separated by commas"
-    alike = [column for column in header if column.lower().startswith(missing.split("_")[0])]
-    if alike:
+    if alike := [column for column in header if column.lower().startswith(missing.split("_")[0])]:
         return f"; found '{alike[0]}': convert it to the unit in the name '{missing}'"
     return f"; the header must be {','.join(names)} (found {','.join(header) or 'nothing'})"
 
@@ -388,7 +385,6 @@ def press_quantities(time: NDArray, x: NDArray, force: NDArray) -> dict[str, flo
     way s is the rest of the depth, or that of one sample.
     """
     depth, largest = float(x.max()), float(force.max())
-    step = float(np.median(np.diff(time)))
     ends = [[time_at(time, x, share * depth) for share in part] for part in (RISE, END)]
     speed, last = ((high - low) * depth / max(b - a, 1e-12) for (low, high), (a, b) in zip((RISE, END), ends))
     top = max(int(np.argmax(x >= END[1] * depth)), 1)
@@ -398,7 +394,7 @@ def press_quantities(time: NDArray, x: NDArray, force: NDArray) -> dict[str, flo
         "depth_mm": depth,
         "speed_mm_s": speed,
         "stop_mm_s2": last**2 / (2.0 * way),
-        "step_s": step,
+        "step_s": float(np.median(np.diff(time))),
         "stiffness_N_mm": largest / max(depth, 1e-12),
     }
 

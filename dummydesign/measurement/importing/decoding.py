@@ -221,8 +221,7 @@ def workbook_texts(data: bytes, log: ImportLog) -> dict[str, str]:
         message = "no sheet holds a table of numbers; export time, displacement and force as columns"
         raise log.fault(message, "nothing_found", "table")
     if log.settings.sheets is not None:
-        kept = chosen_sheets(log.settings.sheets, list(sheets), log.file)
-        sheets = {title: rows for title, rows in sheets.items() if title in kept}
+        sheets = {title: sheets[title] for title in chosen_sheets(log.settings.sheets, list(sheets), log.file)}
     tests = _sheets_of_tests(sheets, log)
     log.decide("sheets", ", ".join(tests), "the sheets that hold rows of numbers")
     texts = {title: "".join("\t".join(row).rstrip("\t") + "\n" for row in rows) for title, rows in tests.items()}
@@ -273,11 +272,9 @@ def _sheets_of_tests(sheets: dict[str, list[list[str]]], log: ImportLog) -> dict
     widths = {title: width for title, rows in sheets.items() if (width := _named_width(rows))}
     if not widths:
         return sheets
-    others = [title for title in sheets if title not in widths]
-    if others:
+    if others := [title for title in sheets if title not in widths]:
         log.decide("sheets left out", ", ".join(others), "other sheets name time, displacement and force; these do not")
-    wider = [title for title in widths if any(any(row[widths[title] :]) for row in sheets[title])]
-    if wider:
+    if wider := [title for title in widths if any(any(row[widths[title] :]) for row in sheets[title])]:
         log.decide(
             "cells left out", ", ".join(wider), "cells to the right of the last named column are no part of the table"
         )

@@ -117,8 +117,7 @@ def specimens(text: str, log: ImportLog) -> dict[str, str]:
     lines = text[: _HEAD * 1000].splitlines()[first : first + _HEAD]
     heads = ((at, sign) for at in range(len(lines)) for sign in SEPARATORS if sign != " ")
     for at, separator in heads:
-        wide = lines[at].count(separator) >= 2 * len(ROLES) - 1
-        width = _period(split(lines[at], separator)) if wide else 0
+        width = _period(split(lines[at], separator)) if lines[at].count(separator) >= 2 * len(ROLES) - 1 else 0
         if width:
             break
     else:

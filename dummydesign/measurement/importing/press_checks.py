@@ -170,8 +170,7 @@ def _several_holds(press: _Press) -> Doubts:
         return not jumps or min(jumps) > 0.5 * abs(float(np.median(x[a:b])) - summary.depth_mm)
 
     runs = ((a, b) for a, b in true_runs(pressed) if (b - a) * step > least_s)
-    plateaus = [float(np.median(x[a:b])) for a, b in runs if stepped(a, b)]
-    if plateaus:
+    if plateaus := [float(np.median(x[a:b])) for a, b in runs if stepped(a, b)]:
         depths = ", ".join(f"{depth:.2f}" for depth in sorted({*plateaus, summary.depth_mm}))
         yield (
             "several_holds",

@@ -109,8 +109,7 @@ def find_bases(chosen: Mapping[str, Column], times: Sequence[Column]) -> dict[st
     """
     if len(times) < 2:
         return {}
-    places = [one.index for one in times]
-    before = min(places) < min(column.index for column in chosen.values())
+    before = min(one.index for one in times) < min(column.index for column in chosen.values())
     bases: dict[str, Column] = {}
     for role, column in chosen.items():
         named = [one for one in times if role in known.meanings_of(known.split_name(one.title)[0])]

@@ -383,6 +383,11 @@ def press_quantities(time: NDArray, x: NDArray, force: NDArray) -> dict[str, flo
 
     The braking is the least with which the speed between 88 and 98 % of the depth ends there: v^2 / (2 s), where the
     way s is the rest of the depth, or that of one sample.
+
+    Parameters
+    ----------
+    time, x, force : ndarray, shape (n,)
+        Zero near contact, compression positive. [s, mm, N]
     """
     depth, largest = float(x.max()), float(force.max())
     ends = [[time_at(time, x, share * depth) for share in part] for part in (RISE, END)]

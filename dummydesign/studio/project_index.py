@@ -17,7 +17,7 @@ from dummydesign.core.manifest import sha256_of
 from dummydesign.geometry.shape_registry import read_shape, shape_kinds
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.measurement.campaign_file import read_campaign_toml
-from dummydesign.measurement.campaign_from_files import read_trials
+from dummydesign.measurement.campaign_presses import read_trials
 from dummydesign.mold.pour.acceptance import GaugePoint
 from dummydesign.mold.pour.record import read_points
 from dummydesign.project.status import finished_manifest, measured, things_in

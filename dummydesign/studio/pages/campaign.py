@@ -13,8 +13,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import read_json
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.measurement.campaign_file import FILE
-from dummydesign.measurement.campaign_from_files import read_trials, write_trial_values
-from dummydesign.measurement.campaign_status import CampaignStatus, check_campaign
+from dummydesign.measurement.campaign_presses import CampaignStatus, check_campaign, read_trials, write_trial_values
 from dummydesign.project.folder import Project
 from dummydesign.studio import file_transfer, jobs, project_index, select_options, trash, widgets
 from dummydesign.studio.file_actions import DropList, manage, undo_bar

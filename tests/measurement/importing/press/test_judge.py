@@ -8,16 +8,17 @@ import pytest
 from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.judge import find_delay, judge_press
-from dummydesign.measurement.importing.position_steps import read_between_changes
 from dummydesign.measurement.importing.read import import_files
 from dummydesign.measurement.ramp_detection import summarise
+from dummydesign.measurement.sensor import read_between_changes
 from tests.support.machine_presses import recording
 
 SLOW = {"velocity_mm_s": 10.0, "hold_s": 5.0, "filtered": False}
 
 
 def judged(time, x, force):
-    return judge_press(time, x, force, summarise("a.csv", time, x, force))
+    summary = summarise("a.csv", time, x, force)
+    return judge_press(time, x, force, summary, 0.0, find_delay(time, x, force, summary)[0])
 
 
 def read(tmp_path, time, x, force, **settings):

@@ -166,7 +166,7 @@ class MeasuredPage:
         answer = job.answer
         files, doubts = answer["files"], len(answer.get("warnings", []))
         widgets.tell_changes(self._root, f"{_out(job)}/manifest.json", "Read the files again.")
-        traces = [(Path(one["source"]).name, trace) for one in files for trace in one["traces"]]
+        traces = [trace for one in files for trace in one["traces"]]
         names = ", ".join(Path(one["source"]).name for one in files)
         read = names if len(files) < 3 else f"{len(files)} files"
         with ui.element("div").classes("links"):
@@ -176,11 +176,14 @@ class MeasuredPage:
             widgets.fold(f"{doubts} doubt{'s' * (doubts > 1)}", "doubts", lambda: widgets.warnings(answer))
         with ui.element("div").classes("pair"):
             with ui.element("div"):
-                widgets.records(COLUMNS, (trace for _, trace in traces))
+                widgets.records(COLUMNS, traces)
             if answer.get("preview") and (self._root / answer["preview"]).is_file():
                 widgets.shown_file(f"/files/{answer['preview']}", "preview of the presses")
-        made = [(Path(one["source"]).name, each) for one in files for each in one["decisions"]]
-        rows = [[name, one["what"], str(one["value"]), one["why"]] for name, one in made]
+        rows = [
+            [Path(one["source"]).name, made["what"], str(made["value"]), made["why"]]
+            for one in files
+            for made in one["decisions"]
+        ]
         widgets.table(
             ["file", "decided", "value", "because"],
             rows,

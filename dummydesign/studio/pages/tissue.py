@@ -130,7 +130,6 @@ def fit_panel(page: TissuePage) -> None:
     picked = widgets.select_several(
         "Presses of one subject", known, [path for path in start if path in known], "traces"
     )
-    picked.set_enabled(bool(known))
     form = widgets.Form(
         "fit",
         lambda: {
@@ -262,6 +261,12 @@ def parameter_table(
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 NOT_ALLOWED = "is not allowed: use letters, digits, '-' and '_'."
 ELEMENTS = {"3": "3", "5": "5 (usual)", "7": "7"}
+FITS: dict[str, str | Callable[[Any], object]] = {
+    "person": lambda fit: Path(fit["inputs"]["out"]).stem,
+    "presses": lambda fit: len(fit["by_trace"]),
+    "residual N rms": "rmse_N",
+    "noise N": "noise_floor_N",
+}
 
 
 class _People:
@@ -388,10 +393,7 @@ class _People:
             return
         html("<p><b>{}</b>: {} people. It is in your own library, for all projects.</p>", name, len(fits))
         self._page.use_button(name)
-        rows = [
-            [Path(fit["inputs"]["out"]).stem, len(fit["by_trace"]), fit["rmse_N"], fit["noise_floor_N"]] for fit in fits
-        ]
-        widgets.table(["person", "presses", "residual N rms", "noise N"], rows)
+        widgets.records(FITS, fits)
         for fit in fits:
             widgets.tell_changes(self._root, fit["files"].get("manifest", ""), "Fit all again.")
             widgets.fold(

@@ -37,23 +37,23 @@ class JobPanel:
         made: Callable[[jobs.Job], str] = lambda job: "",
         ended: Callable[[jobs.Job, bool], None] | None = None,
         stamp: Callable[[], object] = lambda: None,
-        reads: Callable[[], Iterable[Path]] = tuple,
         needs: str = "",
         first: Callable[[], Steps] = list,
         check: Callable[[], object] = lambda: None,
         found: ui.element | None = None,
         main: bool = True,
         warn: bool = True,
+        reads: Callable[[], Iterable[Path]] = tuple,
     ) -> None:
         """Build it.
 
         ``belongs`` is given a job and the command that is chosen (empty when that is refused); ``made`` tells the file
-        or folder of a job, without which it belongs to nothing any more. ``ended`` is given a job that ended and
-        whether it belongs to what is chosen; what is shown is renewed when ``stamp`` changes. An answer belongs to
-        nothing any more once a file of ``reads`` was written after it began; one without the key ``needs`` is not
-        shown. The commands of ``first`` run before. ``check`` refuses what is chosen before
-        anything is started. What was found stands in ``found``, else under the button, which is the ``main`` one; what
-        the command warned of follows it, unless ``show`` shows that itself (``warn`` False).
+        or folder of a job, without which it belongs to nothing any more, as it does once a file of ``reads`` was
+        written after it began. ``ended`` is given a job that ended and whether it belongs to what is chosen; what is
+        shown is renewed when ``stamp`` changes. Answers without the key ``needs`` are not shown. The commands of
+        ``first`` run before. ``check`` refuses what is chosen before anything is started. What was found stands in
+        ``found``, else under the button, which is the ``main`` one; what the command warned of follows it, unless
+        ``show`` shows that itself (``warn`` False).
         """
         self.root, self.name = root, name
         self._commands: Callable[[], Steps] = lambda: [*first(), words()]

@@ -99,12 +99,23 @@ class CampaignPresses:
                 self.show(status)
 
     def show(self, status: CampaignStatus) -> None:
-        """How far the campaign is."""
-        if status.pressed:
+        """How far the campaign is, in words, and what comes next."""
+        done, left = len(status.pressed), len(status.missing)
+        if done:
             self.change.clear()
         with widgets.fresh(self.status_area):
             widgets.command_line(["campaign", "check", self.campaign])
-            _show_status(status, self.state)
+            html('<p role="status"><b>{} of {} presses are there</b></p>', done, done + left)
+            if left:
+                html("<p>To press: {}{}</p>", ", ".join(status.missing[:6]), " …" * (left > 6))
+            if status.wrong:
+                widgets.records({"file": "file", "looks wrong": "message"}, status.wrong, words=True)
+            if status.ready:
+                widgets.go("/learn", "Learn from it", self.state, "learn")
+            if done:
+                link = page_link("/cast", "Check a cast pad", self.state, "cast")
+                html("<p>{}: its presses against the tissue.</p>", link)
+            widgets.warnings({"warnings": status.warnings})
 
 
 def take_press(root: Path, campaign: str, name: str, content: bytes, planned: str = "") -> trash.Taken:
@@ -129,21 +140,6 @@ def take_press(root: Path, campaign: str, name: str, content: bytes, planned: st
             raise InputError(message, "duplicate", "trace", name)
     taken = trash.keep_file(root, folder, target, content)
     return taken if target == name else replace(taken, text=f"{name} is now {target}. {taken.text}")
-
-
-def _show_status(status: CampaignStatus, chosen: State) -> None:
-    """How far a campaign is, in words, and what comes next."""
-    done, left = len(status.pressed), len(status.missing)
-    html('<p role="status"><b>{} of {} presses are there</b></p>', done, done + left)
-    if left:
-        html("<p>To press: {}{}</p>", ", ".join(status.missing[:6]), " …" * (left > 6))
-    if status.wrong:
-        widgets.records({"file": "file", "looks wrong": "message"}, status.wrong, words=True)
-    if status.ready:
-        widgets.go("/learn", "Learn from it", chosen, "learn")
-    if done:
-        html("<p>{}: its presses against the tissue.</p>", page_link("/cast", "Check a cast pad", chosen, "cast"))
-    widgets.warnings({"warnings": status.warnings})
 
 
 HEADS = {

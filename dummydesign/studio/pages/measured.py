@@ -93,9 +93,9 @@ class MeasuredPage:
             message = f"choose a file that ends in {', '.join(TEXTS)}"
             raise InputError(message, "unknown_name", "file_ending", name, TEXTS)
         if same := trash.twin(self._folder, name, content):
-            self._add(same)
-            return trash.Taken(same, f"{name} is the same as {same}, which is there: nothing was changed.")
-        taken = trash.keep_file(self._root, self._folder, plain_name(name), content)
+            taken = trash.Taken(same, f"{name} is the same as {same}, which is there: nothing was changed.")
+        else:
+            taken = trash.keep_file(self._root, self._folder, plain_name(name), content)
         self._add(taken.name)
         return taken
 

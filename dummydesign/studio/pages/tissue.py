@@ -37,10 +37,10 @@ class TissuePage:
         with widgets.fields():
             self._chosen = widgets.select("Tissue that the dummy imitates", {}, "", "tissue")
             with ui.element("div"):
-                widgets.button("Design a pad for it", lambda: self.use(self.tissue), "use", main=True)
+                widgets.button("Design a pad for it", lambda: self.use(self.state.tissue), "use", main=True)
         fits = widgets.area()
         self._shown = widgets.area("tissue-shown")
-        if self.tissue.startswith("tissue/"):
+        if self.state.tissue.startswith("tissue/"):
             fits = widgets.area()
         self._renew()
         # by the user alone: what is fitted chooses itself
@@ -54,11 +54,6 @@ class TissuePage:
         with widgets.fold("Several people in one tissue: assign presses to them", "people", opened="people" in query):
             _People(self)
 
-    @property
-    def tissue(self) -> str:
-        """The chosen tissue."""
-        return self.state.tissue
-
     def choose(self, tissue: str) -> None:
         """Choose a tissue: it is shown, and the address keeps it."""
         self.state = self.state.changed(tissue=tissue, aim="average")
@@ -71,7 +66,7 @@ class TissuePage:
 
     def use(self, tissue: str) -> None:
         """Make a tissue the project's, and go on to the design."""
-        after = self.state if tissue == self.tissue else self.state.changed(tissue=tissue, aim="average")
+        after = self.state if tissue == self.state.tissue else self.state.changed(tissue=tissue, aim="average")
         if tissue not in select_options.tissues(self.root) and not (self.root / tissue).is_file():
             # the page says at its top that there is none, or that it is gone
             open_page("/tissue", after)
@@ -86,11 +81,11 @@ class TissuePage:
         widgets.button(f"Use {tissue} for this project", lambda: self.use(tissue), "use-fitted")
 
     def _renew(self) -> None:
-        widgets.offer(self._chosen, select_options.tissues(self.root), self.tissue)
+        widgets.offer(self._chosen, select_options.tissues(self.root), self.state.tissue)
         with widgets.problems_in(self._shown), self._shown:
-            if self.tissue.startswith("tissue/") and (self.root / self.tissue).is_file():
-                manage(self.root, self.tissue, "tissue")
-            _show_tissue(self.root, self.tissue)
+            if self.state.tissue.startswith("tissue/") and (self.root / self.state.tissue).is_file():
+                manage(self.root, self.state.tissue, "tissue")
+            _show_tissue(self.root, self.state.tissue)
 
 
 def _show_tissue(root: Path, name: str) -> None:
@@ -184,7 +179,7 @@ def _start(page: TissuePage, known: dict[str, str]) -> tuple[list[str], str, str
         touched = query.get("touched", "")
         return query["presses"].split(SEPARATOR), query.get("name", ""), touched if touched in CONTACT else ""
     for job in reversed(jobs.all_jobs(root, "fit")):
-        if _tissue_of(job) == page.tissue:
+        if _tissue_of(job) == page.state.tissue:
             return _presses(job.words), Path(job.words[-1]).stem, "per-press" if "per-press" in job.words else ""
     # presses of several people are not those of one subject: which are is for the user to say
     people = {Path(path).stem.split("_")[0] for path in known}
@@ -373,7 +368,7 @@ class _People:
             (
                 job
                 for job in reversed(jobs.all_jobs(self._root, "people"))
-                if job.words[:3] == ("tissues", "add", self._page.tissue)
+                if job.words[:3] == ("tissues", "add", self._page.state.tissue)
             ),
             None,
         )

@@ -18,7 +18,7 @@ from dummydesign.studio.file_transfer import plain_name
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.markup import filled
 from dummydesign.studio.project_index import presses_text
-from dummydesign.studio.state import State, page_link
+from dummydesign.studio.state import SEPARATOR, State, page_link
 from dummydesign.studio.widgets import html, keep_state
 
 OPEN = {
@@ -45,8 +45,6 @@ COLUMNS = {
     "peak N": "peak_force_N",
     "steady N": "steady_force_N",
 }
-SEPARATOR = "\n"
-"""Between names in the address; no file name has one."""
 
 
 class MeasuredPage:

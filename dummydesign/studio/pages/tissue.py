@@ -21,7 +21,7 @@ from dummydesign.studio import figures, file_transfer, jobs, project_index, sele
 from dummydesign.studio.file_actions import manage
 from dummydesign.studio.job_panel import JobPanel, Steps
 from dummydesign.studio.markup import Markup, joined
-from dummydesign.studio.state import State, absolute, options_of, page_link
+from dummydesign.studio.state import SEPARATOR, State, absolute, options_of, page_link
 from dummydesign.studio.trash import choose_for_project
 from dummydesign.studio.widgets import html, keep_state, open_page
 from dummydesign.tissue import load_tissue
@@ -108,7 +108,6 @@ def _show_tissue(root: Path, name: str) -> None:
 
 
 LOWPASS = "Filter of the force, HZ[:ORDER[:PASSES]] (optional)"
-SEPARATOR = "\n"
 POOR = 10.0
 """Residual over noise from which a fit is called poor."""
 CONTACT = {"": "as the files were read", "per-press": "fitted for each press"}
@@ -308,7 +307,7 @@ class _People:
         widgets.on_change(self._renew, *self._persons.fields.values(), *self._form.fields.values())
 
     def _renew(self) -> None:
-        people = "\n".join(f"{path}\t{name}" for path, name in self._assigned().items())
+        people = SEPARATOR.join(f"{path}\t{name}" for path, name in self._assigned().items())
         keep_state(self._page.state, people=people, group=self._form.values()["name"] or "")
         self._work.renew()
 
@@ -362,7 +361,7 @@ class _People:
         """People and name: of the address, of the chain that made the chosen tissue, or none."""
         query = self._page.query
         if query.get("people"):
-            rows = (line.partition("\t") for line in query["people"].split("\n"))
+            rows = (line.partition("\t") for line in query["people"].split(SEPARATOR))
             return {path: person for path, _, person in rows}, query.get("group", "")
         last = next(
             (

@@ -236,11 +236,11 @@ DROPPED = "measured/cast-pad"
 
 @dataclass(frozen=True)
 class PadWithPresses:
-    """A pad with its presses."""
+    """A pad with its presses; without any it stands for none."""
 
-    label: str
-    files: tuple[str, ...]
-    punch: str
+    label: str = ""
+    files: tuple[str, ...] = ()
+    punch: str = ""
     lowpass: str = ""
     campaign: str = ""
     shape: str = ""
@@ -275,7 +275,8 @@ def keep_press(root: Path, name: str, content: bytes) -> Taken:
 
 def records(root: Path, pad: PadWithPresses) -> list[str]:
     """Records of castings whose mould is of this pad, the newest last."""
-    own = (one.folder for one in moulds(root) if pad.thickness_mm is None or same_pad(one.pad, vars(pad), SIZE))
+    every = moulds(root) if pad.files else []
+    own = (one.folder for one in every if pad.thickness_mm is None or same_pad(one.pad, vars(pad), SIZE))
     return [
         path.relative_to(root).as_posix()
         for folder in own

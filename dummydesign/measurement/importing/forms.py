@@ -42,7 +42,7 @@ def plain_lines(lines: list[str], log: ImportLog) -> list[str]:
 def _without_labels(lines: list[str], log: ImportLog) -> list[str]:
     """Lines of labelled values, ``Position:1.25,Force:0.3``, as a table whose first line is added: the labels."""
     read = [_labelled(line) for line in lines[:_HEAD]]
-    labels, count = Counter(map(tuple, read)).most_common(1)[0]
+    labels, count = (Counter(map(tuple, read)).most_common(1) or [((), 0)])[0]
     if len(labels) < 2 or count < 0.5 * len(read):
         return lines
     log.decide("form", "labelled values", f"each line holds {', '.join(labels)} with their values")

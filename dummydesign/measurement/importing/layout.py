@@ -81,8 +81,8 @@ def find_layout(text: str, log: ImportLog) -> TableLayout:
     skipped -= len(lines) - len(written)
     sample = _spread(lines)
     if not sample:
-        after = f" after its first {log.settings.skip} lines (--skip)" if log.settings.skip else ""
-        raise log.no_table(f"holds no table: nothing but comments and blank lines{after}")
+        skipped_text = f" after its first {log.settings.skip} lines (--skip)" if log.settings.skip else ""
+        raise log.no_table(f"holds no table: nothing but comments and blank lines{skipped_text}")
     longest = max(map(len, sample))
     if longest > LONGEST_LINE:
         message = f"a line is {longest} characters long: the line ends are lost; export the test as text again"

@@ -113,6 +113,18 @@ def test_a_steady_force_that_is_read_while_the_punch_rings_says_how_far_it_may_b
     assert abs(one.summary.steady_force_N - 4.0) < one.steady_error_N
 
 
+@pytest.mark.parametrize("tare", ["auto", "none", "0.0"])
+def test_each_press_of_a_file_has_an_error_of_its_own(tmp_path, tare):
+    """The first begins shortly before contact, the second after 6 s: by a tare that is given as well."""
+    time, x, force, _ = press(5, dwell=0.2, gap=1.0, release=True)
+    later, again, other, _ = press(6, dwell=6.0, gap=1.0, release=False)
+    joined = (np.r_[time, later + time[-1] + 0.004], np.r_[x, again], np.r_[force, other])
+    first, second = imported(tmp_path, joined, tare=tare).presses
+    alone = imported(tmp_path, (later, again, other), tare=tare).presses[0]
+    assert second.steady_error_N != first.steady_error_N
+    assert second.steady_error_N == pytest.approx(alone.steady_error_N, rel=0.2)
+
+
 def test_a_drift_that_is_seen_before_contact_only_is_named(tmp_path):
     found = imported(tmp_path, press(1, drift=0.08, release=False))
     assert "force_drifts" in [warning["code"] for warning in found.warnings]

@@ -350,7 +350,7 @@ def find_tares(
             )
             raise log.question(f"{doubt}: an offset, or already pressed", option)
         log.decide("tare", "none", "there is no lead-in, and the force begins at zero within its noise")
-        return [_constant(one.baseline, 0.0) for one in contacts]
+        return [_stated(_constant(one.baseline, 0.0), rest_N) for one in contacts]
     lines = [_line(one, rest_N, log) for one in contacts]
     level = lines[0].level_N
     text = (

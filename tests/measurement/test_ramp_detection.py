@@ -43,6 +43,15 @@ def test_a_rest_on_the_way_in_is_no_stop(stop, share):
     assert (found.stop_time_s, found.depth_mm) == pytest.approx((2.2, 5.0), abs=0.02)
 
 
+@pytest.mark.parametrize("share", [0.62, 0.7, 0.8])
+@pytest.mark.parametrize("stop", ["reached", "slowed"])
+def test_a_rest_on_the_way_out_is_no_part_of_the_hold(stop, share):
+    time = np.arange(0.0, 8.0, 1e-3)
+    x = np.interp(time, [0.0, 0.7, 5.0, 5.5 - 0.5 * share, 6.5, 7.0], [-2.0, 5.0, 5.0, 5.0 * share, 5.0 * share, -2.0])
+    found = find_ramp(time, x + np.random.default_rng(4).normal(0.0, 0.001, len(time)), stop)
+    assert (found.stop_time_s, found.hold_end_s, found.depth_mm) == pytest.approx((0.7, 5.0, 5.0), abs=0.02)
+
+
 @pytest.mark.parametrize("samples", [1, 5, 30])
 @pytest.mark.parametrize("stop", ["reached", "slowed"])
 def test_outliers_of_the_position_in_the_hold_are_no_way_on(stop, samples):

@@ -293,7 +293,7 @@ def check_campaign(folder: FilePath) -> Result:
     InputError
         When there is no campaign.
     """
-    from dummydesign.measurement.campaign_status import check_campaign as status_of_campaign
+    from dummydesign.measurement.campaign_presses import check_campaign as status_of_campaign
 
     status = status_of_campaign(fspath(folder))
     result = {
@@ -350,7 +350,7 @@ def campaign_from_files(
 
     from dummydesign.core.outputs import new_folder
     from dummydesign.measurement.campaign_file import FILE, campaign_toml, read_campaign
-    from dummydesign.measurement.campaign_from_files import trials_of
+    from dummydesign.measurement.campaign_presses import trials_of
 
     paths = [Path(file) for file in files]
     tables = set_up.tables()

@@ -20,8 +20,7 @@ from dummydesign.design.suggestion import Suggestion
 from dummydesign.design.test_conditions import beyond_people
 from dummydesign.mold.pour.bill_of_materials import MouldCost, mould_cost
 from dummydesign.mold.pour.plan import WITNESS_MM
-from dummydesign.mold.puck.plan import ring_cost
-from dummydesign.mold.puck.protocol import BATCH, SPEEDS_MM_S, command, trace_names
+from dummydesign.mold.puck.plan import BATCH, SPEEDS_MM_S, command, ring_cost, trace_names
 
 TYPED_AGAIN = (
     "aim",

@@ -10,7 +10,7 @@ import numpy as np
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.core.tables import Table
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.fitting.budget import Budget
+from dummydesign.loop.fitting.fit import Budget
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.next_measurement import NextMeasurement

@@ -16,9 +16,8 @@ from dummydesign.loop.calibration import Calibration, check_prior, join, with_pr
 from dummydesign.loop.data.pad_modulus_factors import with_pad_factors
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects, refuse_unsound
-from dummydesign.loop.fitting.budget import budget_spent, counted
 from dummydesign.loop.fitting.candidates import EffectCandidate
-from dummydesign.loop.fitting.fit import fit_base
+from dummydesign.loop.fitting.fit import budget_spent, counted, fit_base
 from dummydesign.loop.fitting.noise import repeat_pairs
 from dummydesign.loop.model.campaign_law import law_of, within_reach
 from dummydesign.loop.model.effect import Effect, SetupLaw

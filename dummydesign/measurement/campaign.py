@@ -165,9 +165,8 @@ def check_edge(pad: PadSpec, punch: PunchSpec, shapes: Sequence[PadShape], where
         raise InputError(f"{text}: a {punch.shape} has no edge", "not_applicable", "edge_radius_mm", edge)
     most = LARGEST_EDGE_RADIUS * 0.5 * width
     if not 0.0 < edge <= most * (1.0 + 1e-9):
-        share = f"{LARGEST_EDGE_RADIUS:g} of the punch's half-width"
         raise InputError(
-            f"{text} is outside the allowed range 0 to {most:.4g}, {share}",
+            f"{text} is outside the allowed range 0 to {most:.4g}, {LARGEST_EDGE_RADIUS:g} of the punch's half-width",
             "out_of_range",
             "edge_radius_mm",
             edge,

@@ -191,8 +191,7 @@ def read_otherwise(top: TomlTable, tables: list[TomlTable]) -> tuple[list[TomlTa
             one["file"], two["file"] = two["file"], one["file"]
             changes = {"confirmed": True, **changes}
         if "pad_of" in keys:
-            of = by_file[keys["pad_of"]].data
-            changes |= {key: of.get(key) for key in PAD_KEYS}
+            changes |= {key: by_file[keys["pad_of"]].data.get(key) for key in PAD_KEYS}
         for table in chosen:
             table.data.update(changes)
             for key in [key for key, value in table.data.items() if value is None]:
@@ -254,8 +253,7 @@ def _read_punch(table: TomlTable, folder: Path) -> PunchSpec:
     if shape == "profile":
         profile = read_profile(folder / _read_file_name(table, folder))
     contact = _read_interface(table, "contact", (*CONDITIONS, FRICTION))
-    edge = table.number("edge_radius_mm", 0.0, low=0.0, high=100.0)
-    return PunchSpec(shape, side, diameter, contact, profile, edge)
+    return PunchSpec(shape, side, diameter, contact, profile, table.number("edge_radius_mm", 0.0, low=0.0, high=100.0))
 
 
 def _read_sensor(table: TomlTable) -> tuple[Lowpass | None, float]:

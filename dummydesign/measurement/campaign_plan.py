@@ -13,11 +13,6 @@ from dummydesign.core.errors import InputError, out_of_range, quantity_name
 FRESH_REST_S = 3600.0
 """Rest of a pad before its first press of a day. [s]"""
 MOST = 2000
-DEFAULT_PADS_MM, DEFAULT_VELOCITIES_MM_S, DEFAULT_FORCES_N = (5.0, 15.0, 20.0), (10.0, 250.0), (5.0, 10.0, 15.0)
-"""Pads of the blind study (docs/evidence.md); speeds and steady forces of the data on people, which a verdict needs.
-
-The loop reads low forces in the rise of each press: it detects as many effects as with presses to 3, 7 and 12 N."""
-DEFAULT_REPEATS, DEFAULT_AGES_DAYS, DEFAULT_REST_S, DEFAULT_HOLD_S = 2, (9.0, 14.0, 29.0), 60.0, 10.0
 UNLOADING_SHARE = 1.0 / 3.0
 
 
@@ -40,16 +35,21 @@ class Planned:
 
 @dataclass(frozen=True)
 class PlanSettings:
-    """What a plan is made of: every pad at every speed to every target, ``repeats`` times, over the days."""
+    """What a plan is made of: every pad at every speed to every target, ``repeats`` times, over the days.
 
-    pads_mm: tuple[float, ...] = DEFAULT_PADS_MM
-    velocities_mm_s: tuple[float, ...] = DEFAULT_VELOCITIES_MM_S
-    targets: tuple[float, ...] = DEFAULT_FORCES_N
+    Usual are the pads of the blind study (docs/evidence.md), and the speeds and steady forces of the data on people,
+    which a verdict needs. The loop reads low forces in the rise of each press: it detects as many effects as with
+    presses to 3, 7 and 12 N.
+    """
+
+    pads_mm: tuple[float, ...] = (5.0, 15.0, 20.0)
+    velocities_mm_s: tuple[float, ...] = (10.0, 250.0)
+    targets: tuple[float, ...] = (5.0, 10.0, 15.0)
     by_depth: bool = False
-    repeats: int = DEFAULT_REPEATS
-    ages_days: tuple[float, ...] = DEFAULT_AGES_DAYS
-    rest_s: float = DEFAULT_REST_S
-    hold_s: float = DEFAULT_HOLD_S
+    repeats: int = 2
+    ages_days: tuple[float, ...] = (9.0, 14.0, 29.0)
+    rest_s: float = 60.0
+    hold_s: float = 10.0
     seed: int = 1
 
     def check(self) -> None:

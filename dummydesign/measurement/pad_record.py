@@ -94,8 +94,7 @@ def read_record(path: str | Path) -> PadRecord:
     try:
         data = json.loads(text)
     except ValueError as problem:
-        message = f"pad record '{path}' cannot be read: {problem}"
-        raise InputError(message, "file_unreadable", "record") from None
+        raise InputError(f"pad record '{path}' cannot be read: {problem}", "file_unreadable", "record") from None
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
         raise InputError(
             f"'{path}' is not a pad's record; 'dummydesign mold record' writes one", "file_unreadable", "record"
@@ -162,8 +161,8 @@ NEAR = 0.1
 def pad_with_record(table: TomlTable, record: PadRecord) -> TomlTable:
     """Fill the table of a campaign's pad with what it leaves out, from the record."""
     puck, data = record.shape == "puck", table.data
-    known: dict[str, Any] = {"shape": "cylinder" if puck else record.shape}
-    known |= {"diameter_mm": record.length_mm} if puck else {"length_mm": record.length_mm, "width_mm": record.width_mm}
+    slab = {"shape": record.shape, "length_mm": record.length_mm, "width_mm": record.width_mm}
+    known: dict[str, Any] = {"shape": "cylinder", "diameter_mm": record.length_mm} if puck else slab
     for key, value in known.items():
         if key in data and data[key] != value:
             message = f"{table.where('record')}: {key} = {data[key]!r}, but the record is of a pad with {value!r}"
@@ -199,8 +198,9 @@ def trial_with_record(table: TomlTable, record: PadRecord) -> TomlTable:
             record.shape,
         )
     own = {} if record.shape in ("slab", "puck") else {"shape": record.cast_shape or record.shape}
-    measured: dict[str, Any] = {"thickness_mm": record.thickness_mm, "thickness_sd_mm": record.thickness_sd_mm}
-    measured["design_thickness_mm"] = record.design_thickness_mm
+    measured: dict[str, Any] = {
+        key: getattr(record, key) for key in ("thickness_mm", "thickness_sd_mm", "design_thickness_mm")
+    }
     batch = {
         "witness_kPa": record.young_kPa,
         "witness_sd_kPa": record.young_sd_kPa,

@@ -79,8 +79,7 @@ def find_plateau(time: NDArray, x: NDArray, start: int, noise: float) -> Plateau
     last, released, back = _leaving(time, x, top, noise)
     if last <= first or not _stands(time, x, top, start, (first, last), (window, back if released else 0.0), noise):
         return Plateau(top, float(time[first]), float(time[first]), False, 0.0, float(time[first]))
-    half = int(np.searchsorted(time, 0.5 * (time[first] + time[last])))
-    half = min(half, max(last - 1, first))
+    half = min(int(np.searchsorted(time, 0.5 * (time[first] + time[last]))), max(last - 1, first))
     level = _level(time[half : last + 1], x[half : last + 1], noise, top)
     inside = slice(first, last + 1)
     close = np.abs(x[inside] - level) <= max(NEAR_MM, NEAR_SHARE * top)
@@ -117,7 +116,7 @@ def slowing(
     below = ahead[: max(int(np.argmax(beyond)) - late, 0) if stays else 0]
     begin = int(np.flatnonzero(below > 0.5 * speed * window)[-1:].sum())
     slow = np.flatnonzero(ahead[begin:] <= share * speed * window)
-    return late + (begin + int(slow[0]) if len(slow) else len(time) - late - 1), window
+    return late + begin + int(slow[0]) if len(slow) else len(time) - 1, window
 
 
 def ramp_start(time: NDArray, x: NDArray, noise_mm: float) -> tuple[int, float, float]:
@@ -196,16 +195,14 @@ def _stands(
     return middle - tenth > ABRUPT * (middle - half_speed)
 
 
-def _median(time: NDArray, x: NDArray, use: NDArray | None = None) -> float:
+def _median(time: NDArray, x: NDArray, use: NDArray | slice = slice(None)) -> float:
     """Median over time; over the samples where they are even. [mm]"""
-    kept = x if use is None else x[use]
+    kept = x[use]
     gaps = np.diff(time)
     if len(time) < 3 or float(gaps.max()) < 2.0 * float(gaps.mean()):
         return float(np.median(kept))
-    weight = np.gradient(time)
-    weight = weight if use is None else weight[use]
     order = np.argsort(kept, kind="stable")
-    share = np.cumsum(weight[order])
+    share = np.cumsum(np.gradient(time)[use][order])
     return float(kept[order][int(np.searchsorted(share, 0.5 * share[-1]))])
 
 
@@ -244,8 +241,7 @@ def _end(time: NDArray, x: NDArray, depth: float, ends: tuple[int, int], swing: 
     ramp = depth / max(float(time[first] - time[0]), 1e-9)
     if back is None and not fallen.size and speed < SAG * ramp:
         return float(time[-1])
-    end = float(time[last]) - wander / max(speed, 1e-9)
-    end = max(end, float(time[first]))
+    end = max(float(time[last]) - wander / max(speed, 1e-9), float(time[first]))
     if back is not None and float(time[slow]) > end + 2.0 * back:
         return float(time[slow])
     return end

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,9 +14,7 @@ from dummydesign.core.interpolation import true_runs
 from dummydesign.measurement.commanded_speed import CommandedSpeed, commanded_speed
 from dummydesign.measurement.motion import DECELERATION_MM_S2, LATE, Motion, contact_velocity
 from dummydesign.measurement.plateau import SLOWED, find_plateau, noise_of, ramp_start, slowing, time_at
-
-if TYPE_CHECKING:
-    from dummydesign.measurement.trace import Trace
+from dummydesign.measurement.trace import Trace
 
 
 @dataclass(frozen=True)
@@ -285,9 +283,9 @@ class Summary:
 def summarise(file: str, time: NDArray, x: NDArray, force: NDArray) -> Summary:
     """Summarise one press, zero at contact and compression positive."""
     if x.max() < SHALLOWEST_MM:
-        advice = "is the displacement that of the punch? (--columns displacement=NAME, --contact N)"
         raise InputError(
-            f"{file}: presses {x.max():.3g} mm deep only, counted from contact; {advice}",
+            f"{file}: presses {x.max():.3g} mm deep only, counted from contact; is the displacement that of the punch? "
+            "(--columns displacement=NAME, --contact N)",
             "nothing_found",
             "depth_mm",
             float(x.max()),

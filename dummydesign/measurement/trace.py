@@ -1,4 +1,4 @@
-"""Reading of trace files: time, displacement and force of one press, checked line by line."""
+"""Reading of trace files, checked line by line; what a press of a hand or a pad can be, in which units."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import csv
 import io
 import math
 import shlex
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,8 +18,9 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import reading
 from dummydesign.core.parsing import columns_in
+from dummydesign.core.user_library import data_folder, fill_table, read_toml
 from dummydesign.measurement.motion import Motion
-from dummydesign.measurement.plausible import ROLE, impossible, press_quantities, units_that_fit
+from dummydesign.measurement.plateau import time_at
 
 COLUMNS = ("time_s", "displacement_mm", "force_N")
 MOTION_COLUMNS = ("time_s", "displacement_mm")
@@ -79,8 +81,7 @@ def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
             len(values),
         )
     time, displacement, force = values.T
-    fault = magnitude_fault(time, displacement, force, velocity_mm_s, SECONDS in header)
-    if fault:
+    if fault := magnitude_fault(time, displacement, force, velocity_mm_s, SECONDS in header):
         raise InputError(f"{path.name}: {fault.message}{import_first(path)}", fault.code, fault.column)
     trace = Trace(path.name, time, displacement, force)
     check_one_press(trace, import_first(path))
@@ -110,8 +111,7 @@ def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[
     rows = csv.reader(io.StringIO(text))
     header = [cell.strip() for cell in next(rows, [])]
     columns, sizes = columns_in(tuple(names), header)
-    missing = next((name for name, column in zip(names, columns) if column is None), "")
-    if missing:
+    if missing := next((name for name, column in zip(names, columns) if column is None), ""):
         from dummydesign.measurement.importing.vocabulary import absent_roles, absent_words
 
         roles = [name.partition("_")[0] for name in names]
@@ -127,8 +127,7 @@ def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[
     plain = numbers_at_once(body.split("\n"), ",", places) if body and '"' not in text else None
     values: list[list[float]] = []
     lines: list[int] = [] if plain is None else list(range(2, len(plain) + 2))
-    one_by_one: Iterable[list[str]] = rows if plain is None else ()
-    for row in one_by_one:
+    for row in rows if plain is None else ():
         if not any(cell.strip() for cell in row):
             continue
         where = f"{path.name}:{rows.line_num}"
@@ -178,8 +177,7 @@ def _header_advice(missing: str, header: list[str], names: Sequence[str]) -> str
     """What may stand in the header instead of the missing column."""
     if len(header) == 1 and (";" in header[0] or "\t" in header[0]):
         return "; the columns must be separated by commas"
-    alike = [column for column in header if column.lower().startswith(missing.split("_")[0])]
-    if alike:
+    if alike := [column for column in header if column.lower().startswith(missing.split("_")[0])]:
         return f"; found '{alike[0]}': convert it to the unit in the name '{missing}'"
     return f"; the header must be {','.join(names)} (found {','.join(header) or 'nothing'})"
 
@@ -330,3 +328,106 @@ def read_motion_force(path: str | Path) -> NDArray | None:
         if problem.code == "missing":
             return None
         raise
+
+
+UNITS = {
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6},
+    "displacement": {"mm": 1.0, "um": 1e-3, "cm": 10.0, "m": 1e3, "in": 25.4},
+    "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "gf": 9.80665e-3, "kgf": 9.80665, "lbf": 4.4482216},
+}
+"""Units that are proposed, in s, mm and N; 1 cN is 1.02 gf and is not proposed beside it."""
+ROLE = {
+    "force_N": "force",
+    "depth_mm": "displacement",
+    "speed_mm_s": "time",
+    "stop_mm_s2": "time",
+    "step_s": "time",
+}
+"""The column whose unit is doubted by each quantity."""
+RISE, END = (0.2, 0.9), (0.88, 0.98)
+"""Shares of the depth between which the speed of a press, and that at its end, are taken."""
+
+
+@dataclass(frozen=True)
+class Range:
+    """Bounds of one quantity: of what is read, and of what is usual."""
+
+    words: str
+    unit: str
+    low: float
+    high: float
+    usual_low: float
+    usual_high: float
+
+    def fault(self, value: float) -> str:
+        """Return in words why a value cannot be; empty where it can."""
+        if self.low <= value <= self.high:
+            return ""
+        limit = f"above {self.high:g}" if value > self.high else f"below {self.low:g}"
+        return f"{self.words} would be {value:.4g} {self.unit}, {limit} {self.unit}"
+
+    def usual(self, value: float) -> bool:
+        """Whether a value is a usual one."""
+        return self.usual_low <= value <= self.usual_high
+
+
+@cache
+def ranges() -> Mapping[str, Range]:
+    """Return the bounds by quantity, from ``materials/plausible-press.toml``."""
+    data, _ = read_toml(data_folder() / "materials" / "plausible-press.toml")
+    return {key: fill_table(Range, row) for key, row in data.items()}
+
+
+def press_quantities(time: NDArray, x: NDArray, force: NDArray) -> dict[str, float]:
+    """Return force, depth, speed, braking, sampling and stiffness of a press whose zero is near contact.
+
+    The braking is the least with which the speed between 88 and 98 % of the depth ends there: v^2 / (2 s), where the
+    way s is the rest of the depth, or that of one sample.
+
+    Parameters
+    ----------
+    time, x, force : ndarray, shape (n,)
+        Zero near contact, compression positive. [s, mm, N]
+    """
+    depth, largest = float(x.max()), float(force.max())
+    ends = [[time_at(time, x, share * depth) for share in part] for part in (RISE, END)]
+    speed, last = ((high - low) * depth / max(b - a, 1e-12) for (low, high), (a, b) in zip((RISE, END), ends))
+    top = max(int(np.argmax(x >= END[1] * depth)), 1)
+    way = max((1.0 - END[1]) * depth, last * float(time[top] - time[top - 1]), 1e-12)
+    return {
+        "force_N": largest,
+        "depth_mm": depth,
+        "speed_mm_s": speed,
+        "stop_mm_s2": last**2 / (2.0 * way),
+        "step_s": float(np.median(np.diff(time))),
+        "stiffness_N_mm": largest / max(depth, 1e-12),
+    }
+
+
+def impossible(quantities: Mapping[str, float]) -> tuple[str, str] | None:
+    """Return the first quantity that cannot be, and why in words; None where all can."""
+    for key, value in quantities.items():
+        if fault := ranges()[key].fault(value):
+            return key, fault
+    return None
+
+
+def units_that_fit(role: str, time: NDArray, x: NDArray, force: NDArray, factor: float = 1.0) -> list[str]:
+    """Return the units of one column with which all quantities of the press are usual.
+
+    Parameters
+    ----------
+    role : str
+        ``time``, ``displacement`` or ``force``.
+    time, x, force : ndarray, shape (n,)
+        The press as it was read. [s, mm, N]
+    factor : float
+        How many s, mm or N one count of the column was taken for.
+    """
+    fitting = []
+    for unit, size in UNITS[role].items():
+        scale = {one: size / factor if one == role else 1.0 for one in UNITS}
+        found = press_quantities(scale["time"] * time, scale["displacement"] * x, scale["force"] * force)
+        if abs(size / factor - 1.0) > 1e-6 and all(ranges()[key].usual(value) for key, value in found.items()):
+            fitting.append(unit)
+    return fitting

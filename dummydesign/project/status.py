@@ -17,9 +17,9 @@ from dummydesign.core.levels import level_name
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.user_library import find
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
-from dummydesign.measurement.campaign_status import check_campaign
+from dummydesign.measurement.campaign_presses import check_campaign
 from dummydesign.mold.moulded_pads import mould_command
-from dummydesign.mold.puck.protocol import BATCH, command, trace_names
+from dummydesign.mold.puck.plan import BATCH, command, trace_names
 from dummydesign.project.folder import FOLDERS, Project
 
 STANDARD_RESIN = "polyurethane-nagoya"

@@ -147,7 +147,7 @@ def measured_presses(path: Path) -> list[Plot]:
 
 def _measured_press(plot: str, rows: Sequence[Mapping[str, str]]) -> Plot:
     """One plot from the values of a report's plot: series, time, force."""
-    series = _series(rows, lambda name: name.partition(", ")[0])
+    series = _series(rows)
     curves = [one for one in series if one.kind != "band"]
     seen = [one for one in curves if one.kind == "dots"] or curves
     peak = max(float(one.y.max()) for one in seen)
@@ -158,7 +158,7 @@ def _measured_press(plot: str, rows: Sequence[Mapping[str, str]]) -> Plot:
     return press_plot(plot, title, alt, series, (min(log_start(rise), 0.5 * last), last))
 
 
-def _series(rows: Sequence[Mapping[str, str]], label_of: Callable[[str], str] = str) -> list[Series]:
+def _series(rows: Sequence[Mapping[str, str]]) -> list[Series]:
     """The series of a plot of a report, from its values, bands first; measured ones are dots."""
     by_name: dict[str, list[Mapping[str, str]]] = {}
     for row in rows:
@@ -167,7 +167,7 @@ def _series(rows: Sequence[Mapping[str, str]], label_of: Callable[[str], str] = 
     bands, curves = [], []
     for name, own in by_name.items():
         x, y, low, high = (np.array([float(row[key] or "nan") for row in own]) for key in ("x", "y", "low", "high"))
-        label, sideways = label_of(name), not np.isfinite(x).any()
+        label, sideways = name.partition(", ")[0], not np.isfinite(x).any()
         if np.isfinite(low).any():
             style = "extra" if "extrapolated" in name else "band"
             bands.append(Series.band(name, y if sideways else x, low, high, sideways=sideways, style=style))

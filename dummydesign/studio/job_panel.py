@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from nicegui import ui
@@ -43,20 +43,22 @@ class JobPanel:
         found: ui.element | None = None,
         main: bool = True,
         warn: bool = True,
+        reads: Callable[[], Iterable[Path]] = tuple,
     ) -> None:
         """Build it.
 
         ``belongs`` is given a job and the command that is chosen (empty when that is refused); ``made`` tells the file
-        or folder of a job, without which it belongs to nothing any more. ``ended`` is given a job that ended and
-        whether it belongs to what is chosen; what is shown is renewed when ``stamp`` changes. Answers without the key
-        ``needs`` are not shown. The commands of ``first`` run before. ``check`` refuses what is chosen before
-        anything is started. What was found stands in ``found``, else under the button, which is the ``main`` one; what
-        the command warned of follows it, unless ``show`` shows that itself (``warn`` False).
+        or folder of a job, without which it belongs to nothing any more, as it does once a file of ``reads`` was
+        written after it began. ``ended`` is given a job that ended and whether it belongs to what is chosen; what is
+        shown is renewed when ``stamp`` changes. Answers without the key ``needs`` are not shown. The commands of
+        ``first`` run before. ``check`` refuses what is chosen before anything is started. What was found stands in
+        ``found``, else under the button, which is the ``main`` one; what the command warned of follows it, unless
+        ``show`` shows that itself (``warn`` False).
         """
         self.root, self.name = root, name
         self._commands: Callable[[], Steps] = lambda: [*first(), words()]
         self._show, self._belongs, self._made, self._ended, self._stamp = show, belongs, made, ended, stamp
-        self._needs, self._check, self.main, self._warn = needs, check, main, warn
+        self._reads, self._needs, self._check, self.main, self._warn = reads, needs, check, main, warn
         self._seen: object = None
         self.shown: jobs.Job | None = None
         self._watched = ""
@@ -112,7 +114,8 @@ class JobPanel:
             return [list(one) for one in job.commands] == commands
 
         def belongs(job: jobs.Job) -> bool:
-            return (self._belongs or same)(job, commands[-1]) and jobs.is_there(self.root, job, self._made)
+            mine = (self._belongs or same)(job, commands[-1]) and jobs.is_there(self.root, job, self._made)
+            return mine and not jobs.changed_since(self._reads(), job.started)
 
         newest = every[-1] if every else None
         mine = newest is not None and belongs(newest)

@@ -12,7 +12,7 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -90,7 +90,7 @@ def holds_answer(root: Path, folder: str, answer: Mapping[str, Any]) -> bool:
     return (root / folder).exists() and same
 
 
-def changed_since(paths: list[Path], started: float) -> bool:
+def changed_since(paths: Iterable[Path], started: float) -> bool:
     """Whether a file was written after a command began."""
     return any(path.stat().st_mtime > started for path in paths if path.is_file())
 

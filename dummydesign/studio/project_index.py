@@ -17,7 +17,7 @@ from dummydesign.core.manifest import sha256_of
 from dummydesign.geometry.shape_registry import read_shape, shape_kinds
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.measurement.campaign_file import read_campaign_toml
-from dummydesign.measurement.campaign_from_files import read_trials
+from dummydesign.measurement.campaign_presses import read_trials
 from dummydesign.mold.pour.acceptance import GaugePoint
 from dummydesign.mold.pour.record import read_points
 from dummydesign.project.status import finished_manifest, measured, things_in
@@ -236,11 +236,11 @@ DROPPED = "measured/cast-pad"
 
 @dataclass(frozen=True)
 class PadWithPresses:
-    """A pad with its presses."""
+    """A pad with its presses; without any it stands for none."""
 
-    label: str
-    files: tuple[str, ...]
-    punch: str
+    label: str = ""
+    files: tuple[str, ...] = ()
+    punch: str = ""
     lowpass: str = ""
     campaign: str = ""
     shape: str = ""
@@ -275,7 +275,8 @@ def keep_press(root: Path, name: str, content: bytes) -> Taken:
 
 def records(root: Path, pad: PadWithPresses) -> list[str]:
     """Records of castings whose mould is of this pad, the newest last."""
-    own = (one.folder for one in moulds(root) if pad.thickness_mm is None or same_pad(one.pad, vars(pad), SIZE))
+    every = moulds(root) if pad.files else []
+    own = (one.folder for one in every if pad.thickness_mm is None or same_pad(one.pad, vars(pad), SIZE))
     return [
         path.relative_to(root).as_posix()
         for folder in own

@@ -24,6 +24,8 @@ PAD_FIELDS = ("shape", "thickness_mm", "ratio")
 NO_TISSUE = "No tissue is chosen yet. Choose the one that the pad imitates."
 QUESTION_FIELDS = ("tissue", "aim", "resin", "calibration", "punch")
 """What a search is asked; the pad under the sliders is judged by the same."""
+SEPARATOR = "\n"
+"""Between the names of files in an address; no file name has one."""
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.interpolation import group_near
 from dummydesign.measurement.importing.press_checks import CODES
-from dummydesign.measurement.motion import DECELERATION_MM_S2
+from dummydesign.measurement.motion import DECELERATION_MM_S2, RobotPath
 from dummydesign.measurement.ramp_detection import ramp_of
-from dummydesign.measurement.robot_path import RobotPath
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.fitting.fit import Progress, TissueFit, fit_traces

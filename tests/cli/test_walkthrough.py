@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from dummydesign.cli.entry import parser_of
-from dummydesign.measurement.campaign_status import check_campaign
+from dummydesign.measurement.campaign_presses import check_campaign
 from tests.support.walkthrough import blocks, fault, run_blocks
 
 ROOT = Path(__file__).parents[2]

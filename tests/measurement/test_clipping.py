@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.measurement.clipping import find_clip
+from dummydesign.measurement.sensor import find_clip
 
 TIME = np.arange(0.0, 8.0, 0.002)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.measurement.importing.read import import_files
-from dummydesign.measurement.plausible import impossible, press_quantities, units_that_fit
+from dummydesign.measurement.trace import impossible, press_quantities, units_that_fit
 from tests.support.refusal import raises_code
 
 TIME = np.arange(0.0, 12.0, 0.01)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.measurement.robot_path import COARSE, RISE, RobotPath
+from dummydesign.measurement.motion import COARSE_STEPS, RISE_STEPS, RobotPath
 
 SPEED, HOLD, DEPTH = 50.0, 2.0, 5.0
 TIME = np.r_[np.linspace(0.0, DEPTH / SPEED, 51), DEPTH / SPEED + np.linspace(0.0, HOLD, 401)[1:]]
@@ -49,7 +49,7 @@ def test_motions_to_other_depths_begin_at_contact_and_end_there(path, coarse):
     assert np.all(motion.time_s[:, 0] == 0.0) and np.all(motion.displacement_mm[:, 0] == 0.0)
     np.testing.assert_allclose(motion.displacement_mm[:, -1], depths)
     assert np.all(np.diff(motion.time_s) > 0.0) and np.all(np.diff(motion.displacement_mm) > -1e-12)
-    count = COARSE if coarse else RISE
+    count = COARSE_STEPS if coarse else RISE_STEPS
     np.testing.assert_allclose(motion.displacement_mm[:, count], depths, rtol=1e-12)
     # the whole hold, or to the middle of its last twentieth
     np.testing.assert_allclose(motion.time_s[:, -1] - motion.time_s[:, count], (0.975 if coarse else 1.0) * HOLD)
@@ -69,4 +69,4 @@ def test_deeper_bodies_are_hit_at_the_higher_speed_of_the_approach():
 def test_a_body_that_would_hardly_be_touched_still_has_a_rise():
     """Nothing touches later than just before the stop."""
     motion = STEADY.to(np.array([0.0]))
-    assert motion.time_s[0, RISE] == pytest.approx(0.001 * STEADY.stop_s)
+    assert motion.time_s[0, RISE_STEPS] == pytest.approx(0.001 * STEADY.stop_s)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from dummydesign.measurement.campaign_status import check_campaign
+from dummydesign.measurement.campaign_presses import check_campaign
 from dummydesign.measurement.trace import read_trace
 from dummydesign.project.folder import make_example, read_project
 from tests.support.studio import browser, running

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from dummydesign.measurement.campaign_status import check_campaign
+from dummydesign.measurement.campaign_presses import check_campaign
 from tests.support.pressed_plan import press_campaign
 from tests.support.studio import browser, choose, processor_s, running, surroundings, until
 from tests.support.studio import test_id as by

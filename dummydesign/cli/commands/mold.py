@@ -167,7 +167,7 @@ def _part(part: dict[str, Any]) -> str:
 
 def _render_pucks(result: dict[str, Any], details: bool = False) -> str:
     """What to print, mix and pour for pucks, and the sheet to begin with."""
-    from dummydesign.mold.puck.protocol import command, trace_names
+    from dummydesign.mold.puck.plan import command, trace_names
 
     inputs, pour = result["inputs"], result["pour"]
     sizes = ", ".join(f"{one['count']} x {one['diameter_mm']:g} x {one['height_mm']:g} mm" for one in inputs["puck"])

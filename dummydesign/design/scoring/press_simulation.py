@@ -321,7 +321,7 @@ def steady_depth(
             new = some.curves.depth_at(some.slab, elastic[rows] / left)
             # a depth that has settled stays, so that no design depends on which others are worked out with it
             depth[rows] = np.where(settled, before, new)
-            settled |= np.abs(np.nan_to_num(new / tried, nan=1.0) - 1.0) < 1e-6
+            settled |= ~(np.abs(new - tried) > 1e-6 * tried)  # what is out of reach stays so
             going = np.logical_not(settled.all(axis=-1))
             if not going.any():
                 break
@@ -339,7 +339,7 @@ def rest_after_hold(
         kept = np.exp(-sampling.hold_s / tau)
         if kept < 1e-15:
             continue
-        rise = depth_mm / (velocities_mm_s * tau)
+        rise = np.maximum(depth_mm / (velocities_mm_s * tau), 1e-12)  # a pad that cannot be pressed has none
         share += beta[:, arm, None] * (kept * -np.expm1(-rise) / rise)
     return share
 

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from dummydesign.inference.noise import Bins, interpolation
 from dummydesign.loop.data.reduction import UNLOADING, ReducedPress, has_hold, reduce_press
 from dummydesign.measurement.campaign import Campaign, Trial
-from dummydesign.measurement.clipping import find_clip
 from dummydesign.measurement.motion import ramp_and_hold
-from dummydesign.measurement.sensor import Lowpass
+from dummydesign.measurement.sensor import Lowpass, find_clip
 from dummydesign.measurement.trace import Trace
 
 DAY_S = 86400.0

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.progress import Progress, quiet
-from dummydesign.loop.fitting.budget import budget_spent
-from dummydesign.loop.fitting.fit import CampaignFit, fit, fit_with_noise, prior_precision, with_sizes
+from dummydesign.loop.fitting.fit import CampaignFit, budget_spent, fit, fit_with_noise, prior_precision, with_sizes
 from dummydesign.loop.fitting.noise import NoiseSizes, Whitener
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import SMOOTH_TERMS

@@ -1,7 +1,10 @@
-"""Fit of base parameters, effects and law error together, with the sizes of the noise."""
+"""Fit of base parameters, effects and law error together, with the sizes of the noise; the budget of counted work."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -11,7 +14,6 @@ from numpy.typing import NDArray
 from dummydesign.core.progress import Progress, quiet
 from dummydesign.inference.least_squares import solve_marquardt
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.fitting.budget import count
 from dummydesign.loop.fitting.noise import (
     NoiseSizes,
     SizeLikelihood,
@@ -27,6 +29,46 @@ from dummydesign.loop.model.forward_model import LAW_TERMS, SMOOTH_TERMS, WAVES,
 from dummydesign.loop.model.material import UNDECLARED, BasePrior
 
 NORMAL_95 = 1.959964
+
+
+@dataclass
+class Budget:
+    """Models that were fitted, and their iterations (sensitivities of all presses); ``stopped`` once something was left
+    undone because these reached ``most``."""
+
+    most: int
+    models: int = 0
+    iterations: int = 0
+    stopped: bool = False
+
+
+_BUDGET: ContextVar[Budget | None] = ContextVar("search_budget", default=None)
+
+
+@contextmanager
+def counted(most: int) -> Iterator[Budget]:
+    """Give the fits inside so many iterations."""
+    budget = Budget(most)
+    token = _BUDGET.set(budget)
+    try:
+        yield budget
+    finally:
+        _BUDGET.reset(token)
+
+
+def count(models: int = 0, iterations: int = 0) -> None:
+    """Count work that was done."""
+    if budget := _BUDGET.get():
+        budget.models += models
+        budget.iterations += iterations
+
+
+def budget_spent() -> bool:
+    """Whether no further model may be begun, asked where one is left out then; never without a budget."""
+    if not (budget := _BUDGET.get()):
+        return False
+    budget.stopped = budget.stopped or budget.iterations >= budget.most
+    return budget.stopped
 
 
 ENOUGH = 0.02

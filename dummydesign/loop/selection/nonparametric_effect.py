@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from dummydesign.core.progress import Progress
 from dummydesign.loop.effects.learned import BY_TRIAL, FOLLOWED, Learned, SmoothChange, followed, largest_change
-from dummydesign.loop.fitting.budget import budget_spent
 from dummydesign.loop.fitting.candidates import EffectCandidate, modest, project
-from dummydesign.loop.fitting.fit import CampaignFit, best_vector, fit_at, fit_with_noise
+from dummydesign.loop.fitting.fit import CampaignFit, best_vector, budget_spent, fit_at, fit_with_noise
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.progress import Progress, quiet
-from dummydesign.loop.fitting.budget import budget_spent
 from dummydesign.loop.fitting.candidates import (
     EffectCandidate,
     Screened,
@@ -20,7 +19,7 @@ from dummydesign.loop.fitting.candidates import (
     screen,
     to_the_end,
 )
-from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise, same_noise
+from dummydesign.loop.fitting.fit import CampaignFit, budget_spent, fit_with_noise, same_noise
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess, errors, holds_null
 from dummydesign.loop.selection.residuals import diagnose

@@ -138,8 +138,7 @@ def find_baseline(
         parts = standing + np.array_split(np.arange(start + stand, start + count), 5)
     leading = len(parts)
     half_mm = place_mm - 0.5 * (place_mm - float(x[start:at].min()))
-    back = deepest + np.nonzero(x[deepest:stop] < min(free_mm, half_mm))[0]
-    back = back[back > deepest]
+    back = deepest + 1 + np.nonzero(x[deepest + 1 : stop] < min(free_mm, half_mm))[0]
     if len(back) >= 2 * LEAST_LEAD_IN:
         parts += np.array_split(back, 5)
     return _with_changes(plain, parts, leading, time, x, load, (deepest, stop), noise)
@@ -207,16 +206,14 @@ def _with_changes(
     # its rate may fall to a third in the time that was recorded, and what the line leaves out may still be there
     bend = 0.5 * value[1] / (lasts - clock[0]) * np.append(clock, lasts) ** 2
     off_N = [2.0 * end @ (whole - value), bend[-1] - end @ fit(0, 1, 2, force=bend[:-1])[0]]
-    effect = abs(value[1]) * lasts + abs(value[2]) * depth
-    before = float(value[1] * -clock[0] + value[2] * -way[0])
     return replace(
         plain,
         level_N=float(value[0]),
         error_N=2.0 * float(error[0]),
         drift_N_s=float(value[1]),
         slope_N_mm=float(value[2]),
-        before_N=before,
-        effect_N=float(effect),
+        before_N=float(value[1] * -clock[0] + value[2] * -way[0]),
+        effect_N=float(abs(value[1]) * lasts + abs(value[2]) * depth),
         effect_error_N=float(np.hypot(error[1] * lasts, error[2] * depth)),
         comes_back=returns,
         held_error_N=float(np.linalg.norm([plain.held_error_N, *off_N])),

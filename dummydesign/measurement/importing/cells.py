@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from datetime import datetime
 
@@ -29,6 +30,13 @@ def split(line: str, separator: str) -> list[str]:
         except (csv.Error, StopIteration):
             return [cell.strip().strip('"') for cell in line.split(separator)]
     return [cell.strip() for cell in line.split(separator)]
+
+
+def without_empty_end(cells: list[str], width: int = 0) -> list[str]:
+    """Cells without the empty ones at their end, as many as a table is wide at least."""
+    while len(cells) > width and not cells[-1]:
+        cells = cells[:-1]
+    return cells
 
 
 def is_comment(line: str) -> bool:
@@ -77,7 +85,7 @@ _DURATIONS = (
     r"(?:T(?:(?P<hour>\d+)H)?(?:(?P<minute>\d+)M)?(?:(?P<second>\d+(?:[.,]\d+)?)S)?)?",
 )
 """Forms of a duration: ``0 days 00:00:01.25``, ``-1 days +23:59:59.5``, ``-00:00:00.5``; ISO 8601's ``PT1.25S``."""
-_MINUTES = re.compile(r"(\d{1,3}):(\d{2})[.,](\d+)", re.ASCII)
+_MINUTES = r"(?P<minute>\d{1,3}):(?P<second>\d{2}[.,]\d+)"
 _MEASURE = re.compile(r"(.*\d[.,]?)\s*(\D+)", re.ASCII)
 
 
@@ -131,29 +139,30 @@ def has_thousands(cell: str, decimal: str) -> bool:
 
 
 def decimal_evidence(cells: Iterable[str]) -> dict[str, int]:
-    """Count numbers that can only be read with a dot, or only with a comma, as decimal sign; and the undecided.
+    """Count numbers that can only be read with a dot, or only with a comma, as decimal sign; and the undecided."""
+    count = Counter(map(_decimal_sign, cells))
+    return {sign: count[sign] for sign in (".", ",", "either")}
+
+
+def _decimal_sign(cell: str) -> str:
+    """The only decimal sign that a number can have, or ``either``; empty where it has none.
 
     A single sign followed by exactly three digits, as in 1,795, may be either; 0,795 and 17,95 are decimals, and
     with two kinds of sign the last one is the decimal sign.
     """
-    count = {".": 0, ",": 0, "either": 0}
-    for cell in cells:
-        mantissa = re.split("[eE]", cell.translate(_MINUS).lstrip("+-"))[0].translate(_NO_GROUPS)
-        dots, commas = mantissa.count("."), mantissa.count(",")
-        if not dots and not commas:
-            continue
-        if dots and commas:
-            count["." if mantissa.rindex(".") > mantissa.rindex(",") else ","] += 1
-            continue
-        sign, other = (".", ",") if dots else (",", ".")
-        if dots + commas > 1:
-            count[other] += 1
-            continue
-        before, after = mantissa.split(sign)
-        grouped = len(after) == 3 and 1 <= len(before) <= 3 and not before.startswith("0")
-        exponent = len(mantissa) < len(cell.lstrip("+-−"))
-        count["either" if grouped and not exponent else sign] += 1
-    return count
+    mantissa = re.split("[eE]", cell.translate(_MINUS).lstrip("+-"))[0].translate(_NO_GROUPS)
+    dots, commas = mantissa.count("."), mantissa.count(",")
+    if not dots and not commas:
+        return ""
+    if dots and commas:
+        return "." if mantissa.rindex(".") > mantissa.rindex(",") else ","
+    sign, other = (".", ",") if dots else (",", ".")
+    if dots + commas > 1:
+        return other
+    before, after = mantissa.split(sign)
+    grouped = len(after) == 3 and 1 <= len(before) <= 3 and not before.startswith("0")
+    exponent = len(mantissa) < len(cell.lstrip("+-−"))
+    return "either" if grouped and not exponent else sign
 
 
 def is_stamp(cell: str) -> bool:
@@ -162,15 +171,14 @@ def is_stamp(cell: str) -> bool:
 
 
 def _duration(cell: str) -> float | None:
-    """Seconds of a duration; None of a time of day, which has a date or no sign."""
-    written = cell[:1] in ("+", "-", "P") or " day" in cell
-    parts = (
-        next((found for form in _DURATIONS if (found := re.fullmatch(form, cell, re.ASCII))), None) if written else None
-    )
-    if parts is None:
+    """Seconds of a duration, or of minutes and seconds; None of a time of day, which has a date or no sign."""
+    forms = _DURATIONS if cell[:1] in ("+", "-", "P") or " day" in cell else (_MINUTES,)
+    found = next((found for form in forms if (found := re.fullmatch(form, cell, re.ASCII))), None)
+    if found is None:
         return None
-    day, hour, minute, second = (float((parts[name] or "0").replace(",", ".")) for name in _PARTS)
-    sign = -1.0 if parts["sign"] == "-" else 1.0
+    parts = {name: part for name, part in found.groupdict().items() if part}
+    day, hour, minute, second = (float(parts.get(name, "0").replace(",", ".")) for name in _PARTS)
+    sign = -1.0 if parts.get("sign") == "-" else 1.0
     return DAY_S * day * (sign if "P" in cell else 1.0) + sign * (3600.0 * hour + 60.0 * minute + second)
 
 
@@ -181,9 +189,6 @@ def seconds_of_stamp(cell: str) -> tuple[float, str] | None:
     """Seconds since midnight (or the start) and the date as written (empty without one); None of no such cell."""
     if (duration := _duration(cell)) is not None:
         return duration, ""
-    short = _MINUTES.fullmatch(cell)
-    if short is not None:
-        return int(short[1]) * 60.0 + float(f"{int(short[2])}.{short[3]}"), ""
     parts = _STAMP.fullmatch(cell if ":" in cell[:-3] else _COMPACT.sub(r"\1-\2-\3T\4:\5:\6\7", cell))
     if parts is None or int(parts[2]) > 23 or int(parts[3]) > 59 or int(parts[4]) > 60:
         return None

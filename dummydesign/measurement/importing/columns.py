@@ -120,8 +120,9 @@ def _named(columns: Sequence[Column], role: str, word: str, log: ImportLog) -> C
         alike = [columns[int(wanted) - 1]]
     if not alike:
         titles = [column.short for column in columns[:12] if column.title] or [f"1 to {len(columns)}"]
-        message = f"--columns {role}: {unknown_name('column', word, titles)}"
-        raise log.fault(message, "unknown_name", "columns", word, titles)
+        raise log.fault(
+            f"--columns {role}: {unknown_name('column', word, titles)}", "unknown_name", "columns", word, titles
+        )
     if len(alike) > 1:
         numbers = ", ".join(str(column.index + 1) for column in alike)
         raise log.question(f"columns {numbers} are named '{word}'", f"--columns {role}={alike[0].index + 1}")
@@ -184,8 +185,7 @@ def choose_one(role: str, candidates: Sequence[Column], values: Values, log: Imp
     if moving:
         first = moving[0]
         own = _counts(first, role, values)
-        rivals = [one for one in moving[1:] if not _same(own, _counts(one, role, values), role)]
-        if rivals:
+        if rivals := [one for one in moving[1:] if not _same(own, _counts(one, role, values), role)]:
             names = " or ".join(f"'{one.label}'" for one in (first, *rivals))
             # by its number where another one has its name
             alone = [one.title for one in candidates].count(first.title) == 1 and not set(first.title) & set(",=")
@@ -242,8 +242,7 @@ def choose_by_behaviour(
             guess |= {"displacement": order[0], "force": order[1]}
     elif len(rest) == len(free) == 1:
         guess[rest[0]] = free[0]
-    absent = [role for role in missing if role not in guess]
-    if absent:
+    if absent := [role for role in missing if role not in guess]:
         shown = ", ".join(f"'{one.short}'" if one.title else f"column {one.index + 1}" for one in columns[:12])
         option = f"--columns {','.join(f'{role}=NAME' for role in absent)}"
         rate = ", or --rate HZ where the samples are evenly spaced" if absent == ["time"] else ""
@@ -255,8 +254,9 @@ def choose_by_behaviour(
         option = "--columns " + shlex.quote(",".join(f"{role}={guess[role].label}" for role in missing))
         option += " --units " + ",".join(f"{role}={units.get(role, BASE[KIND_OF_ROLE[role]])}" for role in missing)
         listed = ", ".join(f"{role} may be column {guess[role].label}" for role in missing)
-        doubt = f"neither names nor units say which column is {' or '.join(missing)}; by what they do {listed}"
-        raise log.question(doubt, option)
+        raise log.question(
+            f"neither names nor units say which column is {' or '.join(missing)}; by what they do {listed}", option
+        )
     for role in missing:
         log.decide(f"{role} column", guess[role].label, _BEHAVIOUR[role])
     return guess
@@ -280,8 +280,7 @@ _EXCEL_DAYS = (36500.0, 52000.0)
 def find_factors(chosen: Chosen, values: Mapping[str, NDArray], log: ImportLog) -> dict[str, float]:
     """Find how many s, mm and N one count of each chosen column is."""
     units = {role: _unit(role, chosen[role], values[role], log) for role in ROLES if role in chosen}
-    missing = [role for role, unit in units.items() if unit is None]
-    if missing:
+    if missing := [role for role, unit in units.items() if unit is None]:
         parts = []
         for role in missing:
             unit = chosen[role].unit

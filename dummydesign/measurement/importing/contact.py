@@ -73,8 +73,7 @@ def find_contact(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: f
     weight = _posterior(bins, noise, ways, tare_N, POWERS, BENDS)
     position, share = float(np.sum(weight * ways) / weight.sum()), np.cumsum(weight) / weight.sum()
     margin = 0.25 * float(np.median(np.abs(np.diff(x[max(at - 3, 0) : at + 4]))))
-    left, right = (float(np.interp(end, share, ways)) for end in (0.025, 0.975))
-    left, right = left - margin, right + margin
+    left, right = (float(np.interp(end, share, ways)) + more for end, more in ((0.025, -margin), (0.975, margin)))
     free = min(left, position) - 0.25 * (position - left)
     baseline = find_baseline(time, x, load, span, (at, position, free), noise)
     speed = _speed(time, x, start, at, at + int(np.argmax(x[at : span.stop] >= high)))
@@ -194,10 +193,8 @@ def find_contacts(
 ) -> list[float]:
     """Choose the zero of position of each press: the reading that is given, the file's own, or contact. [mm]"""
     if log.settings.contact == "none" or given_mm is not None:
-        zero = 0.0 if given_mm is None else sign * given_mm
-        shown = "the file's own zero" if given_mm is None else f"{given_mm:.10g} mm"
-        log.decide("contact", shown, given_by)
-        return [zero] * len(contacts)
+        log.decide("contact", "the file's own zero" if given_mm is None else f"{given_mm:.10g} mm", given_by)
+        return [0.0 if given_mm is None else sign * given_mm] * len(contacts)
     first = _reference(contacts)
     reference, depth = contacts[first], depths[first]
     if own_zero_agrees(reference) and first_mm <= SMALL_MM:
@@ -345,10 +342,10 @@ def find_tares(
         if abs(rest_N) > max(4.0 * max(first.noise_N, 1e-12), 0.004 * contacts[0].peak_N):
             shown = sign * rest_N
             doubt = f"the force is {shown:.3g} N at the first sample and there is no lead-in before contact"
-            option = (
-                f"--tare {force_text(shown)} where it is an offset (first: of each file), --tare none where it presses"
+            raise log.question(
+                f"{doubt}: an offset, or already pressed",
+                f"--tare {force_text(shown)} where it is an offset (first: of each file), --tare none where it presses",
             )
-            raise log.question(f"{doubt}: an offset, or already pressed", option)
         log.decide("tare", "none", "there is no lead-in, and the force begins at zero within its noise")
         return [_stated(_constant(one.baseline, 0.0), rest_N) for one in contacts]
     lines = [_line(one, rest_N, log) for one in contacts]
@@ -404,12 +401,12 @@ def _line(contact: ContactEstimate, rest_N: float, log: ImportLog) -> Baseline:
     if changes <= max(MATTERS * contact.peak_N, 2.0 * line.effect_error_N):
         return _constant(line, rest_N + line.mean_N)
     if line.drift_alone_N_s and kind not in ("drift", "slope"):
-        doubt = (
+        raise log.question(
             f"before contact the force changes by {line.before_N:+.3g} N while the punch moves; either as a drift "
             f"with time ({line.drift_alone_N_s:+.3g} N/s) or as a slope with travel "
-            f"({line.slope_alone_N_mm:+.3g} N/mm)"
+            f"({line.slope_alone_N_mm:+.3g} N/mm)",
+            "--tare drift or --tare slope, whichever it is (the punch moved in the air shows it)",
         )
-        raise log.question(doubt, "--tare drift or --tare slope, whichever it is (the punch moved in the air shows it)")
     line = line.only(kind)
     if not line.comes_back:
         log.warn(

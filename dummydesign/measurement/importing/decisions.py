@@ -47,8 +47,9 @@ class Settings:
             ("flip", wrong, ("displacement", "force", "none"), wrong is None),
         ):
             if not valid:
-                message = f"--{option} '{value}' is not one of {' '.join(allowed)}"
-                raise InputError(message, "unknown_name", option, value, allowed)
+                raise InputError(
+                    f"--{option} '{value}' is not one of {' '.join(allowed)}", "unknown_name", option, value, allowed
+                )
 
     def to_dict(self) -> dict[str, Any]:
         """Return all settings as plain values."""

@@ -201,8 +201,9 @@ def workbook_texts(data: bytes, log: ImportLog) -> dict[str, str]:
     if data.startswith(b"PK"):
         with zipfile.ZipFile(io.BytesIO(data)) as packed:
             if sum(part.file_size for part in packed.infolist()) > MOST_BYTES:
-                message = f"unpacks to more than {MOST_BYTES // 10**6} MB; save the sheet as CSV"
-                raise log.fault(message, "too_large", "workbook")
+                raise log.fault(
+                    f"unpacks to more than {MOST_BYTES // 10**6} MB; save the sheet as CSV", "too_large", "workbook"
+                )
     try:
         book = CalamineWorkbook.from_filelike(io.BytesIO(data))
         read = {
@@ -210,17 +211,17 @@ def workbook_texts(data: bytes, log: ImportLog) -> dict[str, str]:
             for title in book.sheet_names
         }
     except Exception as problem:  # of calamine's own kinds, by what is wrong with the file
-        message = (
-            f"cannot be read as a workbook ({type(problem).__name__}); save it again without a password, or as CSV"
-        )
-        raise log.fault(message, "file_unreadable", "workbook") from None
+        raise log.fault(
+            f"cannot be read as a workbook ({type(problem).__name__}); save it again without a password, or as CSV",
+            "file_unreadable",
+            "workbook",
+        ) from None
     sheets = {title: rows for title, rows in read.items() if sum(map(_numeric, rows)) >= 3}
     if not sheets:
         message = "no sheet holds a table of numbers; export time, displacement and force as columns"
         raise log.fault(message, "nothing_found", "table")
     if log.settings.sheets is not None:
-        kept = chosen_sheets(log.settings.sheets, list(sheets), log.file)
-        sheets = {title: rows for title, rows in sheets.items() if title in kept}
+        sheets = {title: sheets[title] for title in chosen_sheets(log.settings.sheets, list(sheets), log.file)}
     tests = _sheets_of_tests(sheets, log)
     log.decide("sheets", ", ".join(tests), "the sheets that hold rows of numbers")
     texts = {title: "".join("\t".join(row).rstrip("\t") + "\n" for row in rows) for title, rows in tests.items()}
@@ -271,13 +272,12 @@ def _sheets_of_tests(sheets: dict[str, list[list[str]]], log: ImportLog) -> dict
     widths = {title: width for title, rows in sheets.items() if (width := _named_width(rows))}
     if not widths:
         return sheets
-    others = [title for title in sheets if title not in widths]
-    if others:
+    if others := [title for title in sheets if title not in widths]:
         log.decide("sheets left out", ", ".join(others), "other sheets name time, displacement and force; these do not")
-    wider = [title for title in widths if any(any(row[widths[title] :]) for row in sheets[title])]
-    if wider:
-        why = "cells to the right of the last named column are no part of the table"
-        log.decide("cells left out", ", ".join(wider), why)
+    if wider := [title for title in widths if any(any(row[widths[title] :]) for row in sheets[title])]:
+        log.decide(
+            "cells left out", ", ".join(wider), "cells to the right of the last named column are no part of the table"
+        )
     return {title: [row[:width] for row in sheets[title]] for title, width in widths.items()}
 
 

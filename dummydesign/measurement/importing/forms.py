@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 
-from dummydesign.measurement.importing.cells import SEPARATORS, split
+from dummydesign.measurement.importing.cells import SEPARATORS, split, without_empty_end
 from dummydesign.measurement.importing.decisions import ImportLog
 from dummydesign.measurement.importing.vocabulary import KIND_OF_ROLE, ROLES, roles_of_name, split_name, words_of
 
@@ -42,7 +42,7 @@ def plain_lines(lines: list[str], log: ImportLog) -> list[str]:
 def _without_labels(lines: list[str], log: ImportLog) -> list[str]:
     """Lines of labelled values, ``Position:1.25,Force:0.3``, as a table whose first line is added: the labels."""
     read = [_labelled(line) for line in lines[:_HEAD]]
-    labels, count = Counter(map(tuple, read)).most_common(1)[0]
+    labels, count = (Counter(map(tuple, read)).most_common(1) or [((), 0)])[0]
     if len(labels) < 2 or count < 0.5 * len(read):
         return lines
     log.decide("form", "labelled values", f"each line holds {', '.join(labels)} with their values")
@@ -117,8 +117,7 @@ def specimens(text: str, log: ImportLog) -> dict[str, str]:
     lines = text[: _HEAD * 1000].splitlines()[first : first + _HEAD]
     heads = ((at, sign) for at in range(len(lines)) for sign in SEPARATORS if sign != " ")
     for at, separator in heads:
-        wide = lines[at].count(separator) >= 2 * len(ROLES) - 1
-        width = _period(split(lines[at], separator)) if wide else 0
+        width = _period(split(lines[at], separator)) if lines[at].count(separator) >= 2 * len(ROLES) - 1 else 0
         if width:
             break
     else:
@@ -141,9 +140,7 @@ def specimens(text: str, log: ImportLog) -> dict[str, str]:
 
 def _period(names: list[str]) -> int:
     """How many columns belong to one specimen; 0 where the names do not repeat."""
-    while names and not names[-1]:
-        names = names[:-1]
-    read = [split_name(name) for name in names]
+    read = [split_name(name) for name in without_empty_end(names)]
     keys = [(tuple(words_of(name)), unit.text if unit else "") for name, unit in read]
     for width in range(len(ROLES), (len(keys) + 1) // 2 + 1):
         rest = len(keys) % width

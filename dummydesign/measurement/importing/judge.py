@@ -102,7 +102,7 @@ class Judgement:
 
 
 def judge_press(
-    time: NDArray, x: NDArray, force: NDArray, summary: Summary, step_N: float = 0.0, delay_s: float | None = None
+    time: NDArray, x: NDArray, force: NDArray, summary: Summary, step_N: float, delay_s: float
 ) -> Judgement:
     """Judge one press.
 
@@ -114,10 +114,9 @@ def judge_press(
         Its ramp and hold.
     step_N : float
         Step of the digits of the force. [N]
-    delay_s : float, optional
-        Delay of the force, where it was sought already. [s]
+    delay_s : float
+        Delay of the force, of :func:`find_delay`. [s]
     """
-    delay = find_delay(time, x, force, summary, step_N)[0] if delay_s is None else delay_s
     kept, size = _errors(time, x, force, summary, step_N)
     t, stop = time[kept], summary.stop_time_s
     part = np.where(t > stop + SETTLES_S, 3, np.where(t > stop, 2, np.where(x[kept] > 0.0, 1, 0)))
@@ -125,9 +124,9 @@ def judge_press(
     left = _left(time, x, force, kept, size * np.where(np.isin(part, judged), 1.0, UNJUDGED))
     misfits = [np.sqrt(np.mean(left[part == k] ** 2)) if np.sum(part == k) >= FEWEST else 0.0 for k in judged]
     worst = int(np.argmax(misfits))
-    if misfits[worst] <= LIMIT and abs(delay) <= NAMED_S:
-        return Judgement(True, delay_s=delay)
-    return Judgement(False, PARTS[judged[worst]], float(misfits[worst]), delay)
+    if misfits[worst] <= LIMIT and abs(delay_s) <= NAMED_S:
+        return Judgement(True, delay_s=delay_s)
+    return Judgement(False, PARTS[judged[worst]], float(misfits[worst]), delay_s)
 
 
 def _errors(time: NDArray, x: NDArray, force: NDArray, summary: Summary, step_N: float) -> tuple[NDArray, NDArray]:
@@ -202,8 +201,9 @@ def _left(time: NDArray, depth: NDArray, force: NDArray, kept: NDArray, size: ND
 
     time, depth, force = time[kept], depth[kept], force[kept]
     share = np.maximum(depth, 0.0) / depth.max()
-    shapes = share ** POWERS[:, None], np.maximum(share - TOUCHES[:, None], 0.0), -np.expm1(-LEVELS[:, None] * share)
-    elastic = np.concatenate(shapes)
+    elastic = np.concatenate(
+        [share ** POWERS[:, None], np.maximum(share - TOUCHES[:, None], 0.0), -np.expm1(-LEVELS[:, None] * share)]
+    )
     step = np.maximum(np.diff(time, prepend=time[0]), 1e-9) / TIMES_S[:, None]
 
     def relaxed(elastic: NDArray, step: NDArray) -> NDArray:

@@ -81,7 +81,8 @@ def find_layout(text: str, log: ImportLog) -> TableLayout:
     skipped -= len(lines) - len(written)
     sample = _spread(lines)
     if not sample:
-        raise log.no_table("holds no table: nothing but comments and blank lines")
+        skipped_text = f" after its first {log.settings.skip} lines (--skip)" if log.settings.skip else ""
+        raise log.no_table(f"holds no table: nothing but comments and blank lines{skipped_text}")
     longest = max(map(len, sample))
     if longest > LONGEST_LINE:
         message = f"a line is {longest} characters long: the line ends are lost; export the test as text again"
@@ -107,9 +108,12 @@ def find_layout(text: str, log: ImportLog) -> TableLayout:
     inside = [_units_inside(column, kind, cells) for column, kind in zip(full, kinds)]
     words = (map(vocabulary.roles_of_name, set(column)) for column, kind in zip(full, kinds) if kind == "text")
     if any(frozenset[str]().union(*roles) >= {"displacement", "force"} for roles in words):
-        message = "one row a reading: the quantity is named in the row; pivot it to a column for each quantity"
         raise log.fault(
-            message + ", in pandas by pivot(index, columns, values)", "malformed", "table", line=first + skipped + 1
+            "one row a reading: the quantity is named in the row; pivot it to a column for each quantity, in pandas by "
+            "pivot(index, columns, values)",
+            "malformed",
+            "table",
+            line=first + skipped + 1,
         )
     sparse = any(kind == "number" and _gaps(column) >= LEAST_GAPS for column, kind in zip(full, kinds))
     decimal = _decimal(cells, separator, log)
@@ -260,9 +264,7 @@ def _bounds(lines: Sequence[str], separator: str, kinds: Sequence[str]) -> tuple
 
     first = next((index for index in range(len(lines)) if begins(index)), len(lines))
     first += _counts_columns(lines, first, separator)
-    last = len(lines)
-    while last > first and not row(last - 1):
-        last -= 1
+    last = next((index + 1 for index in range(len(lines) - 1, first - 1, -1) if row(index)), first)
     return first, last
 
 
@@ -287,8 +289,9 @@ def _decimal(cells: Sequence[str], separator: str, log: ImportLog) -> str:
         return given
     few, many = sorted((".", ","), key=lambda sign: seen[sign])
     if seen[few] > 0.02 * seen[many]:
-        doubt = f"{seen['.']} numbers have a decimal dot and {seen[',']} a decimal comma"
-        raise log.question(doubt, "--decimal . or --decimal ,")
+        raise log.question(
+            f"{seen['.']} numbers have a decimal dot and {seen[',']} a decimal comma", "--decimal . or --decimal ,"
+        )
     if seen[many]:
         log.decide("decimal", many, f"{seen[many]} of the numbers looked at can be read in this way only")
         return many
@@ -342,8 +345,7 @@ def _header_cells(line: str, separator: str, width: int) -> list[str] | None:
         ways.insert(0, [part.strip() for part in text.replace("\t", "  ").split("  ") if part.strip()])
     ways += [cell_text.split(text, other) for other in SEPARATORS if other not in (separator, " ") and other in text]
     for cells in ways:
-        while len(cells) > width and not cells[-1]:
-            cells = cells[:-1]
+        cells = cell_text.without_empty_end(cells, width)
         if len(cells) == width - 1 >= 2 and separator != " ":
             cells = [*cells, ""]
         if len(cells) == width:

@@ -12,16 +12,15 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.interpolation import true_runs
-from dummydesign.measurement.clipping import find_clip, longest_run
 from dummydesign.measurement.importing.baseline import LEAST_LEAD_IN
 from dummydesign.measurement.importing.contact import ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.judge import DELAYED, Judgement, contact_of, judge_press
 from dummydesign.measurement.importing.sign_convention import find_presses, find_signs, middle_of_three
 from dummydesign.measurement.plateau import noise_of
-from dummydesign.measurement.plausible import ranges, units_that_fit
 from dummydesign.measurement.ramp_detection import Summary, summarise
-from dummydesign.measurement.trace import Trace, import_first
+from dummydesign.measurement.sensor import find_clip, longest_run
+from dummydesign.measurement.trace import Trace, import_first, ranges, units_that_fit
 
 Warn = Callable[[str, str], None]
 Doubts = Iterator[tuple[str, str]]
@@ -171,8 +170,7 @@ def _several_holds(press: _Press) -> Doubts:
         return not jumps or min(jumps) > 0.5 * abs(float(np.median(x[a:b])) - summary.depth_mm)
 
     runs = ((a, b) for a, b in true_runs(pressed) if (b - a) * step > least_s)
-    plateaus = [float(np.median(x[a:b])) for a, b in runs if stepped(a, b)]
-    if plateaus:
+    if plateaus := [float(np.median(x[a:b])) for a, b in runs if stepped(a, b)]:
         depths = ", ".join(f"{depth:.2f}" for depth in sorted({*plateaus, summary.depth_mm}))
         yield (
             "several_holds",
@@ -277,9 +275,9 @@ def doubts_of(trace: Trace, resolution_N: float = 0.0) -> list[dict[str, str]]:
     log = ImportLog(trace.name, Settings(flip=frozenset()))
 
     def warn(code: str, message: str) -> None:
-        if code in (NO_HOLD, DELAYED, NO_TRAVEL):
-            return  # its user says whether a hold is needed, and declares a filter; its zero is the contact
-        log.warn(code, message + (import_first(trace.name) if code in MENDED else ""))
+        # its user says whether a hold is needed, and declares a filter; its zero is the contact
+        if code not in (NO_HOLD, DELAYED, NO_TRAVEL):
+            log.warn(code, message + (import_first(trace.name) if code in MENDED else ""))
 
     time, x, force = trace.time_s, trace.displacement_mm, trace.force_N
     try:

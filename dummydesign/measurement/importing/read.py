@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterable, Sequence, Set
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import takewhile
@@ -25,7 +25,6 @@ from dummydesign.measurement.importing.baseline import Baseline
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, QuestionError, Settings
 from dummydesign.measurement.importing.decoding import LEFT_OUT
 from dummydesign.measurement.importing.judge import Judgement, contact_of
-from dummydesign.measurement.importing.position_steps import read_between_changes
 from dummydesign.measurement.importing.press_checks import Warn, check_press, copies_among
 from dummydesign.measurement.importing.sign_convention import HIGH, Span, find_presses, find_signs, joined_cycles
 from dummydesign.measurement.importing.table import Columns, Ranges, columns_of, read_texts
@@ -38,9 +37,19 @@ from dummydesign.measurement.importing.vocabulary import (
     scaled_unit,
     split_name,
 )
-from dummydesign.measurement.plausible import ROLE, impossible, press_quantities, ranges, units_that_fit
 from dummydesign.measurement.ramp_detection import SHALLOWEST_MM, Summary, summarise
-from dummydesign.measurement.trace import COLUMNS, SECONDS, Trace, magnitude_fault
+from dummydesign.measurement.sensor import read_between_changes
+from dummydesign.measurement.trace import (
+    COLUMNS,
+    ROLE,
+    SECONDS,
+    Trace,
+    impossible,
+    magnitude_fault,
+    press_quantities,
+    ranges,
+    units_that_fit,
+)
 
 Warnings = list[dict[str, Any]]
 SharedZero = tuple[float, str]
@@ -105,8 +114,9 @@ def _tests_of(path: Path, settings: Settings | None) -> list[tuple[str, str, Imp
 def _import_text(path: Path, sheet: str, text: str, log: ImportLog, shared: SharedZero | None = None) -> Imported:
     """Read one test; ``shared`` is the zero of the files beside it, where its own force shows none."""
     columns = columns_of(text, log)
-    first = float(columns.force_N[0])
-    tare = first if log.settings.tare == "first" else _read_option("tare", log.settings.tare, "force")
+    tare = (
+        columns.force_N[0].item() if log.settings.tare == "first" else _read_option("tare", log.settings.tare, "force")
+    )
     given, by = shared or (_read_option("contact", log.settings.contact, "length"), "given by --contact")
     time = columns.time_s
     way, step_mm = read_between_changes(time, columns.displacement_mm, log)
@@ -130,8 +140,7 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog, shared: Shar
         t, way = time[part] - time[span.start], x[part] - at + 0.0
         force = load[part] + rest - level.at(time[part], x[part]) + 0.0
         summary = summarise(name, t, way, force)
-        fault = magnitude_fault(t, way, force, seconds="time" in log.settings.units)
-        if fault:
+        if fault := magnitude_fault(t, way, force, seconds="time" in log.settings.units):
             option = "--units time=.., displacement=.. or force=.. with the unit that it is in"
             raise log.question(f"press {number}: {fault.message}", option)
         warn = partial(log.warn, name=name)
@@ -230,8 +239,9 @@ def _check_magnitudes(
         if given and key in ("stop_mm_s2", "step_s"):
             continue  # a doubt that was settled
         if given:
-            message = f"with --units {role}={given} {text}; {options or 'check the unit'}"
-            raise log.fault(message, "implausible_unit", "units", given)
+            raise log.fault(
+                f"with --units {role}={given} {text}; {options or 'check the unit'}", "implausible_unit", "units", given
+            )
         where = f"with the {role} in {stated.text}, as the header states, " if stated else ""
         # a force or a depth beyond the range of this tool can be: only a motion that cannot be shows a wrong header
         if role == "time" and fitting:
@@ -278,11 +288,13 @@ def files_of(paths: Iterable[str | Path]) -> list[tuple[Path, bool]]:
         inside = [path]
         if path.is_dir():
             try:
-                inside = sorted(p for p in path.iterdir() if p.is_file() and not p.name.startswith("."))
+                inside = sorted(
+                    p for p in path.iterdir() if p.is_file() and p.suffix.lower() in ENDINGS and p.name[0] != "."
+                )
             except OSError as problem:
-                message = f"folder '{path}' cannot be read: {problem.strerror or problem}"
-                raise InputError(message, "file_unreadable", "folder") from None
-            inside = [p for p in inside if p.suffix.lower() in ENDINGS]
+                raise InputError(
+                    f"folder '{path}' cannot be read: {problem.strerror or problem}", "file_unreadable", "folder"
+                ) from None
             if not inside:
                 message = f"folder '{path}' holds no file that may be a trace ({', '.join(ENDINGS)})"
                 raise InputError(message, "nothing_found", "folder")
@@ -307,8 +319,7 @@ def import_files(paths: Sequence[str | Path], settings: Settings | None = None) 
             read[path, ""] = problem
         if in_folder and isinstance(read.get((path, "")), NoTableError):
             del read[path, ""]
-            message = f"{path.name} is left out: it holds no table of numbers"
-            warnings.append({"code": "skipped", "message": message})
+            warnings.append({"code": "skipped", "message": f"{path.name} is left out: it holds no table of numbers"})
     asked = {at: one for at, one in read.items() if isinstance(one, QuestionError) and one.quantity == "contact"}
     zeros = {at: zero for at, one in asked.items() if (zero := _shared_zero(at[0], one, [*read.values()]))}
     read |= {
@@ -328,8 +339,7 @@ def import_files(paths: Sequence[str | Path], settings: Settings | None = None) 
     problems = [(one, path, sheet) for (path, sheet), one in read.items() if isinstance(one, InputError)]
     if problems:
         first = problems[0][0]
-        certain = {one.source for one in imported}
-        others = _other_files(problems, certain) if len(listed) > 1 else _others(problems, imported, settings)
+        others = _other_files(problems, imported) if len(listed) > 1 else _others(problems, imported, settings)
         raise type(first)(f"{first}{others}", first.code, first.quantity, first.value, first.allowed)
     if not imported:
         raise InputError(f"none of the {len(listed)} files holds a table of numbers", "nothing_found", "table")
@@ -370,13 +380,13 @@ def _shared_zero(path: Path, doubt: QuestionError, read: Iterable[object]) -> Sh
     return (round(zero, 3), f"as seen in {', '.join(dict.fromkeys(files.tolist()))}") if agree else None
 
 
-def _other_files(problems: Sequence[tuple[InputError, Path, str]], read: Set[Path]) -> str:
+def _other_files(problems: Sequence[tuple[InputError, Path, str]], imported: Sequence[Imported]) -> str:
     """Which files are in doubt where there are several, each with its reason, and how many are not."""
     reasons: dict[str, dict[str, None]] = {}
     for problem, path, _ in problems:
         reasons.setdefault(str(problem).removeprefix(f"{path.name}: "), {})[path.name] = None
     doubtful = {path for _, path, _ in problems}
-    certain, text = len(read - doubtful), ""
+    certain, text = len({one.source for one in imported} - doubtful), ""
     if len(doubtful) > 1:
         shown = [
             ", ".join([*names][:NAMED]) + f" ({reason})" * (at > 0)
@@ -398,8 +408,7 @@ def _others(
     doubtful, certain = [sheet for *_, sheet in problems if sheet], [one.sheet for one in imported if one.sheet]
     if not doubtful or not certain:
         return ""
-    every = settings is None or settings.sheets is None
-    text = f"{LEFT_OUT}{','.join(doubtful)}" if every else ",".join(certain)
+    text = f"{LEFT_OUT}{','.join(doubtful)}" if not settings or settings.sheets is None else ",".join(certain)
     return f'; --sheets "{text}" reads the other {f"{len(certain)} sheets" if len(certain) > 1 else "sheet"}'
 
 
@@ -511,8 +520,7 @@ def _read_profile(path: Path) -> Settings:
     }
     top.number("skip", None, low=0.0)
     for key in ("columns", "units"):
-        roles = top.table(key, required=False).only(ROLES).data
-        values[key] = {role: str(word) for role, word in roles.items()}
+        values[key] = {role: str(word) for role, word in top.table(key, required=False).only(ROLES).data.items()}
     values["flip"] = frozenset(top.strings("flip")) if "flip" in top else None
     return Settings(**{key: value for key, value in values.items() if value is not None})
 
@@ -562,7 +570,5 @@ def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path
 
 
 def _profile_text(settings: Settings) -> str:
-    usual = vars(Settings())
-    given = {key: value for key, value in vars(settings).items() if value != usual[key]}
-    plain = {key: sorted(value) if isinstance(value, frozenset) else value for key, value in given.items()}
-    return toml_table({"schema": 1, **plain})
+    usual = Settings().to_dict()
+    return toml_table({"schema": 1, **{key: value for key, value in settings.to_dict().items() if value != usual[key]}})

@@ -1,8 +1,11 @@
-"""One file to its columns in s, mm and N."""
+"""One file to its columns in s, mm and N; tables of points and curves whose columns have names that are given."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import csv
+import io
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -106,16 +109,14 @@ def columns_of(text: str, log: ImportLog) -> Columns:
     chosen = {role: choose_one(role, candidates[role], values, log) for role in ROLES[1:] if candidates[role]}
     chosen |= choose_by_behaviour(columns, chosen, missing, values, log)
     time, x, force, inside = _quantities(columns, candidates, chosen, values, layout.rate_Hz, log)
-    lines = body.lines[inside]
     breaks = np.flatnonzero(np.isin(np.flatnonzero(inside), body.breaks)).tolist()
-    order, time, recordings = rows_in_order(time, layout.repeats, breaks, lines, log)
+    order, time, recordings = rows_in_order(time, layout.repeats, breaks, body.lines[inside], log)
     x, force = x[order], force[order]
     time, recordings = join_steps(time, x, force, recordings, log)
     if (delay := log.settings.delay) is not None:
         time, x, force, recordings = shift(time, x, force, recordings, delay)
         log.decide("delay", f"{delay:g} s", "given by --delay: the displacement is taken from so much earlier")
-    found = {role: chosen.get(role, _NAMELESS) for role in ROLES}
-    return Columns(time, x, force, recordings, layout, found)
+    return Columns(time, x, force, recordings, layout, {role: chosen.get(role, _NAMELESS) for role in ROLES})
 
 
 def _quantities(
@@ -187,8 +188,9 @@ def _read_bytes(path: Path) -> bytes:
         data = path.read_bytes()
         after = path.stat()
     if (before.st_size, before.st_mtime_ns) != (after.st_size, after.st_mtime_ns) or len(data) != after.st_size:
-        message = f"{path.name}: is being written just now; wait for the test to end"
-        raise InputError(message, "changed_meanwhile", "file")
+        raise InputError(
+            f"{path.name}: is being written just now; wait for the test to end", "changed_meanwhile", "file"
+        )
     return data
 
 
@@ -236,9 +238,7 @@ def _read_by_line(layout: TableLayout, columns: Sequence[int], log: ImportLog, g
         line = layout.lines[index]
         if not line.strip() or cell_text.is_comment(line):
             continue
-        cells = layout.cells(line)
-        while len(cells) > width and not cells[-1]:
-            cells = cells[:-1]
+        cells = cell_text.without_empty_end(layout.cells(line), width)
         wanted = [cells[column] if column < len(cells) else "" for column in columns]
         row = [_read_cell(cell, column, layout) for cell, column in zip(wanted, columns)]
         short = len(cells) != width and sum(number is not None for number in row) <= 1
@@ -331,5 +331,106 @@ def _cell_fault(layout: TableLayout, index: int, column: int, cell: str, log: Im
         message = f"{name}: {what}: the recording dropped out here; cut the file there or export it again"
         return log.fault(message, "missing", "cell", cell, line=line)
     sign = "dot" if layout.decimal == "." else "comma"
-    message = f"{name} = '{cell[:40]}' is not a number with a decimal {sign}"
-    return log.fault(message, "not_a_number", "cell", cell[:40], line=line)
+    return log.fault(
+        f"{name} = '{cell[:40]}' is not a number with a decimal {sign}", "not_a_number", "cell", cell[:40], line=line
+    )
+
+
+_HEAD = 40
+"""Lines at the start among which the header is looked for."""
+_MEANS = {"depth_mm": "displacement", "force_N": "force", "time_s": "time"}
+"""What the name of a column must speak for to be read as this one."""
+_SPEEDS = {"mm/s": 1.0, "m/s": 1e3, "cm/s": 10.0, "mm/min": 1 / 60}
+_SUBJECTS = {"subject", "person", "participant", "proband", "sujet", "volunteer", "dataset"}
+
+
+@dataclass(frozen=True)
+class NamedTable:
+    """Rows with their line and their cells by column, the decimal sign, and what turns a number to a column's unit."""
+
+    rows: list[tuple[int, dict[str, str]]]
+    decimal: str
+    factors: dict[str, float]
+
+
+def read_named_table(path: Path, what: str, columns: Sequence[str], optional: Sequence[str] = ()) -> NamedTable:
+    """Read the rows that hold something, of a table with these columns.
+
+    Parameters
+    ----------
+    path : Path
+        Text in any encoding that the import reads; separated by comma, semicolon, tab or bar.
+    what : str
+        What the table holds, for errors.
+    columns, optional : sequence of str
+        Columns by name; one in ``optional`` may be absent.
+    """
+    with reading(f"{what} file", path, what):
+        data = path.read_bytes()
+    text = decode(data, ImportLog(path.name)).removeprefix("\ufeff") if data.strip() else ""
+    best: tuple[int, int, str, list[str]] = (0, 0, ",", [])
+    for separator in (",", ";", "\t", "|", " "):
+        with suppress(csv.Error):  # of another separator
+            for number, row in enumerate(_split(text, separator)):
+                named = sum(_key(cell, columns) is not None for cell in row[1])
+                if named > best[0]:
+                    best = named, number, separator, row[1]
+                if number > _HEAD:
+                    break
+    _, head, separator, header = best
+    keys = [_key(cell, columns) or (cell, None) for cell in header]
+    for column in columns:
+        if column not in [key for key, _ in keys] and column not in optional:
+            shown = ", ".join(f"'{cell}'" for cell in header or text.split("\n", 1)[0].split(","))[:200]
+            raise InputError(
+                f"{path.name}:1: column '{column}' is missing (found {shown}); the header must be "
+                f"{','.join(columns)}, or name each quantity with its unit, such as 'Depth (cm)'",
+                "missing",
+                column,
+            )
+    try:
+        read = list(_split(text, separator))
+    except csv.Error as problem:
+        raise InputError(f"{path.name}: {problem}; is a quote open?", "malformed", what, str(path)) from None
+    rows = [
+        (line, {key: cell for (key, _), cell in zip(keys, [*cells, *[""] * len(keys)])})
+        for line, cells in read[head + 1 :]
+        if any(cells)
+    ]
+    numeric = {key: factor or _factor(key) for key, factor in keys if factor or _factor(key)}
+    found = [parts[0] if (parts := cell_text.measure(row[key])) else row[key] for _, row in rows for key in numeric]
+    seen = cell_text.decimal_evidence(cell for cell in found if cell_text.is_number(cell))
+    either = next((cell for cell in found if "," in cell), "")
+    if seen[","] == seen["."] == 0 and either:
+        message = f"{path.name}: '{either}' may be a decimal or a thousand; write numbers with a decimal dot"
+        raise InputError(message, "not_a_number", what, either)
+    return NamedTable(rows, "," if seen[","] > seen["."] else ".", numeric)
+
+
+def _split(text: str, separator: str) -> Iterator[tuple[int, list[str]]]:
+    """Lines and stripped cells; raises :class:`csv.Error` where a quote is never closed."""
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, skipinitialspace=True)
+    for row in reader:
+        yield reader.line_num, [cell.strip() for cell in row]
+
+
+def _factor(key: str) -> float:
+    """1 for the name of a column that ends with its unit, 0 for that of a text."""
+    return float(known.split_name(key)[1] is not None or key.endswith(("_mm_s", "_N_per_mm")))
+
+
+def _key(cell: str, columns: Sequence[str]) -> tuple[str, float | None] | None:
+    """The column that a cell of a header names, and how much of its unit a number is."""
+    if cell in columns:
+        return cell, None
+    name, unit = known.split_name(cell)
+    words, meanings = set(known.words_of(name)), known.meanings_of(name)
+    if "subject" in columns and words & _SUBJECTS and unit is None:
+        return "subject", None
+    if "velocity_mm_s" in columns and words & {"velocity", "speed"} and unit and unit.text.lower() in _SPEEDS:
+        return "velocity_mm_s", _SPEEDS[unit.text.lower()]
+    for key, meaning in _MEANS.items():
+        own: known.Unit | None = known.split_name(key)[1]
+        if key in columns and meanings == {meaning} and unit and own and unit.kind == own.kind:
+            return key, unit.factor / own.factor
+    return None

@@ -109,8 +109,7 @@ def find_bases(chosen: Mapping[str, Column], times: Sequence[Column]) -> dict[st
     """
     if len(times) < 2:
         return {}
-    places = [one.index for one in times]
-    before = min(places) < min(column.index for column in chosen.values())
+    before = min(one.index for one in times) < min(column.index for column in chosen.values())
     bases: dict[str, Column] = {}
     for role, column in chosen.items():
         named = [one for one in times if role in known.meanings_of(known.split_name(one.title)[0])]
@@ -253,8 +252,9 @@ def rows_in_order(
     twice = np.array([row for row in equal.tolist() if repeats(int(lines[row]))], int)
     # rows of a coarse time are alike where nothing moves; where all that are equal are alike, they are one row
     if len(twice) and (len(twice) == len(equal) or len(equal) < COARSE * len(time)):
-        why = f"word for word the row before; the first is line {lines[twice[0]]}"
-        log.decide("repeated rows", f"{len(twice)} rows", why)
+        log.decide(
+            "repeated rows", f"{len(twice)} rows", f"word for word the row before; the first is line {lines[twice[0]]}"
+        )
         order = np.delete(order, twice)
     kept = time[order]
     interrupted = set(np.searchsorted(order, list(breaks)).tolist())
@@ -287,11 +287,14 @@ def _sorted(time: NDArray, lines: NDArray, log: ImportLog) -> NDArray:
     most = max(1.5 * usual, 1.2 * float(steps[~touched].max(initial=0.0)))
     if np.any(steps[touched] > most) or np.any(steps[touched] < 0.3 * usual):
         at = int(back[0])
-        message = (
+        raise log.fault(
             f"time = {time[at]:.6g} s goes back (the row before has {time[at - 1]:.6g} s; {len(back)} such "
-            f"row{'s' * (len(back) > 1)}) and fits nowhere else: remove or correct these rows"
+            f"row{'s' * (len(back) > 1)}) and fits nowhere else: remove or correct these rows",
+            "malformed",
+            "time_s",
+            float(time[at]),
+            line=int(lines[at]),
         )
-        raise log.fault(message, "malformed", "time_s", float(time[at]), line=int(lines[at]))
     why = f"their times fit between those of other rows; the first is line {int(lines[back[0]])}"
     log.decide("rows sorted by time", f"{len(back)} rows", why)
     return order
@@ -354,8 +357,11 @@ def _line(at: NDArray, time: NDArray) -> tuple[float, NDArray, float, float]:
 def _too_coarse(time: NDArray, lines: NDArray, log: ImportLog) -> Exception:
     stamps = np.unique(time)
     digit = float(np.min(np.diff(stamps))) if len(stamps) > 1 else 0.0
-    message = (
+    return log.fault(
         f"the time has only {len(stamps)} different values in {len(time)} rows, {digit:.3g} s apart: coarser than the "
-        "sampling; export it with more digits, or say --rate HZ where the samples are even"
+        "sampling; export it with more digits, or say --rate HZ where the samples are even",
+        "malformed",
+        "time_s",
+        float(time[0]),
+        line=int(lines[0]),
     )
-    return log.fault(message, "malformed", "time_s", float(time[0]), line=int(lines[0]))

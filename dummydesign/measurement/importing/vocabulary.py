@@ -22,8 +22,7 @@ _SIGNS, _PARTS = (
     for key in ("signs", "parts")
 )
 """Parts of names with their role, the longest first."""
-_SAMPLING = tuple(_DATA["sampling"]["words"].split())
-_FILTERS = tuple(_DATA["sampling"]["filters"].split())
+_SAMPLING, _FILTERS = (tuple(_DATA["sampling"][key].split()) for key in ("words", "filters"))
 _RATES = {name: float(hertz) for hertz, names in _DATA["sampling"]["rates"].items() for name in names.split()}
 _LETTERS = {"t": "time", "f": "force", "s": "displacement", "d": "displacement"}
 """Names of a single letter."""
@@ -172,8 +171,7 @@ def split_name(cell: str) -> tuple[str, Unit | None]:
     """Separate a column's name from the unit in it: ``Weg [mm]``, ``Kraft in N``, ``time_s``, ``t/s``, ``mm``."""
     text = cell.translate(_ALIKE).strip().strip('"').strip()
     for inner in _BRACKETS.finditer(text):
-        unit = find_unit(inner[0])
-        if unit is not None:
+        if unit := find_unit(inner[0]):
             return (text[: inner.start()] + " " + text[inner.end() :]).strip(), unit
     alone = find_unit(text)
     if alone is not None and (len(text) > 1 or text in "sNсН秒"):
@@ -181,8 +179,7 @@ def split_name(cell: str) -> tuple[str, Unit | None]:
     ratio = _RATIO.search(text)
     if ratio is not None and (unit := find_unit(ratio[1])):
         return text[: ratio.start()].strip(), unit
-    tail = _TAIL.match(text)
-    if tail is not None:
+    if tail := _TAIL.match(text):
         unit = find_unit(tail[3])
         # A last letter such as the g of "force g" or the h of "Kanal h" is no unit unless it is set apart as one.
         if unit is not None and (len(tail[3]) > 1 or (tail[3] in "smNсН秒牛" and not tail[2])):

@@ -13,8 +13,7 @@ from dummydesign.mold.pour.bill_of_materials import (
 )
 from dummydesign.mold.pour.plan import CUP_FACTOR
 from dummydesign.mold.pour.steps import BLANK, cup_words, degas_words
-from dummydesign.mold.puck.plan import PuckPlan, spec_cost
-from dummydesign.mold.puck.protocol import command, press_rows, protocol_steps, trace_names
+from dummydesign.mold.puck.plan import PuckPlan, command, press_rows, protocol_steps, spec_cost, trace_names
 from dummydesign.mold.puck.ring import PuckSpec, ring_mass_g
 
 ROUND_MM, PARALLEL_SHARE, SIZE_SHARE = 0.5, 0.01, 0.02

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.motion import Motion
-from dummydesign.measurement.robot_path import RobotPath
+from dummydesign.measurement.motion import Motion, RobotPath
 from dummydesign.person.drives.drive import RobotDrive, TraceSigns, not_kept
 from dummydesign.person.integrate import LATE_POINTS, PersonResponse, follow_force, late_mean
 from dummydesign.person.people import People

@@ -12,7 +12,7 @@ import numpy as np
 
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.parsing import YOUNG
-from dummydesign.measurement.plausible import UNITS
+from dummydesign.measurement.trace import UNITS
 from dummydesign.resin.model.resin import SURPRISE, Point, PuckPoint, Resin, log_spread
 from dummydesign.resin.puck_test.loading_fit import TABLE_ERROR, PuckFit
 from dummydesign.resin.puck_test.plates import ALPHA_RANGE

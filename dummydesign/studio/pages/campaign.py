@@ -7,14 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from nicegui import background_tasks, events, run, ui
+from nicegui import background_tasks, run, ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import read_json
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.measurement.campaign_file import FILE
-from dummydesign.measurement.campaign_from_files import read_trials, write_trial_values
-from dummydesign.measurement.campaign_status import CampaignStatus, check_campaign
+from dummydesign.measurement.campaign_presses import CampaignStatus, check_campaign, read_trials, write_trial_values
 from dummydesign.project.folder import Project
 from dummydesign.studio import file_transfer, jobs, project_index, select_options, trash, widgets
 from dummydesign.studio.file_actions import DropList, manage, undo_bar
@@ -99,12 +98,23 @@ class CampaignPresses:
                 self.show(status)
 
     def show(self, status: CampaignStatus) -> None:
-        """How far the campaign is."""
-        if status.pressed:
+        """How far the campaign is, in words, and what comes next."""
+        done, left = len(status.pressed), len(status.missing)
+        if done:
             self.change.clear()
         with widgets.fresh(self.status_area):
             widgets.command_line(["campaign", "check", self.campaign])
-            _show_status(status, self.state)
+            html('<p role="status"><b>{} of {} presses are there</b></p>', done, done + left)
+            if left:
+                html("<p>To press: {}{}</p>", ", ".join(status.missing[:6]), " …" * (left > 6))
+            if status.wrong:
+                widgets.records({"file": "file", "looks wrong": "message"}, status.wrong, words=True)
+            if status.ready:
+                widgets.go("/learn", "Learn from it", self.state, "learn")
+            if done:
+                link = page_link("/cast", "Check a cast pad", self.state, "cast")
+                html("<p>{}: its presses against the tissue.</p>", link)
+            widgets.warnings({"warnings": status.warnings})
 
 
 def take_press(root: Path, campaign: str, name: str, content: bytes, planned: str = "") -> trash.Taken:
@@ -131,32 +141,15 @@ def take_press(root: Path, campaign: str, name: str, content: bytes, planned: st
     return taken if target == name else replace(taken, text=f"{name} is now {target}. {taken.text}")
 
 
-def _show_status(status: CampaignStatus, chosen: State) -> None:
-    """How far a campaign is, in words, and what comes next."""
-    done, left = len(status.pressed), len(status.missing)
-    html('<p role="status"><b>{} of {} presses are there</b></p>', done, done + left)
-    if left:
-        html("<p>To press: {}{}</p>", ", ".join(status.missing[:6]), " …" * (left > 6))
-    if status.wrong:
-        widgets.records({"file": "file", "looks wrong": "message"}, status.wrong, words=True)
-    if status.ready:
-        widgets.go("/learn", "Learn from it", chosen, "learn")
-    if done:
-        html("<p>{}: its presses against the tissue.</p>", page_link("/cast", "Check a cast pad", chosen, "cast"))
-    widgets.warnings({"warnings": status.warnings})
-
-
 HEADS = {
     "sequence": "order",
     "thickness_mm": "pad [mm]",
     "velocity_mm_s": "speed [mm/s]",
     "target_force_N": "force [N]",
     "target_depth_mm": "depth [mm]",
-    "hold_s": "hold [s]",
     "age_days": "age [days]",
     "temperature_C": "temperature [C]",
     "rest_s": "rest [s]",
-    "repeat": "repeat",
 }
 CHANGED = "({target: t}) => { if (t.dataset.key) emit([Number(t.dataset.row), t.dataset.key, t.value]); }"
 
@@ -181,28 +174,6 @@ def table_html(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> Markup
     )
 
 
-def value_table(
-    keys: Sequence[str],
-    rows: Sequence[Mapping[str, Any]],
-    changed: Callable[[int, str, str], None],
-    refusal: ui.element,
-) -> None:
-    """Show the table; why a value is refused stands in a place of its own."""
-    shown = html("{}", table_html(keys, rows)).style("width:100%")
-
-    def typed(event: events.GenericEventArguments) -> None:
-        row, key, text = event.args
-        if key in keys and isinstance(row, int) and 0 <= row < len(rows):
-            mark = "setAttribute('aria-invalid', true)"
-            with widgets.problems_in(refusal):
-                changed(row, key, str(text))
-                mark = "removeAttribute('aria-invalid')"
-            cell = f'#{shown.html_id} [data-row="{row}"][data-key="{key}"]'
-            ui.run_javascript(f"document.querySelector('{cell}')?.{mark}")
-
-    shown.on("change", typed, js_handler=CHANGED)
-
-
 OFTEN = ("temperature_C", "age_days", "rest_s")
 """Values that often are the same for a whole day."""
 ALL = "all presses"
@@ -214,7 +185,7 @@ class TrialTable:
     def __init__(self, root: Path, campaign: str, then: Callable[[], None]) -> None:
         self.root, self.path, self.folder, self.then = root, f"{campaign}/{FILE}", root / campaign, then
         html("<p>Empty means unknown. Each value is written into campaign.toml when you leave its field.</p>")
-        with ui.element("div").classes("fields"):
+        with widgets.fields():
             self.day = widgets.select("Fill in for", {ALL: ALL}, ALL, "fill-day")
             self.key = widgets.select("Value", {key: HEADS[key] for key in OFTEN}, OFTEN[0], "fill-key")
             self.value = ui.input("The same for all of them").props('data-test="fill-value"')
@@ -228,14 +199,21 @@ class TrialTable:
         days = [ALL, *days_of(self.rows)]
         self.day.set_options(days, value=self.day.value if self.day.value in days else ALL)
         aim = "target_depth_mm" if all(row["target_force_N"] is None for row in self.rows) else "target_force_N"
-        keys = ("sequence", "thickness_mm", "velocity_mm_s", aim, "age_days", "temperature_C", "rest_s")
+        self.keys = ("sequence", "thickness_mm", "velocity_mm_s", aim, "age_days", "temperature_C", "rest_s")
         with widgets.fresh(self.table):
-            value_table(keys, self.rows, self.changed, self.message)
+            shown = html("{}", table_html(self.keys, self.rows)).style("width:100%")
+        shown.on("change", lambda event: self.typed(shown.html_id, *event.args), js_handler=CHANGED)
 
-    def changed(self, row: int, key: str, text: str) -> None:
-        """Write one value."""
-        file = self.rows[row]["file"]
-        self.write({row: {key: widgets.number_of(text, f"{file}: {key}", key)}}, f"{HEADS[key]} of {file} is kept.")
+    def typed(self, shown: str, row: object, key: str, text: object) -> None:
+        """Write one value; why it is refused stands in a place of its own, and its cell is marked."""
+        if key in self.keys and isinstance(row, int) and 0 <= row < len(self.rows):
+            file, mark = self.rows[row]["file"], "setAttribute('aria-invalid', true)"
+            with widgets.problems_in(self.message):
+                value = widgets.number_of(str(text), f"{file}: {key}", key)
+                self.write({row: {key: value}}, f"{HEADS[key]} of {file} is kept.")
+                mark = "removeAttribute('aria-invalid')"
+            cell = f'#{shown} [data-row="{row}"][data-key="{key}"]'
+            ui.run_javascript(f"document.querySelector('{cell}')?.{mark}")
 
     def fill(self) -> None:
         """Write one value for all presses of a day."""

@@ -24,7 +24,7 @@ from dummydesign.report.plot import plots_html
 from dummydesign.studio import figures, file_transfer, project_index, select_options, widgets
 from dummydesign.studio.file_actions import DropList
 from dummydesign.studio.job_panel import JobPanel
-from dummydesign.studio.jobs import Job, changed_since, command
+from dummydesign.studio.jobs import Job, command
 from dummydesign.studio.markup import Markup, filled
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.trash import LIMITS, Taken, keep_file
@@ -93,8 +93,8 @@ class PressComparison:
                     "Predict its presses and compare",
                     self.replay_words,
                     self.show_replay,
-                    self.replay_belongs,
                     stamp=lambda: self.pad.value,
+                    reads=lambda: [self.root / self.calibration.value],
                     needs="trials",
                 )
         with people_place:
@@ -116,27 +116,27 @@ class PressComparison:
         self.pad.set_enabled(bool(named))
         self.new_pad()
 
-    def chosen(self) -> project_index.PadWithPresses | None:
+    def chosen(self) -> project_index.PadWithPresses:
         """The pad that is chosen."""
-        return next((one for one in self.pads if one.label == self.pad.value), None)
+        return next((one for one in self.pads if one.label == self.pad.value), project_index.PadWithPresses())
 
     def presses(self) -> tuple[project_index.PadWithPresses, list[str]]:
         """The pad and those of its presses that are chosen (InputError without any)."""
         pad = self.chosen()
-        if pad is None or not self.files.value:
+        if not (pad.files and self.files.value):
             raise InputError("choose the presses of a pad, or drop them above", "missing", "trace")
         return pad, list(self.files.value)
 
     def new_pad(self) -> None:
         """Offer the presses and the records of the pad."""
         pad = self.chosen()
-        names = {path: Path(path).name for path in pad.files} if pad else {}
+        names = {path: Path(path).name for path in pad.files}
         self.files.set_options(names, value=list(names))
         self.files.set_enabled(bool(names))
-        records = {"": "none"} | {one: one for one in (project_index.records(self.root, pad) if pad else [])}
+        records = {"": "none"} | {one: one for one in project_index.records(self.root, pad)}
         self.record.set_options(records, value=self.record.value if self.record.value in records else "")
-        self.model.set_visibility(bool(pad and pad.campaign))
-        shown = f"Presses of {pad.label}, against {self.tissue.value}." if pad else "No presses yet."
+        self.model.set_visibility(bool(pad.campaign))
+        shown = f"Presses of {pad.label}, against {self.tissue.value}." if names else "No presses yet."
         self.people.pad.set_content(filled("<p>{} Choose others under Compare.</p>", shown))
         self.renew_lines()
 
@@ -170,18 +170,11 @@ class PressComparison:
         if not self.calibration.value:
             message = "choose a calibration: the model is then compared with the presses too"
             raise InputError(message, "missing", "calibration")
-        campaign = pad.campaign if (pad := self.chosen()) else ""
-        return command("replay", campaign, calibration=self.calibration.value, tissue=self.tissue.value)
-
-    def replay_belongs(self, job: Job, words: list[str]) -> bool:
-        """Whether a job predicted this campaign with this calibration."""
-        return list(job.words) == words and not changed_since([self.root / self.calibration.value], job.started)
+        return command("replay", self.chosen().campaign, calibration=self.calibration.value, tissue=self.tissue.value)
 
     def show_replay(self, job: Job) -> None:
         """What the calibration predicts, and each pad against the tissue."""
         answer, pad = job.answer, self.chosen()
-        if pad is None:
-            return
         widgets.facts(
             [
                 ("holds" if answer["holds"] else "does not hold", "the calibration, on these presses"),

@@ -8,7 +8,6 @@ from typing import Any
 
 from nicegui import ui
 
-from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
 from dummydesign.report.plot import plots_html
@@ -32,7 +31,7 @@ class LearnPage:
         if not known:
             html('<p class="note">No campaign yet: {}.</p>', page_link("/campaign", "plan one"))
             return
-        with ui.element("div").classes("fields"):
+        with widgets.fields():
             self.campaign = widgets.select("Campaign", known, state.campaign, "campaign")
             self.prior = widgets.select(
                 "Earlier calibration of the same material", select_options.calibrations(self.root), ""
@@ -68,8 +67,6 @@ class LearnPage:
 
     def words(self) -> list[str]:
         """The loop as a command."""
-        if not self.campaign.value:
-            raise InputError("choose a campaign", "missing", "campaign")
         out = f"calibrations/loop-{self.campaign.value.partition('/')[2]}"
         return command("loop", self.campaign.value, prior=self.prior.value, out=out)
 
@@ -155,7 +152,7 @@ class LearnPage:
 
     def list_calibrations(self) -> None:
         """Calibrations of this campaign in the folder, also those made on the terminal."""
-        known = list(reversed(project_index.calibrations(self.root, self.campaign.value or "")))
+        known = list(reversed(project_index.calibrations(self.root, self.campaign.value)))
         job = self.work.shown
         shown = Path(job.answer["calibration_file"]).parent.as_posix() if job else ""
         with widgets.fresh(self.others):

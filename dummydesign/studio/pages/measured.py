@@ -18,7 +18,7 @@ from dummydesign.studio.file_transfer import plain_name
 from dummydesign.studio.job_panel import JobPanel
 from dummydesign.studio.markup import filled
 from dummydesign.studio.project_index import presses_text
-from dummydesign.studio.state import State, page_link
+from dummydesign.studio.state import SEPARATOR, State, page_link
 from dummydesign.studio.widgets import html, keep_state
 
 OPEN = {
@@ -45,8 +45,6 @@ COLUMNS = {
     "peak N": "peak_force_N",
     "steady N": "steady_force_N",
 }
-SEPARATOR = "\n"
-"""Between names in the address; no file name has one."""
 
 
 class MeasuredPage:
@@ -93,9 +91,9 @@ class MeasuredPage:
             message = f"choose a file that ends in {', '.join(TEXTS)}"
             raise InputError(message, "unknown_name", "file_ending", name, TEXTS)
         if same := trash.twin(self._folder, name, content):
-            self._add(same)
-            return trash.Taken(same, f"{name} is the same as {same}, which is there: nothing was changed.")
-        taken = trash.keep_file(self._root, self._folder, plain_name(name), content)
+            taken = trash.Taken(same, f"{name} is the same as {same}, which is there: nothing was changed.")
+        else:
+            taken = trash.keep_file(self._root, self._folder, plain_name(name), content)
         self._add(taken.name)
         return taken
 
@@ -166,7 +164,7 @@ class MeasuredPage:
         answer = job.answer
         files, doubts = answer["files"], len(answer.get("warnings", []))
         widgets.tell_changes(self._root, f"{_out(job)}/manifest.json", "Read the files again.")
-        traces = [(Path(one["source"]).name, trace) for one in files for trace in one["traces"]]
+        traces = [trace for one in files for trace in one["traces"]]
         names = ", ".join(Path(one["source"]).name for one in files)
         read = names if len(files) < 3 else f"{len(files)} files"
         with ui.element("div").classes("links"):
@@ -176,11 +174,14 @@ class MeasuredPage:
             widgets.fold(f"{doubts} doubt{'s' * (doubts > 1)}", "doubts", lambda: widgets.warnings(answer))
         with ui.element("div").classes("pair"):
             with ui.element("div"):
-                widgets.records(COLUMNS, (trace for _, trace in traces))
+                widgets.records(COLUMNS, traces)
             if answer.get("preview") and (self._root / answer["preview"]).is_file():
                 widgets.shown_file(f"/files/{answer['preview']}", "preview of the presses")
-        made = [(Path(one["source"]).name, each) for one in files for each in one["decisions"]]
-        rows = [[name, one["what"], str(one["value"]), one["why"]] for name, one in made]
+        rows = [
+            [Path(one["source"]).name, made["what"], str(made["value"]), made["why"]]
+            for one in files
+            for made in one["decisions"]
+        ]
         widgets.table(
             ["file", "decided", "value", "because"],
             rows,

@@ -187,8 +187,8 @@ class SolvedPad:
                 "Solve this pad",
                 self.words,
                 self.show,
-                self.belongs,
                 ended=lambda job, mine: solved(),
+                reads=lambda: [Path(path) for path, *_ in slider_model.stamp_of(root, state())],
             )
         self.renew(False, False)
 
@@ -224,11 +224,6 @@ class SolvedPad:
             no_cad=True,
             out=f"designs/pad-{state.kind}-{t}mm-{r}",
         )
-
-    def belongs(self, job: jobs.Job, words: list[str]) -> bool:
-        """Whether a job solved the pad that is chosen."""
-        files = [Path(path) for path, *_ in slider_model.stamp_of(self.root, self.state())]
-        return list(job.words) == words and not jobs.changed_since(files, job.started)
 
     def show(self, job: jobs.Job) -> None:
         """The presses of the solved pad."""

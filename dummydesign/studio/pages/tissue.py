@@ -21,7 +21,7 @@ from dummydesign.studio import figures, file_transfer, jobs, project_index, sele
 from dummydesign.studio.file_actions import manage
 from dummydesign.studio.job_panel import JobPanel, Steps
 from dummydesign.studio.markup import Markup, joined
-from dummydesign.studio.state import State, absolute, options_of, page_link
+from dummydesign.studio.state import SEPARATOR, State, absolute, options_of, page_link
 from dummydesign.studio.trash import choose_for_project
 from dummydesign.studio.widgets import html, keep_state, open_page
 from dummydesign.tissue import load_tissue
@@ -37,10 +37,10 @@ class TissuePage:
         with widgets.fields():
             self._chosen = widgets.select("Tissue that the dummy imitates", {}, "", "tissue")
             with ui.element("div"):
-                widgets.button("Design a pad for it", lambda: self.use(self.tissue), "use", main=True)
+                widgets.button("Design a pad for it", lambda: self.use(self.state.tissue), "use", main=True)
         fits = widgets.area()
         self._shown = widgets.area("tissue-shown")
-        if self.tissue.startswith("tissue/"):
+        if self.state.tissue.startswith("tissue/"):
             fits = widgets.area()
         self._renew()
         # by the user alone: what is fitted chooses itself
@@ -54,11 +54,6 @@ class TissuePage:
         with widgets.fold("Several people in one tissue: assign presses to them", "people", opened="people" in query):
             _People(self)
 
-    @property
-    def tissue(self) -> str:
-        """The chosen tissue."""
-        return self.state.tissue
-
     def choose(self, tissue: str) -> None:
         """Choose a tissue: it is shown, and the address keeps it."""
         self.state = self.state.changed(tissue=tissue, aim="average")
@@ -71,7 +66,7 @@ class TissuePage:
 
     def use(self, tissue: str) -> None:
         """Make a tissue the project's, and go on to the design."""
-        after = self.state if tissue == self.tissue else self.state.changed(tissue=tissue, aim="average")
+        after = self.state if tissue == self.state.tissue else self.state.changed(tissue=tissue, aim="average")
         if tissue not in select_options.tissues(self.root) and not (self.root / tissue).is_file():
             # the page says at its top that there is none, or that it is gone
             open_page("/tissue", after)
@@ -86,11 +81,11 @@ class TissuePage:
         widgets.button(f"Use {tissue} for this project", lambda: self.use(tissue), "use-fitted")
 
     def _renew(self) -> None:
-        widgets.offer(self._chosen, select_options.tissues(self.root), self.tissue)
+        widgets.offer(self._chosen, select_options.tissues(self.root), self.state.tissue)
         with widgets.problems_in(self._shown), self._shown:
-            if self.tissue.startswith("tissue/") and (self.root / self.tissue).is_file():
-                manage(self.root, self.tissue, "tissue")
-            _show_tissue(self.root, self.tissue)
+            if self.state.tissue.startswith("tissue/") and (self.root / self.state.tissue).is_file():
+                manage(self.root, self.state.tissue, "tissue")
+            _show_tissue(self.root, self.state.tissue)
 
 
 def _show_tissue(root: Path, name: str) -> None:
@@ -113,7 +108,6 @@ def _show_tissue(root: Path, name: str) -> None:
 
 
 LOWPASS = "Filter of the force, HZ[:ORDER[:PASSES]] (optional)"
-SEPARATOR = "\n"
 POOR = 10.0
 """Residual over noise from which a fit is called poor."""
 CONTACT = {"": "as the files were read", "per-press": "fitted for each press"}
@@ -130,7 +124,6 @@ def fit_panel(page: TissuePage) -> None:
     picked = widgets.select_several(
         "Presses of one subject", known, [path for path in start if path in known], "traces"
     )
-    picked.set_enabled(bool(known))
     form = widgets.Form(
         "fit",
         lambda: {
@@ -185,7 +178,7 @@ def _start(page: TissuePage, known: dict[str, str]) -> tuple[list[str], str, str
         touched = query.get("touched", "")
         return query["presses"].split(SEPARATOR), query.get("name", ""), touched if touched in CONTACT else ""
     for job in reversed(jobs.all_jobs(root, "fit")):
-        if _tissue_of(job) == page.tissue:
+        if _tissue_of(job) == page.state.tissue:
             return _presses(job.words), Path(job.words[-1]).stem, "per-press" if "per-press" in job.words else ""
     # presses of several people are not those of one subject: which are is for the user to say
     people = {Path(path).stem.split("_")[0] for path in known}
@@ -262,6 +255,12 @@ def parameter_table(
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 NOT_ALLOWED = "is not allowed: use letters, digits, '-' and '_'."
 ELEMENTS = {"3": "3", "5": "5 (usual)", "7": "7"}
+FITS: dict[str, str | Callable[[Any], object]] = {
+    "person": lambda fit: Path(fit["inputs"]["out"]).stem,
+    "presses": lambda fit: len(fit["by_trace"]),
+    "residual N rms": "rmse_N",
+    "noise N": "noise_floor_N",
+}
 
 
 class _People:
@@ -308,7 +307,7 @@ class _People:
         widgets.on_change(self._renew, *self._persons.fields.values(), *self._form.fields.values())
 
     def _renew(self) -> None:
-        people = "\n".join(f"{path}\t{name}" for path, name in self._assigned().items())
+        people = SEPARATOR.join(f"{path}\t{name}" for path, name in self._assigned().items())
         keep_state(self._page.state, people=people, group=self._form.values()["name"] or "")
         self._work.renew()
 
@@ -362,13 +361,13 @@ class _People:
         """People and name: of the address, of the chain that made the chosen tissue, or none."""
         query = self._page.query
         if query.get("people"):
-            rows = (line.partition("\t") for line in query["people"].split("\n"))
+            rows = (line.partition("\t") for line in query["people"].split(SEPARATOR))
             return {path: person for path, _, person in rows}, query.get("group", "")
         last = next(
             (
                 job
                 for job in reversed(jobs.all_jobs(self._root, "people"))
-                if job.words[:3] == ("tissues", "add", self._page.tissue)
+                if job.words[:3] == ("tissues", "add", self._page.state.tissue)
             ),
             None,
         )
@@ -388,10 +387,7 @@ class _People:
             return
         html("<p><b>{}</b>: {} people. It is in your own library, for all projects.</p>", name, len(fits))
         self._page.use_button(name)
-        rows = [
-            [Path(fit["inputs"]["out"]).stem, len(fit["by_trace"]), fit["rmse_N"], fit["noise_floor_N"]] for fit in fits
-        ]
-        widgets.table(["person", "presses", "residual N rms", "noise N"], rows)
+        widgets.records(FITS, fits)
         for fit in fits:
             widgets.tell_changes(self._root, fit["files"].get("manifest", ""), "Fit all again.")
             widgets.fold(

@@ -70,7 +70,7 @@ def read_rows(path: Path, what: str, columns: Sequence[str], optional: Sequence[
     are brought to the unit of the name. Encoding, separator and decimal sign are those of the file.
     """
     from dummydesign.measurement.importing.cells import measure, parse
-    from dummydesign.measurement.importing.named_table import read_named_table
+    from dummydesign.measurement.importing.table import read_named_table
 
     table = read_named_table(path, what, columns, optional)
     rows = []

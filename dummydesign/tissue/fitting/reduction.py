@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.interpolation import group_near
 from dummydesign.inference.noise import Binning, cut, distinct, hold_edges, mean_around
-from dummydesign.measurement.clipping import find_clip
 from dummydesign.measurement.motion import Motion
 from dummydesign.measurement.ramp_detection import Ramp, ramp_of, ringing_times, steady_force
+from dummydesign.measurement.sensor import find_clip
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.model.measured_curves import SAME_DEPTH, SPEED_FACTOR
 

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.measurement.motion import DECELERATION_MM_S2, work_to_deepest_mJ
-from dummydesign.measurement.robot_path import RobotPath
+from dummydesign.measurement.motion import DECELERATION_MM_S2, RobotPath, work_to_deepest_mJ
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.tissue.model.maxwell_law import Parameters, law_named, stack
 

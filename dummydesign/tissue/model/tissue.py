@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.serialise import to_plain
-from dummydesign.measurement.robot_path import RobotPath
+from dummydesign.measurement.motion import RobotPath
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.tissue.model.maxwell_law import Parameters, law_named, speed_key
 from dummydesign.tissue.model.measured_curves import MeasuredAim

@@ -30,6 +30,7 @@ from dummydesign.design.scoring.press_simulation import (
     make_curves,
     parabolic_work_mJ,
     press_to_depth,
+    rest_after_hold,
     steady_depth,
 )
 from dummydesign.design.scoring.score import (
@@ -148,6 +149,13 @@ def test_what_is_left_of_slow_arms_brings_a_force_into_reach():
     quick = linear()
     assert np.isnan(steady_depth(quick, 1.01 * limit, 500.0, Sampling())[0])
     assert steady_depth(quick, 0.99 * limit, 500.0, Sampling())[0] == pytest.approx(0.99 * 8.0)
+
+
+def test_a_pad_that_cannot_be_pressed_keeps_the_whole_arm():
+    """The rise lasts no time: what is left is the step's."""
+    with np.errstate(all="raise"):
+        left = rest_after_hold(np.array([[0.5]]), (30.0,), np.zeros((1, 1)), np.array([500.0]), Sampling(hold_s=10.0))
+    assert left[0, 0] == pytest.approx(1.0 + 0.5 * np.exp(-10.0 / 30.0))
 
 
 def test_samples_of_a_press_weigh_half_in_the_rise_and_half_in_the_logarithm_of_the_hold():

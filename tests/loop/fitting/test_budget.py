@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dummydesign.loop.fitting.budget import budget_spent, count, counted
-from dummydesign.loop.fitting.fit import fit
+from dummydesign.loop.fitting.fit import budget_spent, count, counted, fit
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.selection.nonparametric_effect import predicted_without
 from tests.support.puck_presses import clean_fit

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from dummydesign.measurement.importing.named_table import read_named_table
+from dummydesign.measurement.importing.table import read_named_table
 from tests.support.refusal import raises_code
 
 COLUMNS = ("subject", "depth_mm", "force_N")

@@ -175,6 +175,11 @@ def test_a_header_whose_quoted_cells_go_over_two_lines_is_one_row():
         values_of(text.replace("\n0.1000", "\nbad"))
 
 
+def test_a_skip_beyond_the_last_line_leaves_no_table():
+    with pytest.raises(NoTableError):
+        layout_of(table(), skip=400)
+
+
 def test_a_row_that_counts_the_columns_is_no_data():
     assert values_of("Zeit;Weg;Kraft\ns;mm;N\n1;2;3\n" + table(";", ",", head=""))[0, 0] == 0.0
 

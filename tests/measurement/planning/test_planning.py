@@ -20,8 +20,8 @@ from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.selection.doubts import ODD_SPEED, labels_of
 from dummydesign.measurement.campaign_file import read_campaign
-from dummydesign.measurement.campaign_plan import DEFAULT_FORCES_N, FRESH_REST_S, PlanSettings, file_name, make_plan
-from dummydesign.measurement.campaign_status import check_campaign
+from dummydesign.measurement.campaign_plan import FRESH_REST_S, PlanSettings, file_name, make_plan
+from dummydesign.measurement.campaign_presses import check_campaign
 from dummydesign.measurement.motion import contact_velocity, ramp_and_hold
 from dummydesign.tissue.comparison import PressTest, missing_of
 from tests.support.pressed_plan import press_campaign
@@ -107,7 +107,7 @@ def test_the_default_forces_are_those_that_a_verdict_needs():
     plan = make_plan(PlanSettings())
     made = [SimpleNamespace(steady_force_N=row.target, velocity_mm_s=row.velocity_mm_s) for row in plan]
     assert missing_of(made, test, (10.0, 250.0)) == ""
-    assert test.span_N == (min(DEFAULT_FORCES_N), max(DEFAULT_FORCES_N))
+    assert test.span_N == (min(PlanSettings().targets), max(PlanSettings().targets))
 
 
 @pytest.mark.slow

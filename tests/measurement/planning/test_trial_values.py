@@ -7,7 +7,7 @@ import tomllib
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.campaign_from_files import read_trials, write_trial_values
+from dummydesign.measurement.campaign_presses import read_trials, write_trial_values
 from tests.support.refusal import raises_code
 
 TEXT = """# my own words

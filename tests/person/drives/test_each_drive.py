@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.measurement.motion import Motion
-from dummydesign.measurement.robot_path import RISE
+from dummydesign.measurement.motion import RISE_STEPS, Motion
 from dummydesign.measurement.trace import Trace
 from dummydesign.person.drives.drive import MASSES, RobotDrive, TraceSigns
 from dummydesign.person.drives.followed import SAME_SPEED, Force, Position, SteadyDrive, own_late_mean, path_of
@@ -106,7 +105,7 @@ def test_steady_gives_everyone_the_pad_s_steady_force_along_its_path():
     np.testing.assert_allclose(found.depth_mm, force / K, rtol=1e-3)
     np.testing.assert_allclose(found.peak_N, force, rtol=1e-3)
     # the same speed at contact, so the rise lasts as long as the depth is deep
-    rows = zip(found.depth_mm, found.depth_curve_mm[:, : RISE + 1], found.time_s[:, : RISE + 1])
+    rows = zip(found.depth_mm, found.depth_curve_mm[:, : RISE_STEPS + 1], found.time_s[:, : RISE_STEPS + 1])
     rise = np.array([np.interp(0.9 * depth, x, t) for depth, x, t in rows])
     np.testing.assert_allclose(rise, 0.9 * force / K / SPEED, rtol=1e-3)
 

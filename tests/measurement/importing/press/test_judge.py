@@ -8,16 +8,17 @@ import pytest
 from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.judge import find_delay, judge_press
-from dummydesign.measurement.importing.position_steps import read_between_changes
 from dummydesign.measurement.importing.read import import_files
 from dummydesign.measurement.ramp_detection import summarise
+from dummydesign.measurement.sensor import read_between_changes
 from tests.support.machine_presses import recording
 
 SLOW = {"velocity_mm_s": 10.0, "hold_s": 5.0, "filtered": False}
 
 
 def judged(time, x, force):
-    return judge_press(time, x, force, summarise("a.csv", time, x, force))
+    summary = summarise("a.csv", time, x, force)
+    return judge_press(time, x, force, summary, 0.0, find_delay(time, x, force, summary)[0])
 
 
 def read(tmp_path, time, x, force, **settings):
@@ -168,6 +169,16 @@ def test_a_position_that_moves_with_each_sample_or_hardly_in_steps_is_left_as_it
         read, step_mm = read_between_changes(record.time_s, x, log)
         assert read is x and step_mm == 0.0
     assert log.decisions == []
+
+
+def test_a_position_of_few_digits_is_told_where_every_sample_changes_too():
+    """At 100 Hz it changes by several digits each sample until it brakes; it is known to half of one."""
+    time = np.arange(0.0, 6.0, 0.01)
+    x = np.round((1.53 - 4.53 * np.exp(-6.0 * np.maximum(time - 1.0, 0.0))) / 0.05) * 0.05
+    log = ImportLog("a.csv", Settings())
+    read, step_mm = read_between_changes(time, x, log)
+    assert read is x and step_mm == pytest.approx(0.05, rel=1e-3)
+    assert [warning["code"] for warning in log.warnings] == ["coarse_position"]
 
 
 @pytest.mark.parametrize("seed, late_s", [(390, 0.02), (392, -0.02), (394, -0.03), (396, 0.025)])

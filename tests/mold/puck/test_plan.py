@@ -7,7 +7,7 @@ import shlex
 import pytest
 
 from dummydesign.cli.entry import parser_of
-from dummydesign.mold.puck.protocol import (
+from dummydesign.mold.puck.plan import (
     DEPTH_SHARE,
     PLATE_SHARE,
     SPEEDS_MM_S,

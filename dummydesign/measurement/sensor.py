@@ -227,9 +227,11 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> tuple[NDA
     else:
         usual, size = float(np.median(np.diff(time[way]))), float(np.median(step[way - 1]))
     stepped = size >= COARSE * reach and (few or usual >= SLOWER * float(np.median(np.diff(time))))
-    size = size if stepped else digit_step(x)  # at speed every sample may change, by several digits
-    if not stepped and size <= WARNED * reach:
-        return x, 0.0
+    if not stepped:
+        # at speed every sample may change, by several digits; where all change by the same the path is even
+        size = digit_step(x)
+        if size <= WARNED * reach or (len(way) and float(np.ptp(step[way - 1])) < 0.5 * size):
+            return x, 0.0
     if size > WARNED * reach:
         log.warn(
             "coarse_position",

@@ -228,9 +228,10 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> tuple[NDA
         usual, size = float(np.median(np.diff(time[way]))), float(np.median(step[way - 1]))
     stepped = size >= COARSE * reach and (few or usual >= SLOWER * float(np.median(np.diff(time))))
     if not stepped:
-        # at speed every sample may change, by several digits; where all change by the same the path is even
+        # at speed every sample may change, by several digits; where each one does by the same the path is even
         size = digit_step(x)
-        if size <= WARNED * reach or (len(way) and float(np.ptp(step[way - 1])) < 0.5 * size):
+        every = not few and way[-1] - way[0] == len(way) - 1
+        if size <= WARNED * reach or (every and float(np.ptp(step[way - 1])) < 0.5 * size):
             return x, 0.0
     if size > WARNED * reach:
         log.warn(

@@ -184,7 +184,7 @@ def test_a_position_of_few_digits_is_told_where_every_sample_changes_too():
 def test_an_even_path_has_no_digits():
     """Written to a micrometre, 10 mm/s at 20 Hz: 0.5 mm a sample are the speed, not the last digit."""
     time = np.arange(0.0, 8.0, 0.05)
-    x = np.round(np.interp(time, [0.0, 1.0, 1.6], [-1.0, -1.0, 5.0]), 3)
+    x = np.round(np.interp(time, [0.0, 1.0, 1.6, 6.0, 6.6], [-1.0, -1.0, 5.0, 5.0, -1.0]), 3)
     log = ImportLog("a.csv", Settings())
     read, step_mm = read_between_changes(time, x, log)
     assert read is x and step_mm == 0.0 and log.warnings == []

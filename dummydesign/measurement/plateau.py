@@ -110,7 +110,10 @@ def slowing(
     window = max(least / speed, 3.0 * float(np.median(np.diff(time[start : late + 4]))))
     until = int(np.searchsorted(time, time[-1] - window, side="right"))
     ahead = np.interp(time[late:until] + window, time, x) - x[late:until]
-    below = ahead[: max(int(np.argmax(x >= STAGE * depth)) - late, 0)]
+    beyond = x >= STAGE * depth
+    # outliers of the position are beyond for a shorter time than the way there takes, and no place to press on to
+    stays = np.sum(np.diff(time)[beyond[1:] & beyond[:-1]]) > (1.0 - STAGE) * depth / speed
+    below = ahead[: max(int(np.argmax(beyond)) - late, 0) if stays else 0]
     begin = int(np.flatnonzero(below > 0.5 * speed * window)[-1:].sum())
     slow = np.flatnonzero(ahead[begin:] <= share * speed * window)
     return late + begin + int(slow[0]) if len(slow) else len(time) - 1, window

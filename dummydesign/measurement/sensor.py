@@ -202,6 +202,8 @@ FEWEST, AT_REST = 6, 0.05
 """Changes on the way between which a position is read, and share of the largest below which one is noise at rest."""
 STANDS = 3.0
 """Multiple of the usual time between two changes beyond which the punch stands."""
+EVERY = 0.9
+"""Share of the samples on the ways in and out from which every one of them changes."""
 EVEN, MOST = 0.02, 30.0
 """How far a rounded position's steps may be off multiples of one digit, and the largest multiple."""
 
@@ -227,9 +229,12 @@ def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> tuple[NDA
     else:
         usual, size = float(np.median(np.diff(time[way]))), float(np.median(step[way - 1]))
     stepped = size >= COARSE * reach and (few or usual >= SLOWER * float(np.median(np.diff(time))))
-    size = size if stepped else digit_step(x)  # at speed every sample may change, by several digits
-    if not stepped and size <= WARNED * reach:
-        return x, 0.0
+    if not stepped:
+        # at speed every sample may change, by several digits; where each one does by the same the path is even
+        size = digit_step(x)
+        every = not few and np.mean(np.diff(way) == 1) > EVERY
+        if size <= WARNED * reach or (every and float(np.ptp(step[way - 1])) < 0.5 * size):
+            return x, 0.0
     if size > WARNED * reach:
         log.warn(
             "coarse_position",

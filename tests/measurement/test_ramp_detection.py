@@ -43,6 +43,26 @@ def test_a_rest_on_the_way_in_is_no_stop(stop, share):
     assert (found.stop_time_s, found.depth_mm) == pytest.approx((2.2, 5.0), abs=0.02)
 
 
+@pytest.mark.parametrize("share", [0.62, 0.7, 0.8])
+@pytest.mark.parametrize("stop", ["reached", "slowed"])
+def test_a_rest_on_the_way_out_is_no_part_of_the_hold(stop, share):
+    time = np.arange(0.0, 8.0, 1e-3)
+    x = np.interp(time, [0.0, 0.7, 5.0, 5.5 - 0.5 * share, 6.5, 7.0], [-2.0, 5.0, 5.0, 5.0 * share, 5.0 * share, -2.0])
+    found = find_ramp(time, x + np.random.default_rng(4).normal(0.0, 0.001, len(time)), stop)
+    assert (found.stop_time_s, found.hold_end_s, found.depth_mm) == pytest.approx((0.7, 5.0, 5.0), abs=0.02)
+
+
+@pytest.mark.parametrize("samples", [1, 5, 30])
+@pytest.mark.parametrize("stop", ["reached", "slowed"])
+def test_outliers_of_the_position_in_the_hold_are_no_way_on(stop, samples):
+    """A position that jumps by 40 % of the depth for up to 30 ms makes no stage of the hold before it."""
+    time = np.arange(0.0, 8.0, 1e-3)
+    x = np.minimum(np.clip(10.0 * (time - 0.4), -2.0, 5.0), np.maximum(75.0 - 10.0 * time, -2.0))
+    x[4000 : 4000 + samples] += 2.0
+    found = find_ramp(time, x + np.random.default_rng(4).normal(0.0, 0.001, len(time)), stop)
+    assert (found.stop_time_s, found.hold_end_s, found.depth_mm) == pytest.approx((0.9, 7.0, 5.0), abs=0.02)
+
+
 def drawn_press(draw, most_noise_mm):
     """A rest at an offset, an approach or none, a constant speed and braking, hold with creep; stop at 0 s."""
     speed, braking = 250.0 ** draw.uniform(), 1e3 * 30.0 ** draw.uniform()

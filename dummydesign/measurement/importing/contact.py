@@ -336,7 +336,8 @@ def find_tares(
     first = contacts[0].baseline
     if log.settings.tare == "none" or given_N is not None:
         log.decide("tare", "none" if given_N is None else f"{given_N:.10g} N", "given by --tare")
-        return [_constant(first, 0.0 if given_N is None else sign * given_N)] * len(contacts)
+        level_N = 0.0 if given_N is None else sign * given_N
+        return [_constant(one.baseline, level_N) for one in contacts]
     if first.samples < LEAST_LEAD_IN:
         if abs(rest_N) > max(4.0 * max(first.noise_N, 1e-12), 0.004 * contacts[0].peak_N):
             shown = sign * rest_N
@@ -346,7 +347,7 @@ def find_tares(
                 f"--tare {force_text(shown)} where it is an offset (first: of each file), --tare none where it presses",
             )
         log.decide("tare", "none", "there is no lead-in, and the force begins at zero within its noise")
-        return [_constant(first, 0.0)] * len(contacts)
+        return [_stated(_constant(one.baseline, 0.0), rest_N) for one in contacts]
     lines = [_line(one, rest_N, log) for one in contacts]
     level = lines[0].level_N
     text = (

@@ -157,7 +157,7 @@ left when the punch is back."""
 
 
 def _steady_error(summary: Summary, baseline: Baseline, warn: Warn) -> float | None:
-    """How far unseen drift and slope may move the steady force (95 %); None where it is not known. [N]"""
+    """How far noise, ringing, unseen drift and slope may move the steady force (95 %); None where unknown. [N]"""
     steady, left_N = summary.steady_force_N, baseline.left_N
     error_N = float(np.hypot(baseline.held_error_N, summary.rings_N))
     if steady is None or not np.isfinite(error_N):

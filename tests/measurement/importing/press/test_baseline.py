@@ -113,6 +113,28 @@ def test_a_steady_force_that_is_read_while_the_punch_rings_says_how_far_it_may_b
     assert abs(one.summary.steady_force_N - 4.0) < one.steady_error_N
 
 
+@pytest.mark.parametrize("tare", ["auto", "none", "0.0"])
+def test_each_press_of_a_file_has_an_error_of_its_own(tmp_path, tare):
+    """The first begins shortly before contact, the second after 6 s: by a tare that is given as well."""
+    time, x, force, _ = press(5, dwell=0.2, gap=1.0, release=True)
+    later, again, other, _ = press(6, dwell=6.0, gap=1.0, release=False)
+    joined = (np.r_[time, later + time[-1] + 0.004], np.r_[x, again], np.r_[force, other])
+    first, second = imported(tmp_path, joined, tare=tare).presses
+    alone = imported(tmp_path, (later, again, other), tare=tare).presses[0]
+    assert second.steady_error_N != first.steady_error_N
+    assert second.steady_error_N == pytest.approx(alone.steady_error_N, rel=0.2)
+
+
+def test_a_later_press_with_a_lead_in_has_an_error_where_the_first_has_none(tmp_path):
+    """Nothing is subtracted, for the first begins at contact; of the second 0.2 N at no load stay in its force."""
+    time, x, force, _ = press(5, dwell=0.0, gap=0.0)
+    later, again, other, _ = press(6, dwell=6.0, gap=1.0, release=False)
+    joined = (np.r_[time, later + time[-1] + 0.004], np.r_[x, again], np.r_[force, other + 0.2])
+    first, second = imported(tmp_path, joined).presses
+    assert first.steady_error_N is None
+    assert abs(second.summary.steady_force_N - 6.4) < second.steady_error_N + 0.02 < 0.3
+
+
 def test_a_drift_that_is_seen_before_contact_only_is_named(tmp_path):
     found = imported(tmp_path, press(1, drift=0.08, release=False))
     assert "force_drifts" in [warning["code"] for warning in found.warnings]

@@ -181,6 +181,15 @@ def test_a_position_of_few_digits_is_told_where_every_sample_changes_too():
     assert [warning["code"] for warning in log.warnings] == ["coarse_position"]
 
 
+def test_an_even_path_has_no_digits():
+    """Written to a micrometre, 10 mm/s at 20 Hz: 0.5 mm a sample are the speed, not the last digit."""
+    time = np.arange(0.0, 8.0, 0.05)
+    x = np.round(np.interp(time, [0.0, 1.0, 1.6, 6.0, 6.6], [-1.0, -1.0, 5.0, 5.0, -1.0]), 3)
+    log = ImportLog("a.csv", Settings())
+    read, step_mm = read_between_changes(time, x, log)
+    assert read is x and step_mm == 0.0 and log.warnings == []
+
+
 @pytest.mark.parametrize("seed, late_s", [(390, 0.02), (392, -0.02), (394, -0.03), (396, 0.025)])
 def test_a_delay_is_named_although_the_force_is_nearly_explained_without_it(seed, late_s):
     """No part is missed by six times its error, but all of them by much less with the delay."""

@@ -119,12 +119,10 @@ def test_time_stamp_follows_source_date_epoch(monkeypatch):
 
 @pytest.mark.slow
 def test_step_of_the_child_process_is_the_same_to_the_byte(lidded_package, lidded_parts):
-    from dummydesign.mold.build_files import description
-
     _, result = lidded_package
-    tag = lidded_parts.spec.tag
-    made = list(lidded_parts.parts.values())
-    text = step.step_text(made, f"assembly_{tag}", description(lidded_parts.spec, "assembly"))
+    spec, made = lidded_parts.spec, list(lidded_parts.parts.values())
+    words = f"assembly of the {spec.preset} mould for a {spec.pad.title}, specification {spec.hash}, lengths in mm"
+    text = step.step_text(made, f"assembly_{spec.tag}", words)
     on_disk = Path(result.files["assembly"]).read_bytes()
     assert on_disk == text.encode("ascii")
     assert hashlib.sha256(on_disk).hexdigest() == result.step_sha256

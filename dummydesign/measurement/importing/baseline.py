@@ -31,6 +31,11 @@ def digit_step(force: NDArray) -> float:
     return float(steps.min()) * grain if 0 < len(steps) < 0.5 * len(force) and steps.min() > 2 else 0.0
 
 
+def with_bias(error_N: float, bias_N: float) -> float:
+    """Error (95 %) of a normal value that is off by a bias, too: one-sided where that is large. [N]"""
+    return max(error_N, abs(bias_N) + 1.645 / 1.960 * error_N)
+
+
 @dataclass(frozen=True)
 class BaselineNoise:
     """Standard deviations of a sample and of what wanders between means, how long that lasts at least, and the step of
@@ -205,7 +210,7 @@ def _with_changes(
         plain = replace(plain, drift_alone_N_s=float(alone[0][0][1]), slope_alone_N_mm=float(alone[1][0][2]))
     # its rate may fall to a third in the time that was recorded, and what the line leaves out may still be there
     bend = 0.5 * value[1] / (lasts - clock[0]) * np.append(clock, lasts) ** 2
-    off_N = [2.0 * end @ (whole - value), bend[-1] - end @ fit(0, 1, 2, force=bend[:-1])[0]]
+    off_N = abs(end @ (whole - value)) + abs(bend[-1] - end @ fit(0, 1, 2, force=bend[:-1])[0])
     return replace(
         plain,
         level_N=float(value[0]),
@@ -216,5 +221,5 @@ def _with_changes(
         effect_N=float(abs(value[1]) * lasts + abs(value[2]) * depth),
         effect_error_N=float(np.hypot(error[1] * lasts, error[2] * depth)),
         comes_back=returns,
-        held_error_N=float(np.linalg.norm([plain.held_error_N, *off_N])),
+        held_error_N=with_bias(plain.held_error_N, float(off_N)),
     )

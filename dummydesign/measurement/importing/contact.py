@@ -18,6 +18,7 @@ from dummydesign.measurement.importing.baseline import (
     BaselineNoise,
     find_baseline,
     noise_before,
+    with_bias,
 )
 from dummydesign.measurement.importing.decisions import ImportLog
 from dummydesign.measurement.importing.sign_convention import Span, approach_start
@@ -337,7 +338,7 @@ def find_tares(
     if log.settings.tare == "none" or given_N is not None:
         log.decide("tare", "none" if given_N is None else f"{given_N:.10g} N", "given by --tare")
         level_N = 0.0 if given_N is None else sign * given_N
-        return [_constant(one.baseline, level_N) for one in contacts]
+        return [_stated(_constant(one.baseline, level_N), one.baseline.mean_N) for one in contacts]
     if first.samples < LEAST_LEAD_IN:
         if abs(rest_N) > max(4.0 * max(first.noise_N, 1e-12), 0.004 * contacts[0].peak_N):
             shown = sign * rest_N
@@ -347,7 +348,7 @@ def find_tares(
                 f"--tare {force_text(shown)} where it is an offset (first: of each file), --tare none where it presses",
             )
         log.decide("tare", "none", "there is no lead-in, and the force begins at zero within its noise")
-        return [_stated(_constant(one.baseline, 0.0), rest_N) for one in contacts]
+        return [_stated(_constant(one.baseline, 0.0), -rest_N) for one in contacts]
     lines = [_line(one, rest_N, log) for one in contacts]
     level = lines[0].level_N
     text = (
@@ -356,7 +357,7 @@ def find_tares(
     )
     if any(one.effect_N for one in lines):
         log.decide("tare", f"a line, {sign * level:.4g} N at contact", _words_of_line(lines[0], text))
-        return [_stated(one, rest_N) for one in lines]
+        return [_stated(one, one.level_N - rest_N) for one in lines]
     # nothing of a tared file is changed
     tared = abs(level) <= 1.5 * first.error_N or abs(level) < 0.1 * first.noise_N
     tare = 0.0 if tared else round(level, FORCE_DIGITS)
@@ -376,13 +377,13 @@ def find_tares(
             f"the force at no load changes from press to press ({text} N); each press is tared by "
             "its own lead-in: let the sensor warm up, or zero it before each press",
         )
-    return [_stated(_constant(one, tare), rest_N) for one, tare in zip(lines, tares)]
+    return [_stated(_constant(one, tare), tare - rest_N) for one, tare in zip(lines, tares)]
 
 
-def _stated(line: Baseline, rest_N: float) -> Baseline:
+def _stated(line: Baseline, taken_N: float) -> Baseline:
     """The same with the change that a constant leaves out in the error of the steady force."""
-    left_out_N = 0.0 if line.effect_N else line.level_N - rest_N - line.held_N
-    return replace(line, held_error_N=math.hypot(line.held_error_N, left_out_N))
+    left_out_N = 0.0 if line.effect_N else taken_N - line.held_N
+    return replace(line, held_error_N=with_bias(line.held_error_N, left_out_N))
 
 
 def force_text(force_N: float) -> str:

@@ -171,7 +171,7 @@ def _steady_error(summary: Summary, baseline: Baseline, warn: Warn) -> float | N
         )
     elif error_N > UNSURE * abs(steady):
         rings = summary.rings_N > baseline.held_error_N
-        cause = "the punch still rings, which" if rings else "a drift or a slope that is not seen before contact"
+        cause = "the punch still rings, which" if rings else "a drift or a slope that is not subtracted"
         advice = "hold longer" if rings else "record longer and farther before contact, or until the punch is back"
         moved = f"may move the steady force of {steady:.3g} N by {error_N:.2g} N (95 %)"
         warn("steady_uncertain", f"{cause} {moved}: {advice}")

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.measurement.importing.baseline import BaselineNoise, digit_step, find_baseline, noise_before
+from dummydesign.measurement.importing.baseline import BaselineNoise, digit_step, find_baseline, noise_before, with_bias
 from dummydesign.measurement.importing.decisions import Settings
 from dummydesign.measurement.importing.read import import_files
 from dummydesign.measurement.importing.sign_convention import Span
@@ -84,6 +84,21 @@ def test_a_change_too_small_to_be_subtracted_is_in_the_error_of_the_steady_force
     (one,) = imported(tmp_path, press(6, slope=0.002, noise=0.0005, release=False)).presses
     off = abs(one.summary.steady_force_N - 6.4)
     assert 0.01 < off < one.steady_error_N < 2.5 * off
+
+
+@pytest.mark.parametrize("tare", ["none", "0.0"])
+def test_a_drift_that_is_kept_by_a_given_tare_is_in_the_error_of_the_steady_force(tmp_path, tare):
+    (one,) = imported(tmp_path, press(5, drift=0.05, release=False), tare=tare).presses
+    off = abs(one.summary.steady_force_N - 6.4)
+    assert 0.2 < off < one.steady_error_N < 2.0 * off
+
+
+def test_a_bias_widens_an_error_by_its_size():
+    """Against drawn normal errors: 95 % lie within, whatever the bias."""
+    drawn = np.random.default_rng(3).normal(0.0, 0.5, 200000)
+    for bias in (0.0, 0.1, 0.5, 1.0, 5.0):
+        within = np.mean(np.abs(drawn + bias) < with_bias(0.98, bias))
+        assert 0.945 < within < 0.97
 
 
 def test_a_drift_that_slows_is_within_the_error_of_the_steady_force(tmp_path):

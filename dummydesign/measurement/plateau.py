@@ -116,7 +116,8 @@ def slowing(
     below = ahead[: max(int(np.argmax(beyond)) - late, 0) if stays else 0]
     begin = int(np.flatnonzero(below > 0.5 * speed * window)[-1:].sum())
     slow = np.flatnonzero(ahead[begin:] <= share * speed * window)
-    return late + begin + int(slow[0]) if len(slow) else len(time) - 1, window
+    sample = late + begin + int(slow[0]) if len(slow) else len(time) - 1
+    return sample, window
 
 
 def ramp_start(time: NDArray, x: NDArray, noise_mm: float) -> tuple[int, float, float]:

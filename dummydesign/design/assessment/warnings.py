@@ -123,9 +123,12 @@ def _of_speeds(space: SearchSpace, tissue: Tissue) -> Warnings:
     near = 1.15 if tissue.measured else 1.5
     far = [v for v in asked if all(max(v / known, known / v) > near for known in tissue.velocities_mm_s)]
     there, known = (" and ".join(f"{v:g}" for v in speeds) for speeds in (far, tissue.velocities_mm_s))
-    text = f"{tissue.name} is known at {known} mm/s only: what it does at {there} mm/s is extrapolated by its dampers"
     if tissue.measured:
         text = f"nobody was pressed at {there} mm/s: what {tissue.name} does there lies between its curves"
+    else:
+        text = (
+            f"{tissue.name} is known at {known} mm/s only: what it does at {there} mm/s is extrapolated by its dampers"
+        )
     if far and (tissue.measured or law_named(tissue.law).fitted):
         notes.append(("speed_not_in_band", f"{text}, not a measurement"))
     return notes

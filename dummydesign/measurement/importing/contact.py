@@ -74,7 +74,7 @@ def find_contact(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: f
     weight = _posterior(bins, noise, ways, tare_N, POWERS, BENDS)
     position, share = float(np.sum(weight * ways) / weight.sum()), np.cumsum(weight) / weight.sum()
     margin = 0.25 * float(np.median(np.abs(np.diff(x[max(at - 3, 0) : at + 4]))))
-    left, right = (float(np.interp(end, share, ways)) + more for end, more in ((0.025, -margin), (0.975, margin)))
+    left, right = float(np.interp(0.025, share, ways)) - margin, float(np.interp(0.975, share, ways)) + margin
     free = min(left, position) - 0.25 * (position - left)
     baseline = find_baseline(time, x, load, span, (at, position, free), noise)
     speed = _speed(time, x, start, at, at + int(np.argmax(x[at : span.stop] >= high)))

@@ -122,6 +122,7 @@ def test_a_child_that_was_not_asked_is_ended(monkeypatch):
     assert child._process.returncode not in (None, 3) and not Path(child._work.name).exists() and client._started == []
 
 
+@pytest.mark.slow
 def test_a_kernel_that_waits_for_a_busy_machine_is_not_stopped(monkeypatch, tmp_path):
     """Three times the limit by the clock, hardly any of the processor."""
     answer = json.dumps({"error": {"code": "cad_failed", "message": "came to its end"}})

@@ -271,6 +271,7 @@ def test_a_lock_is_held_by_one_and_ends_with_its_holder(tmp_path):
     assert not is_locked(tmp_path / "a" / "lock")
 
 
+@pytest.mark.slow
 def test_a_command_that_starts_late_is_running_meanwhile_and_hears_that_it_is_to_stop(tmp_path, monkeypatch):
     """A busy machine takes its time to start a process: it is neither lost nor deaf."""
     slow = "import time, sys; time.sleep(2.5); from pathlib import Path;"

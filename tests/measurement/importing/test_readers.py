@@ -15,7 +15,7 @@ from dummydesign.measurement.importing.times import join_steps, unwrap
 from tests.support.machine_presses import recording
 from tests.support.refusal import raises_code
 
-DRAWS = range(4)
+DRAWS = [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3))]
 HEAD = "time_s,position_mm,force_N"
 
 

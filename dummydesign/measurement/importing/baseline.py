@@ -20,6 +20,8 @@ MOSTLY = 0.3
 """Share of the variance from which on the noise mostly wanders: then samples that follow quickly share its error."""
 CLEAR = 2.5
 """Errors that a drift or a slope must exceed to be one; off a line is what exceeds twice as many."""
+SHOWN = 1.0 / 3.0
+"""Share of what drift and slope may do before they are looked at to which the lead-in must narrow it to show them."""
 MATTERS = 0.002
 """Share of the largest force by which drift and slope must change it within the press to be subtracted."""
 
@@ -193,7 +195,8 @@ def _with_changes(
     # the force of the hold is rounded as that before contact is, and its mean is of fewer samples
     read = noise.rounding_N**2 + noise.wander_N**2 + noise.sample_N**2 / max(LATE * (held - deepest), 1.0)
     spread = float(np.sqrt(end @ covariance @ end + unseen @ unseen + read))
-    plain = replace(plain, held_N=float(end @ whole), held_error_N=2.0 * spread)
+    if spread < SHOWN * float(np.hypot(DRIFT_N_S * lasts, SLOPE_N_MM * depth)):
+        plain = replace(plain, held_N=float(end @ whole), held_error_N=2.0 * spread)
     if returns:
         lead, _, known = fit(0, 1, 2, of=leading)
         ahead = np.sqrt(np.einsum("ip,ij,jp->p", columns, known, columns) + variance)

@@ -63,7 +63,7 @@ class ImportedPress:
     ``contact_low_mm`` and ``contact_high_mm`` are the 95 % interval of the contact by the force alone, about the zero
     that was taken; ``begins_s`` is the time of the file at its first sample. ``steady_error_N`` is how far (95 %)
     noise, ringing and a level, drift or slope of the force not seen before contact may move the steady force; None
-    without a hold or without samples before contact.
+    without a hold, or where the samples before contact show too little of them.
     """
 
     number: int
@@ -160,7 +160,12 @@ def _steady_error(summary: Summary, baseline: Baseline, warn: Warn) -> float | N
     """How far noise, ringing, unseen drift and slope may move the steady force (95 %); None where unknown. [N]"""
     steady, left_N = summary.steady_force_N, baseline.left_N
     error_N = float(np.hypot(baseline.held_error_N, summary.rings_N))
-    if steady is None or not np.isfinite(error_N):
+    if steady is None or baseline.samples < contact_zero.LEAST_LEAD_IN:
+        return None
+    longer = "record longer and farther before contact, or until the punch is back"
+    if not np.isfinite(error_N):
+        moved = f"how far a drift or a slope moves the steady force of {steady:.3g} N is not known"
+        warn("steady_uncertain", f"too little is recorded before contact: {moved}; {longer}")
         return None
     if left_N > BACK * abs(steady):
         warn(
@@ -172,7 +177,7 @@ def _steady_error(summary: Summary, baseline: Baseline, warn: Warn) -> float | N
     elif error_N > UNSURE * abs(steady):
         rings = summary.rings_N > baseline.held_error_N
         cause = "the punch still rings, which" if rings else "a drift or a slope that is not subtracted"
-        advice = "hold longer" if rings else "record longer and farther before contact, or until the punch is back"
+        advice = "hold longer" if rings else longer
         moved = f"may move the steady force of {steady:.3g} N by {error_N:.2g} N (95 %)"
         warn("steady_uncertain", f"{cause} {moved}: {advice}")
     return error_N

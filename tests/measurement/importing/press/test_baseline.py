@@ -74,7 +74,7 @@ def test_the_error_of_the_steady_force_falls_with_what_is_recorded_before_contac
         assert warned == (errors[-1] > 0.05 * found.presses[0].summary.steady_force_N)
     assert errors[0] > 3.0 * errors[1] > 6.0 * errors[2] and errors[0] > 0.32
     barely = imported(tmp_path, press(4, dwell=0.05, gap=0.05, release=False))
-    assert barely.presses[0].steady_error_N > errors[0]
+    assert barely.presses[0].steady_error_N is None
     assert "steady_uncertain" in [warning["code"] for warning in barely.warnings]
     assert imported(tmp_path, press(4, dwell=0.0, gap=0.0, release=False)).presses[0].steady_error_N is None
 

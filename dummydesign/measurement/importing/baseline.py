@@ -83,7 +83,7 @@ class Baseline:
     error) that from contact to the end of the hold.
     ``drift_alone_N_s`` and ``slope_alone_N_mm`` are set where a change is clear, but not of which kind.
     ``held_error_N`` is how far (95 %) level, drift and slope that are not seen may move the force by the end of the
-    hold, where it reads ``held_N`` by the best line; infinite where the samples before contact show too little of them.
+    hold, where it reads ``held_N`` by the best line; ``shown`` whether samples say so, and not what sensors do at most.
     ``left_N`` is what the force reads at most after the punch came back, where that is no straight drift.
     """
 
@@ -105,6 +105,7 @@ class Baseline:
     comes_back: bool = False
     held_N: float = 0.0
     held_error_N: float = float("inf")
+    shown: bool = False
     left_N: float = 0.0
 
     def at(self, time: NDArray, x: NDArray) -> NDArray:
@@ -195,8 +196,8 @@ def _with_changes(
     # the force of the hold is rounded as that before contact is, and its mean is of fewer samples
     read = noise.rounding_N**2 + noise.wander_N**2 + noise.sample_N**2 / max(LATE * (held - deepest), 1.0)
     spread = float(np.sqrt(end @ covariance @ end + unseen @ unseen + read))
-    if spread < SHOWN * float(np.hypot(DRIFT_N_S * lasts, SLOPE_N_MM * depth)):
-        plain = replace(plain, held_N=float(end @ whole), held_error_N=2.0 * spread)
+    shown = spread < SHOWN * float(np.hypot(DRIFT_N_S * lasts, SLOPE_N_MM * depth))
+    plain = replace(plain, held_N=float(end @ whole), held_error_N=2.0 * spread, shown=shown)
     if returns:
         lead, _, known = fit(0, 1, 2, of=leading)
         ahead = np.sqrt(np.einsum("ip,ij,jp->p", columns, known, columns) + variance)

@@ -162,11 +162,6 @@ def _steady_error(summary: Summary, baseline: Baseline, warn: Warn) -> float | N
     error_N = float(np.hypot(baseline.held_error_N, summary.rings_N))
     if steady is None or baseline.samples < contact_zero.LEAST_LEAD_IN:
         return None
-    longer = "record longer and farther before contact, or until the punch is back"
-    if not np.isfinite(error_N):
-        moved = f"how far a drift or a slope moves the steady force of {steady:.3g} N is not known"
-        warn("steady_uncertain", f"too little is recorded before contact: {moved}; {longer}")
-        return None
     if left_N > BACK * abs(steady):
         warn(
             "force_not_back",
@@ -175,11 +170,12 @@ def _steady_error(summary: Summary, baseline: Baseline, warn: Warn) -> float | N
             "record without averaging, or let the force come back before the next press",
         )
     elif error_N > UNSURE * abs(steady):
-        rings = summary.rings_N > baseline.held_error_N
+        rings, known = summary.rings_N > baseline.held_error_N, baseline.shown
         cause = "the punch still rings, which" if rings else "a drift or a slope that is not subtracted"
-        advice = "hold longer" if rings else longer
-        moved = f"may move the steady force of {steady:.3g} N by {error_N:.2g} N (95 %)"
-        warn("steady_uncertain", f"{cause} {moved}: {advice}")
+        advice = "hold longer" if rings else "record longer and farther before contact, or until the punch is back"
+        size = f"by {error_N:.2g} N (95 %)" if known else "by more than 5 %, how far is not known"
+        warn("steady_uncertain", f"{cause} may move the steady force of {steady:.3g} N {size}: {advice}")
+        return error_N if known else None
     return error_N
 
 

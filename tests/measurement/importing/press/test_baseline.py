@@ -76,6 +76,10 @@ def test_the_error_of_the_steady_force_falls_with_what_is_recorded_before_contac
     barely = imported(tmp_path, press(4, dwell=0.05, gap=0.05, release=False))
     assert barely.presses[0].steady_error_N is None
     assert "steady_uncertain" in [warning["code"] for warning in barely.warnings]
+    time, x, force, _ = press(4, dwell=0.05, gap=0.05, release=False)
+    large = imported(tmp_path, (time, x, 50.0 * force))  # no drift of a sensor matters there
+    assert large.presses[0].steady_error_N < 0.05 * large.presses[0].summary.steady_force_N
+    assert "steady_uncertain" not in [warning["code"] for warning in large.warnings]
     assert imported(tmp_path, press(4, dwell=0.0, gap=0.0, release=False)).presses[0].steady_error_N is None
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from dummydesign.measurement.importing.sign_convention import Span, approach_start
 from dummydesign.measurement.motion import LATE
 from dummydesign.measurement.plateau import noise_of
+from dummydesign.measurement.sensor import digit_step
 
 LEAST_LEAD_IN = 5
 WANDER, LONG_WANDER = 0.15, 0.5
@@ -24,13 +25,6 @@ SHOWN = 1.0 / 3.0
 """Share of what drift and slope may do before they are looked at to which the lead-in must narrow it to show them."""
 MATTERS = 0.002
 """Share of the largest force by which drift and slope must change it within the press to be subtracted."""
-
-
-def digit_step(force: NDArray) -> float:
-    """Step of the last digit of a force that repeats its values; 0 where it is finer than can be seen. [N]"""
-    grain = 1e-7 * max(float(np.ptp(force)), 1e-12)
-    steps = np.diff(np.unique(np.round(force / grain)))
-    return float(steps.min()) * grain if 0 < len(steps) < 0.5 * len(force) and steps.min() > 2 else 0.0
 
 
 def with_bias(error_N: float, bias_N: float) -> float:

@@ -16,10 +16,10 @@ from dummydesign.measurement.importing.baseline import LEAST_LEAD_IN
 from dummydesign.measurement.importing.contact import ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.judge import DELAYED, Judgement, contact_of, judge_press
-from dummydesign.measurement.importing.sign_convention import find_presses, find_signs, middle_of_three
+from dummydesign.measurement.importing.sign_convention import find_presses, find_signs
 from dummydesign.measurement.plateau import noise_of
 from dummydesign.measurement.ramp_detection import Summary, summarise
-from dummydesign.measurement.sensor import find_clip, longest_run
+from dummydesign.measurement.sensor import find_clip, longest_run, middle_of_three
 from dummydesign.measurement.trace import Trace, import_first, ranges, units_that_fit
 
 Warn = Callable[[str, str], None]

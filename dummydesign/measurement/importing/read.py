@@ -28,6 +28,7 @@ from dummydesign.measurement.importing.judge import Judgement, contact_of
 from dummydesign.measurement.importing.press_checks import Warn, check_press, copies_among
 from dummydesign.measurement.importing.sign_convention import HIGH, Span, find_presses, find_signs, joined_cycles
 from dummydesign.measurement.importing.table import Columns, Ranges, columns_of, read_texts
+from dummydesign.measurement.importing.times import read_between_changes
 from dummydesign.measurement.importing.vocabulary import (
     BASE,
     KIND_OF_ROLE,
@@ -38,7 +39,6 @@ from dummydesign.measurement.importing.vocabulary import (
     split_name,
 )
 from dummydesign.measurement.ramp_detection import SHALLOWEST_MM, Summary, summarise
-from dummydesign.measurement.sensor import read_between_changes
 from dummydesign.measurement.trace import (
     COLUMNS,
     ROLE,
@@ -63,7 +63,7 @@ class ImportedPress:
     ``contact_low_mm`` and ``contact_high_mm`` are the 95 % interval of the contact by the force alone, about the zero
     that was taken; ``begins_s`` is the time of the file at its first sample. ``steady_error_N`` is how far (95 %)
     noise, ringing and a level, drift or slope of the force not seen before contact may move the steady force; None
-    without a hold, or where the samples before contact show too little of them.
+    without a hold, or where the samples before contact show too little to exclude a large one.
     """
 
     number: int

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.interpolation import true_runs
 from dummydesign.measurement.importing.decisions import ImportLog
 from dummydesign.measurement.plateau import BEGUN, noise_of, ramp_start
+from dummydesign.measurement.sensor import middle_of_three
 
 _BOTH_WAYS = 0.4
 """Share of the larger swing of the force above which the smaller one leaves open which of them is pressing."""
@@ -26,11 +26,6 @@ class Signs:
     displacement: float
     force: float
     rest_force_N: float
-
-
-def middle_of_three(values: NDArray) -> NDArray:
-    """Median of each value and its two neighbours: single spikes disappear, edges stay."""
-    return np.median(sliding_window_view(np.pad(values, 1, mode="edge"), 3), axis=-1)
 
 
 def find_signs(x: NDArray, force: NDArray, tare_N: float | None, log: ImportLog) -> Signs:

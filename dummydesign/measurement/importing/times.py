@@ -1,4 +1,4 @@
-"""Time as a quantity of one or several columns, of a rate, or of two time bases; rows in the order of time."""
+"""Time as a quantity of one or several columns, of a rate, or of two time bases; rows in its order; held positions."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from dummydesign.measurement.importing import vocabulary as known
 from dummydesign.measurement.importing.columns import Column, Values
 from dummydesign.measurement.importing.decisions import ImportLog
+from dummydesign.measurement.sensor import digit_step
 
 AGREES = 0.05
 """Share of a recording by which two statements of its length may differ."""
@@ -365,3 +366,68 @@ def _too_coarse(time: NDArray, lines: NDArray, log: ImportLog) -> Exception:
         float(time[0]),
         line=int(lines[0]),
     )
+
+
+MIDDLE, SLOWER = 0.45, 2.5
+"""Share of the travel about its middle that is on the way, and samples from one change to the next there from which a
+position goes in steps."""
+COARSE_STEP, WARNED = 0.003, 0.01
+"""Step over the travel from which it matters, and from which there is a warning."""
+FEWEST, AT_REST = 6, 0.05
+"""Changes on the way between which a position is read, and share of the largest below which one is noise at rest."""
+STANDS = 3.0
+"""Multiple of the usual time between two changes beyond which the punch stands."""
+EVERY = 0.9
+"""Share of the samples on the ways in and out from which every one of them changes."""
+EVEN_STEPS, MOST = 0.02, 30.0
+"""How far a rounded position's steps may be off multiples of one digit, and the largest multiple."""
+
+
+def read_between_changes(time: NDArray, x: NDArray, log: ImportLog) -> tuple[NDArray, float]:
+    """The position at each sample: between changes on a line, where it stands as it is written; its step. [mm]
+
+    A rounded position is half way between two values where it changes; one that is held is that of the new value. The
+    steps of a rounded position are all multiples of one digit.
+
+    Parameters
+    ----------
+    time, x : ndarray, shape (n,)
+        [s, mm]
+    """
+    step, reach = np.abs(np.diff(x)), float(np.ptp(x))
+    rows = np.flatnonzero(step) + 1
+    moves = step[rows - 1] > AT_REST * step.max()  # after an overshoot the hold is about the middle too
+    way = rows[moves & (np.abs(x[rows] - x.min() - 0.5 * reach) < MIDDLE * reach)]
+    if few := len(way) < FEWEST:
+        stands, jump = np.diff(np.r_[0, rows, len(x)]), int(np.argmax(step[rows - 1])) if len(rows) else 0
+        usual, size = 0.0, float(step.max()) if np.min(stands[jump : jump + 2]) >= SLOWER else 0.0
+    else:
+        usual, size = float(np.median(np.diff(time[way]))), float(np.median(step[way - 1]))
+    stepped = size >= COARSE_STEP * reach and (few or usual >= SLOWER * float(np.median(np.diff(time))))
+    if not stepped:
+        # at speed every sample may change, by several digits; where each one does by the same the path is even
+        size = digit_step(x)
+        every = not few and np.mean(np.diff(way) == 1) > EVERY
+        if size <= WARNED * reach or (every and float(np.ptp(step[way - 1])) < 0.5 * size):
+            return x, 0.0
+    if size > WARNED * reach:
+        log.warn(
+            "coarse_position",
+            f"the position goes in steps of {size:.2g} mm: contact and depth are known to {size:.2g} mm only, the "
+            f"speed to {100.0 * size / reach:.0f} %; record it with more digits, or as often as the force",
+        )
+    if few or not stepped:
+        return x, size
+    digits = step[rows - 1] / step[rows - 1].min()
+    rounded = bool(np.all(np.abs(digits - np.round(digits)) < EVEN_STEPS * digits)) and digits.max() < MOST
+    after, before = (0.5, 0.5) if rounded else (0.0, 1.0)
+    changes = (0.5 * (time[rows] + time[rows - 1]), 0.5 * (x[rows] + x[rows - 1])) if rounded else (time[rows], x[rows])
+    stands = np.diff(time[rows]) > STANDS * usual
+    begun, ended = time[rows[:-1]][stands] + after * usual, time[rows[1:]][stands] - before * usual
+    ends = time[rows[0]] - before * usual, time[rows[-1]] + after * usual
+    places = np.r_[time[0] - usual, ends[0], changes[0], begun, ended, ends[1]]
+    values = np.r_[x[0], x[0], changes[1], np.tile(x[rows[:-1]][stands], 2), x[-1]]
+    order = np.argsort(places, kind="stable")
+    why = f"it changes every {usual:.3g} s only, by {size:.2g} mm: " + ("few digits" if rounded else "a slower source")
+    log.decide("position", "read where it changes", why)
+    return np.interp(time, places[order], values[order]), size

@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.measurement.importing.baseline import BaselineNoise, digit_step, find_baseline, noise_before, with_bias
+from dummydesign.measurement.importing.baseline import BaselineNoise, find_baseline, noise_before, with_bias
 from dummydesign.measurement.importing.decisions import Settings
 from dummydesign.measurement.importing.read import import_files
 from dummydesign.measurement.importing.sign_convention import Span
+from dummydesign.measurement.sensor import digit_step
 from tests.support.refusal import raises_code
 
 

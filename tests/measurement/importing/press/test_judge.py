@@ -9,8 +9,8 @@ from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.judge import find_delay, judge_press
 from dummydesign.measurement.importing.read import import_files
+from dummydesign.measurement.importing.times import read_between_changes
 from dummydesign.measurement.ramp_detection import summarise
-from dummydesign.measurement.sensor import read_between_changes
 from tests.support.machine_presses import recording
 
 SLOW = {"velocity_mm_s": 10.0, "hold_s": 5.0, "filtered": False}

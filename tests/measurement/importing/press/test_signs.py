@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
-from dummydesign.measurement.importing.sign_convention import find_signs, middle_of_three
+from dummydesign.measurement.importing.sign_convention import find_signs
 from dummydesign.measurement.plateau import noise_of
+from dummydesign.measurement.sensor import middle_of_three
 from tests.support.machine_presses import recording
 from tests.support.refusal import raises_code
 

@@ -171,10 +171,10 @@ def _steady_error(summary: Summary, baseline: Baseline, warn: Warn) -> float | N
         )
     elif error_N > UNSURE * abs(steady):
         rings, known = summary.rings_N > baseline.held_error_N, baseline.shown
-        cause = "the punch still rings, which" if rings else "a drift or a slope that is not subtracted"
-        advice = "hold longer" if rings else "record longer and farther before contact, or until the punch is back"
-        size = f"by {error_N:.2g} N (95 %)" if known else "by more than 5 %, how far is not known"
-        warn("steady_uncertain", f"{cause} may move the steady force of {steady:.3g} N {size}: {advice}")
+        cause = "the punch still rings" if rings else "a drift or a slope may be left in the force"
+        advice = "hold longer" if rings else "begin earlier and farther from contact, or record until the punch is back"
+        size = f"by {error_N:.2g} N (95 %)" if known else "by more than 5 %, its size is not known"
+        warn("steady_uncertain", f"{cause}: the steady force of {steady:.3g} N may be off {size}; {advice}")
         return error_N if known else None
     return error_N
 
